@@ -183,7 +183,7 @@ class SceneFacts(dict[str, Any]):
 
     @cached_property
     def _links(self) -> tuple[Link, ...]:
-        """The links, with None in place of the default of a key in ``_OFF_KEYS``: for rules it is missing."""
+        """The links, with None for each key in ``_OFF_KEYS`` that has its default: rules see no value."""
         missing: dict[int, dict[str, Any]] = {}
         for path in self._off:
             match path:

@@ -75,8 +75,9 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath,
 def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
     """Return the scene with one number or choice changed.
 
-    The result is None if ``with_values`` must read the whole scene: if the path is empty or leads nowhere,
-    the value is not allowed, the present value is derived, or other values must be checked, too.
+    The result is None if ``with_values`` must read the whole scene: if the path is empty (no value
+    in ``_numbers``) or leads nowhere, the value is not allowed, the present value is derived, or other values
+    must be checked, too.
     """
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):

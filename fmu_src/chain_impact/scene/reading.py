@@ -151,7 +151,7 @@ def names_matching(
 
 
 def find_names(name: str, names: Iterable[str]) -> list[str]:
-    """Return the name that equals ``name`` or its form in the FMU, else all that match ``name``.
+    """Return a list of the name that equals ``name`` or its form in the FMU, else of all that match ``name``.
 
     In a match, ``*`` in ``name`` stands for any text.
     """

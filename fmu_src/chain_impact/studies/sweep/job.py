@@ -63,8 +63,8 @@ class Job:
     def rigid(self) -> dict[str, list[DataPath]]:
         """The columns of peak forces and moments: name → places in the record of an instance.
 
-        The first is a flag, 1 for rigid walls or stops; then follow the numbers of the latest onset at each
-        candidate of these walls or stops, 0 before the first onset.
+        The first place has a flag, 1 for rigid walls or stops. Each other place has the number of the latest
+        onset at a candidate of these walls or stops, 0 before its first onset.
         """
         joints, found = stop_pairs(self.scene), dict[str, list[DataPath]]()
         for c, pair in enumerate(candidates(self.scene)):
