@@ -44,8 +44,8 @@ class ArrowScale:
     def marks(self) -> list[tuple[float, str]]:
         """Return, for each mark, its distance from the ruler's left end [m] and its text.
 
-        Marks are powers of ten [N], the largest first. A mark is left out if it is closer to the left end
-        than FIRST_MARK, or closer to the mark before than MARK_GAP.
+        Marks are the DECADES largest powers of ten [N] up to the largest force, the largest first. A mark is
+        left out if it is closer to the left end than FIRST_MARK, or closer to the mark before than MARK_GAP.
         """
         marks: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side

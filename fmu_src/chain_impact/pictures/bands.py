@@ -15,7 +15,7 @@ SOFT = 0.45  # the opacity of a band, from 0 to 1
 # A curve is fast if it turns at least twice, which is a period, within BIN [points] in more than FAST_PART of
 # the width of the axes. Turns count from LEAST_TURN on, relative to the range of all curves in the axes.
 BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
-# the largest distance of two curves that look like one curve, relative to the height of the panel
+# the largest distance of two curves that look like one curve, relative to the range of all compared curves
 SAME = 0.005
 # MERGED: two lines merge if their usual distance (``_apart``), relative to the range of all lines, is at most
 # this; PIECES: the number of points of a line at which the distance is measured; DASH: the length of a dash,
@@ -71,7 +71,8 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
     """Return, for each curve, the number of earlier curves that it would hide, as they nearly coincide.
 
-    The caller draws such a curve with dashes, so that the earlier ones are seen through the gaps.
+    The caller draws such a curve with dashes, so that the earlier ones are seen through the gaps. A curve
+    with missing values hides none, and is not hidden.
 
     Args:
         curves: the curves, each of shape (T,).

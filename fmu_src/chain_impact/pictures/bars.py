@@ -22,8 +22,8 @@ from chain_impact.pictures.style import (
     styled,
 )
 
-# [inch] the width of the figure; the space above and below all bars; the space between two blocks of bars;
-# the height for one bar
+# [inch] the width of the figure; the sum of the spaces above and below all bars; the space between two
+# blocks of bars; the height for one bar
 WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in row 0, later ones lower

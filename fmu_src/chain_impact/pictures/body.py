@@ -21,7 +21,7 @@ CARRIAGE = 0.5  # the opacity of a carriage, from 0 to 1
 def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:
     """Draw the bodies in one row of the recording: outlines of links, points, and the carriage.
 
-    An end of a link that can touch, but belongs to no outline, is drawn as a disc.
+    An end of a link that can touch, has a known radius and belongs to no outline is drawn as a disc.
     """
     points, sites = recording.points[row], recording.sites[row]
     style = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}

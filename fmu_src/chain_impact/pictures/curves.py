@@ -39,11 +39,12 @@ from chain_impact.scene.unit_text import in_brackets, unit_text
 DASHES = ("-", "--", ":")
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
-AROUND_PANELS = 1.1  # [inch] the space above and below all panels
+AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
 # the largest number of characters of a name with which the legend is beside the panel; with a longer name it
 # is above
 WIDEST = 28
-# a unit gets a prefix if the largest value in the panel is less than SMALL_VALUE or at least LARGE_VALUE
+# a unit in LOAD_UNITS gets a prefix if the largest |value| in the panel is not 0, and is less than
+# SMALL_VALUE or at least LARGE_VALUE
 SMALL_VALUE, LARGE_VALUE = 1e-2, 1e3
 # table: unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
@@ -280,8 +281,8 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
     An owner, such as a point, keeps its index from earlier panels; a new owner gets a free index. ``places``:
     owner → its index; the function adds new owners. If two outputs have the same owner, if two owners have
-    the same index, or if an index is not below the number of colours, the outputs of this panel are numbered
-    in their order, and ``places`` does not change.
+    the same index, or if an earlier index is not below the number of colours, the outputs of this panel are
+    numbered in their order, and ``places`` does not change.
     """
     owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
     known = [places.get(owner, -1) for owner in owners]
@@ -334,7 +335,8 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     """Return the factor from ``unit`` to the unit of an axis for some curves, and this unit: kN for 5000 N.
 
-    Only units of forces, moments and impulses get a prefix, for small and large values.
+    Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix, for small and
+    large values.
     """
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
     is_usual = SMALL_VALUE <= largest < LARGE_VALUE or largest == 0.0 or unit not in LOAD_UNITS

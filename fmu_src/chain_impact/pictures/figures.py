@@ -37,15 +37,16 @@ from chain_impact.pictures.style import (
 
 FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
 PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its legend and numbers
-LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label
-# [inch] the least mean height of axes with a label, if the user has not given a height
+LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
+# [inch] the least mean height of axes with a label along y, if the user has not given a height
 USUAL_AXES_HEIGHT = 1.0
 EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
 SETTLINGS = 3  # how often, at most, a figure is arranged: broken labels and legends change the room of others
 NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
-# a number at an axis is in view if it is beyond the end of the axis by at most this part of its length
+# a number at an axis is in view if it is beyond the end of the axis by at most this part of the axis' length
 LIMIT_ROUND_OFF = 1e-9
-# If a figure is too low, the next HIGHER − 1 multiples of STEP [inch] above its height are tried.
+# If a figure is too low, its height is rounded up to a multiple of STEP [inch], and the next HIGHER − 1
+# multiples are tried.
 STEP, HIGHER = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten
@@ -162,8 +163,8 @@ def least_figure(
 ) -> Figure:
     """Return the figure with the least tried height that has room for all panels.
 
-    The tried heights are multiples of STEP above ``height`` [inches], which has no room. ``mean`` is as in
-    ``has_room``; ``lacks`` is the result of ``lacking_height`` at ``height``, inf if it is unknown;
+    The tried heights are multiples of STEP above ``height`` [inches], which has no room (HIGHER). ``mean`` is
+    as in ``has_room``; ``lacks`` is the result of ``lacking_height`` at ``height``, inf if it is unknown;
     ``free_height`` is as in ``StyledFigure``.
 
     Raises:
@@ -194,7 +195,7 @@ def least_figure(
 def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
     """Draw on a figure; return whether its axes are high enough, and texts complete and without overlaps.
 
-    ``mean`` is the least mean height of axes with a label [inches].
+    ``mean`` is the least mean height of axes with a label along y [inches].
     """
     return lacking_height(fill, figure, mean) <= 0.0
 

@@ -268,7 +268,8 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 def numbered_step(axes: Axes, recording: Recording) -> int:
     """Return the number k if only every k-th impact gets a number; 1 if all get one.
 
-    It is larger than 1 only if the impacts have equal distances in time that are too short for all numbers.
+    k is 1, 2 or 5 times a power of ten. It is larger than 1 only if the impacts have equal distances in time
+    that are too short for all numbers.
     """
     onsets = recording.impacts["onset"]
     gaps = np.diff(onsets)
