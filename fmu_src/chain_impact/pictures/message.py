@@ -33,7 +33,7 @@ def time_unit(span: float) -> tuple[float, str]:
 
 
 class Peak(NamedTuple):
-    """The impact with the largest force, moment or impulse.
+    """An impact with its peak force, peak moment or impulse, mostly the largest of the run.
 
     Attributes:
         words: the quantity in words: "peak force".

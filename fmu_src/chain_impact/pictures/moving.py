@@ -69,8 +69,9 @@ def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the path of a point on a moving wall, shape (T, 2) [m]; empty if the wall is not visible.
+    """Return the path of a point on a moving wall, shape (T, 2) [m].
 
+    It is empty if the wall is visible neither at the start nor at the end.
     Of the two ends of the wall's visible part, the point is near the one that is farther from the chain.
     ``lines`` are the visible parts at start and end.
     """
