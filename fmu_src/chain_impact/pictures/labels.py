@@ -361,7 +361,7 @@ def _pixel(colour: Any) -> int:
 
 
 def listed(numbers: Iterable[int]) -> str:
-    """Return whole numbers as text in ascending order, with many successive ones as a range: "3, 7–9"."""
+    """Return whole numbers as ascending text; LEAST_RUN or more successive ones are a range: "3, 7–9"."""
     runs: list[list[int]] = []
     for number in sorted(set(numbers)):
         if runs and number == runs[-1][-1] + 1:

@@ -52,7 +52,10 @@ class View(NamedTuple):
 
 
 def is_flat(recording: Recording) -> bool:
-    """Return whether a motion is so flat that it is a line in a picture with equal scales along x and y."""
+    """Return whether a motion is so flat that it is a line in a picture with equal scales along x and y.
+
+    A motion with a pinned base, a slider or outlines of links is never flat.
+    """
     if recording.pinned or recording.rail or recording.outlines:
         return False
     places = drawn_places(recording)
