@@ -40,6 +40,20 @@ def test_a_label_turns_to_where_it_keeps_inside(axes):
         assert inside.y0 <= box.y0 <= box.y1 <= inside.y1
 
 
+def test_a_label_without_a_leader_is_nearest_to_its_own_place(axes):
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    labels = [Label(f"1{k}", (0.5 + 0.04 * (k % 5), 0.05 * (k // 5))) for k in range(25)]
+    place_labels(axes, labels, Ink(axes.figure))
+    places = axes.transData.transform([label.position for label in labels])
+    assert len(axes.texts) > 2
+    for text in axes.texts:
+        box = text.get_window_extent()
+        distances = np.hypot(*(places - 0.5 * (box.min + box.max)).T)
+        own = axes.transData.transform(text.xy)
+        assert (places[distances.argmin()] == own).all(), text.get_text()
+        assert text.arrow_patch is None
+
+
 def test_a_label_stands_on_the_side_it_is_meant_for(axes):
     sides = [Label("left", (0.5, 0.2), (-1.0, 0.0)), Label("below", (0.5, 0.8), (0.0, -1.0))]
     place_labels(axes, sides, Ink(axes.figure))

@@ -231,7 +231,8 @@ def place_labels(
         for n, (k, words) in enumerate(zip(order, small, strict=True)):
             wanted = (words,) if short or words == labels[k].text else (labels[k].text, words)
             sizes = {text: half_size(text) for whole in wanted for text in (whole, folded(whole))}
-            if not _place(axes, labels[k], homes[n + 1 :], sizes, ink=ink, steps=steps, **look):
+            others = np.delete(marks, k, axis=0)
+            if not _place(axes, labels[k], homes[n + 1 :], others, sizes, ink=ink, steps=steps, **look):
                 left.append(k)
         return left
 
@@ -240,6 +241,7 @@ def place_labels(
             text.remove()
         ink.restore(free)
 
+    marks = axes.transData.transform(np.reshape([label.position for label in labels], (-1, 2)))
     before, free, order = {*axes.texts}, ink.pixels(), range(len(labels))
     left = written(order)
     if left and lines:
@@ -274,6 +276,7 @@ def _place(
     axes: Axes,
     label: Label,
     homes: np.ndarray,
+    others: np.ndarray,
     sizes: dict[str, np.ndarray],
     *,
     ink: Ink,
@@ -290,6 +293,8 @@ def _place(
         axes: the axes inside which the text stays; with leaders, it may also be beyond their right edge.
         label: its position, and the best direction from it.
         homes: the best positions of the labels that are written later, shape (H, 2, 2).
+        others: the positions of the other labels [pixels]. Without leaders, the middle of the text is
+            nearer to its own position than to these, shape (O, 2).
         sizes: the texts, the best first → half of the width and of the height of each [pixels].
         ink: the used pixels of the figure.
         steps: factors on the distance from the position that are tried, in this order.
@@ -326,9 +331,12 @@ def _place(
         if crossed:
             free &= np.isin(steps[tried[:, 0]], FAR)
         for step, turn in tried[free].tolist():
-            led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if steps[step] in FAR else {}
+            is_led = may_lead and steps[step] in FAR
+            led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if is_led else {}
             box, start = (low[step, turn], high[step, turn]), at if led else None
-            if not may_lead and ink.is_crossed(at, 0.5 * (box[0] + box[1]), OWN_LINE * point):
+            middle = 0.5 * (box[0] + box[1])
+            is_nearer = np.hypot(*(others - middle).T) < np.hypot(*(at - middle))
+            if not may_lead and (is_nearer.any() or ink.is_crossed(at, middle, OWN_LINE * point)):
                 continue
             if ink.take(*box, start, OWN * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
