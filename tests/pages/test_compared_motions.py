@@ -186,16 +186,24 @@ def test_a_pin_with_another_contact_has_no_curve_of_force(show):
     assert drawn == {1: True, 4: False}
 
 
-def test_a_pin_without_the_chosen_outputs_is_named(show):
+def test_pins_get_the_outputs_that_are_chosen_later_unless_their_scene_is_another(show):
     page = show()
     page.get_by_role("button", name="Pin").click()
-    page.evaluate("location.hash = '#curves=point[4].y'")
+    page.evaluate("location.hash = '#curves=point[4].y&contact.restitution=0.4'")
     note = page.locator("#outputs-note")
-    note.wait_for()
-    assert "curves of A:" in note.inner_text()
-    page.get_by_role("button", name="Pin").click()
-    assert "curves of A:" in note.inner_text(), "B has them"
-    page.locator(".unpin").first.click()
+    page.locator("#outputs-over-time canvas").wait_for()
+    note.wait_for(state="hidden")
+    assert page.evaluate(PIXELS, ["outputs-over-time", "pin-1"]) > 20
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove link 3").click()
+    until_told(page, "3 links")
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Chart…").click()
+    page.locator("#curves-names").fill("link[1].angle")
+    page.keyboard.press("Enter")
+    page.keyboard.press("Escape")
+    note.get_by_text("curves of A:").wait_for()
+    page.locator(".unpin").click()
     note.wait_for(state="hidden")
 
 

@@ -152,7 +152,7 @@ export class CurveCharts {
     const shown = namesOf(this.recording);
     const without = this.#compared.filter(({ recording }) => !shown.every((name) => namesOf(recording).includes(name)));
     const letters = without.map(({ letter }) => letter).join(", ");
-    this.note.textContent = letters && `Not all curves of ${letters}: a pin keeps the outputs that are chosen when it is set.`;
+    this.note.textContent = letters && `Not all curves of ${letters}: a pin of another scene keeps its outputs.`;
   }
 
   draw(frame, contact) {

@@ -51,7 +51,11 @@ export class ComparedMotions {
 
   /** Return the recordings that are drawn behind the next motion: the one before the last change, and the pinned ones. */
   get behind() {
-    return [this.before, ...this.pinned.map(({ recording }) => recording)].filter(Boolean);
+    return [this.before, ...this.pins].filter(Boolean);
+  }
+
+  get pins() {
+    return this.pinned.map(({ recording }) => recording);
   }
 
   /** Pin the shown motion, unless it is pinned already, and list it: words for its changes are its name in the list. */

@@ -57,6 +57,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
     player.show(Object.assign(new Recording(withSteadyView(parts)), about));
     comparedMotions.show();
     choice.bringIntoView();
+    simulation.addCurves(comparedMotions.pins).then((isNew) => isNew && comparedMotions.show());
   } else if (player.recording) {
     player.clock.set({ playing: false });
   }

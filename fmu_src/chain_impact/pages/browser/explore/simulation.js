@@ -20,7 +20,7 @@ export class Simulation {
 
   /**
    * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show` is a function that shows
-   * the parts of a motion (null if there is none), with its scene and its changes: words for a parameter → text of its value.
+   * the parts of a motion (null if there is none), with its scene and its changes, also as words for a parameter → text of its value.
    */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });
@@ -73,8 +73,21 @@ export class Simulation {
     this.#tell();
     const suspects = result.parts || result.fault ? [] : this.#newNames();
     if (suspects.length === 1) markFailing(suspects[0], faultText(result, scene));
-    this.show(result.parts, { changed, scene });
+    this.show(result.parts, { changed, scene, values, inputSteps });
     if (this.#nextRun) this.soon();
+  }
+
+  /** Give recordings of the present scene the curves of the chosen outputs, by another run of each that lacks some. */
+  async addCurves(recordings) {
+    const { engine, choice: { names }, changes: { scene } } = this;
+    const lacking = recordings.filter(({ scene: own, outputs }) =>
+      own === scene && !names.every((name) => outputs.curves.some((curve) => curve.name === name)));
+    await Promise.all(lacking.map(async (recording) => {
+      const { values, inputSteps } = recording;
+      const result = await engine.ask("pinned", values, { curves: names, inputSteps });
+      if (result?.parts) recording.outputs = result.parts.outputs;
+    }));
+    return lacking.length > 0;
   }
 
   /** Return a sentence on the fault of a run; "" without one. `hasMotion`: whether the run has computed a motion up to the fault. */

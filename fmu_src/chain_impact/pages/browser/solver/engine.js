@@ -23,7 +23,7 @@ export class Engine {
 
   /**
    * Send a request to the worker, and return its result; null if a newer request has replaced it, or the worker was ended. `kind`: motion,
-   * rows or study (worker.js); `values`: the changed parameters; `progress` is called with the fraction that is done.
+   * pinned, rows or study (worker.js); `values`: the changed parameters; `progress` is called with the fraction that is done.
    */
   async ask(kind, values, options = {}, progress = () => {}) {
     await this.#sceneSent;

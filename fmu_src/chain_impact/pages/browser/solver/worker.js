@@ -40,7 +40,7 @@ function columnsOf({ time, columns = {}, rows: runs }) {
   return [time, runs, ...Object.values(columns)].filter(Boolean).map(({ buffer }) => buffer);
 }
 
-const KINDS = { motion, rows, study };
+const KINDS = { motion, pinned: motion, rows, study };
 const newest = {}; // kind of request → number of its newest request; older ones with `replaces` are given up
 const kernels = {}; // kind of request → promise of a kernel; each kind has its own, because runs of several kinds take turns
 const queues = {}; // kind of request → promise that the request before it has ended
