@@ -186,7 +186,7 @@ def test_a_pin_with_another_contact_has_no_curve_of_force(show):
     assert drawn == {1: True, 4: False}
 
 
-def test_pins_get_the_outputs_that_are_chosen_later_unless_their_scene_is_another(show):
+def test_pins_get_outputs_that_are_chosen_later_but_not_of_another_scene(show):
     page = show()
     page.get_by_role("button", name="Pin").click()
     page.evaluate("location.hash = '#curves=point[4].y&contact.restitution=0.4'")

@@ -271,3 +271,13 @@ def test_no_energy_hides_another(show, model, seen, faint):
     count = {name: page.evaluate(PIXELS, ["energy", name]) for name in [*seen, *faint]}
     assert all(count[name] > 100 for name in seen), count
     assert all(count[name] < 100 for name in faint), count
+
+
+@pytest.mark.parametrize(("model", "faint"), [("four_link_box", False), ("shaken_pendulum", True)])
+def test_a_curve_is_as_strong_as_its_entry_in_the_list(show, model, faint):
+    """The total energy of the box turns only by round-off, which fills no area."""
+    page = show(model)
+    line = page.locator("#energies dt").get_by_text("total")
+    opacity = line.evaluate("term => Number(getComputedStyle(term, '::before').opacity)")
+    assert (opacity < 1.0) is faint
+    assert (page.evaluate(PIXELS, ["energy", "total"]) < 100) is faint

@@ -1,7 +1,9 @@
 // Charts of quantities over the whole time, among them the chart of the energies.
 
 import { ticksOf, withMinus } from "../base/format.js";
-import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf } from "./chart.js";
+import {
+  axisOptions, Chart, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
+} from "./chart.js";
 import { energyOffset, energyText, movedBy } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
@@ -26,10 +28,14 @@ export class TimeChart extends Chart {
     return [this.recording.start, this.recording.end];
   }
 
-  /** Show rows of values for the curves; a curve that turns so often that it fills an area is pale. */
+  /** Show rows of values for the curves; a curve that turns so often that it fills an area is pale, as its entry in the list is. */
   setData(data) {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    const pixel = largestIn(data.slice(1)) / height; // turns of less than this, such as those of round-off, are not seen
     data.slice(1).forEach((values, k) => {
-      this.plot.series[k + 1].alpha = turnsOf(values) > DENSE * this.element.clientWidth ? FAINT : 1;
+      const alpha = turnsOf(values, pixel) > DENSE * width ? FAINT : 1;
+      this.plot.series[k + 1].alpha = alpha;
+      this.values[k][1].previousElementSibling.style.setProperty("--opacity", alpha);
     });
     this.plot.setData(data);
   }
@@ -158,13 +164,14 @@ export class EnergyChart extends TimeChart {
   }
 }
 
-/** Return how often values change between rising and falling. */
-function turnsOf(values) {
-  let [turns, rises] = [0, undefined];
-  for (let row = 1; row < values.length; row += 1) {
-    const now = values[row] === values[row - 1] ? rises : values[row] > values[row - 1];
+/** Return how often values change between rising and falling; steps of at most `least` count only together. */
+function turnsOf(values, least) {
+  let [turns, rises, from] = [0, undefined, values[0]];
+  for (const value of values) {
+    if (Math.abs(value - from) <= least) continue;
+    const now = value > from;
     if (rises !== undefined && now !== rises) turns += 1;
-    rises = now;
+    [rises, from] = [now, value];
   }
   return turns;
 }
