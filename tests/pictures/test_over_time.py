@@ -15,7 +15,7 @@ from chain_impact.pictures.impact_marks import MOST_OWN_MARKS, POINT_MARKS, STOP
 from chain_impact.pictures.over_time import ENERGIES, VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
-from chain_impact.scene.scene import model_names
+from chain_impact.scene.models import model_names
 from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
 
 

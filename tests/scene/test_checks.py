@@ -13,10 +13,10 @@ import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.checks import hints
+from chain_impact.scene.models import model_names
 from chain_impact.scene.reading import SceneWarning
 from chain_impact.scene.scene import (
     load_scene,
-    model_names,
     parse_scene,
     scene_from_dict,
     scene_to_dict,

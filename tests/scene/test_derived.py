@@ -9,7 +9,8 @@ from dataclasses import replace
 import pytest
 
 from chain_impact.scene.derived import above
-from chain_impact.scene.scene import load_scene, model_names, parse_scene, scene_from_dict, scene_to_dict
+from chain_impact.scene.models import model_names
+from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict, scene_to_dict
 from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
 from tests.helpers.tools.refusal import refusal
 

@@ -10,11 +10,11 @@ from dataclasses import fields
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from chain_impact.scene.models import model_names
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import (
     Scene,
     load_scene,
-    model_names,
     parse_scene,
     scene_from_dict,
     scene_to_dict,

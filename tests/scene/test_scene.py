@@ -9,13 +9,12 @@ import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.chain_tables import MAX_LINKS, Link
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.models import model_names, models_folder
 from chain_impact.scene.scene import (
     SOLVER_METHODS,
     SceneError,
     fixed_hint,
     load_scene,
-    model_names,
     parse_scene,
     scene_from_dict,
     scene_keys,

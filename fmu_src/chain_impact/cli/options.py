@@ -15,7 +15,7 @@ from chain_impact.cli.progress import say
 from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.models import model_names, scene_path
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.scene.similar_names import nearest
+from chain_impact.scene.similar_names import nearest, nearest_file
 from chain_impact.simulation.record_scene import with_settings
 
 if TYPE_CHECKING:
@@ -134,9 +134,8 @@ def near_file(missing: Any) -> str:
     The file has the same folder and the same suffix.
     """
     path = Path(str(missing))
-    beside = {file.stem: file for file in path.parent.glob(f"*{path.suffix}")} if path.parent.is_dir() else {}
-    near = nearest(path.stem, beside)
-    return f"the nearest is {beside[near]}" if near else ""
+    near = nearest_file(path.parent, path.stem, path.suffix)
+    return f"the nearest is {near}" if near else ""
 
 
 def scene_with(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:

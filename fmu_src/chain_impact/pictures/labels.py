@@ -335,9 +335,10 @@ def _place(
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if is_led else {}
             box, start = (low[step, turn], high[step, turn]), at if led else None
             middle = 0.5 * (box[0] + box[1])
-            is_nearer = np.hypot(*(others - middle).T) < np.hypot(*(at - middle))
-            if not may_lead and (is_nearer.any() or ink.is_crossed(at, middle, OWN_LINE * point)):
-                continue
+            if not may_lead:
+                is_nearer = np.hypot(*(others - middle).T) < np.hypot(*(at - middle))
+                if is_nearer.any() or ink.is_crossed(at, middle, OWN_LINE * point):
+                    continue
             if ink.take(*box, start, OWN * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
                 axes.annotate(

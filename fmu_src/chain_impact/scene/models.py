@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from chain_impact.scene.similar_names import nearest, proposed
+from chain_impact.scene.similar_names import nearest_file, proposed
 from chain_impact.system import included
 
 SCENE_FILE = "scene.toml"
@@ -41,12 +41,8 @@ def unreadable(source: object, error: Exception) -> str:
         )
     reason = error.strerror if isinstance(error, OSError) else error
     reason = f"the folder has no {SCENE_FILE}" if isinstance(error, IsADirectoryError) else reason
-    try:
-        beside = {file.stem: str(file) for file in path.parent.glob("*.toml")}
-    except (OSError, ValueError):  # the path is too long, or no path at all
-        beside = {}
     name = path.stem if path.suffix == ".toml" else path.name
-    near = None if "." in name else beside.get(nearest(name, beside) or "") or proposed(name, model_names())
+    near = None if "." in name else nearest_file(path.parent, name, ".toml") or proposed(name, model_names())
     models = f"the nearest is {near}" if near else "`chain-impact info --list models` lists them"
     wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
     return f"{source}: cannot be read ({reason}); must be {wanted}"

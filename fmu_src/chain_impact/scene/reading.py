@@ -106,11 +106,10 @@ class UnknownNameError(SceneError, KeyError):
         Without a hint, the message names the most similar of ``names``. If none is similar, it lists names of
         the same owner, such as ``joint[2]``; if there are none, it ends with ``otherwise``.
         """
-        parts = re.split(r"[\s;]+", name) if isinstance(name, str) else []
-        if len(parts) > 1 and {*parts} <= {*(names := list(names))}:
+        names, parts = list(names), re.split(r"[\s;]+", name) if isinstance(name, str) else []
+        if len(parts) > 1 and {*parts} <= {*names}:
             hint = f"it is {len(parts)} names: separate them by commas, or in Python give a list"
         if hint is None:
-            names = list(names)
             near = proposed(name, names) if isinstance(name, str) else None
             hint = f"the nearest is {near}" if near else _names_of_owner(name, names) or otherwise
         text = name if isinstance(name, str) else value_text(name)

@@ -25,7 +25,7 @@ from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
 from chain_impact.scene.key_rules import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
-from chain_impact.scene.models import SCENE_FILE, model_names, scene_path, unreadable  # noqa: F401
+from chain_impact.scene.models import scene_path, unreadable
 from chain_impact.scene.names import (
     DataPath,
     fmu_name,

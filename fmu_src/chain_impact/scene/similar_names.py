@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 from difflib import get_close_matches
+from pathlib import Path
 
 NUMBER = re.compile(r"\[\d*\]")
 SYNONYMS = {"bounce": "restitution", "law": "model", "floor": "box"}
@@ -62,6 +63,16 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
     if not found or found[0] not in same:
         found = get_close_matches(name, same, n=1, cutoff=SAME_LAST) or found
     return next(iter(found), None)
+
+
+def nearest_file(folder: Path, stem: str, suffix: str) -> Path | None:
+    """Return a folder's file with ``suffix`` whose name is most similar to ``stem``; None without one."""
+    try:
+        beside = {file.stem: file for file in folder.glob(f"*{suffix}")}
+    except (OSError, ValueError):  # the path is too long, or no path at all
+        return None
+    near = nearest(stem, beside)
+    return beside[near] if near else None
 
 
 def longer(name: str, names: Iterable[str]) -> str | None:

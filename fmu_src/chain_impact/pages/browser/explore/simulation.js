@@ -144,10 +144,10 @@ export class Simulation {
 
 /** Return the changes of the reader: words for a parameter → text of its value or, for an input with steps, of all its values. */
 function changesInWords(changes) {
-  const texts = new Map(changes.texts());
+  const [texts, wordsOf] = [new Map(changes.texts()), wordsFor(changes)];
   for (const [name, steps] of Object.entries(changes.inputSteps)) {
     const later = steps.map(([time, value]) => `${numberText(value)} from ${time} s`);
     texts.set(name, [texts.get(name), ...later].filter(Boolean).join(", "));
   }
-  return new Map([...texts].map(([name, text]) => [wordsFor(changes)(name), text]));
+  return new Map([...texts].map(([name, text]) => [wordsOf(name), text]));
 }

@@ -34,6 +34,7 @@ export class Recording {
     Object.assign(this, parts);
     this.start = this.time[0];
     this.end = this.time[this.time.length - 1];
+    this.forces = this.forces.map((force) => ({ ...force, holds: this.#holds(force) }));
     this.impacts.forEach((impact, index) => {
       Object.assign(impact, { number: index + 1, peakTime: this.#peakTimeOf(impact) });
     });
@@ -86,7 +87,7 @@ export class Recording {
   }
 
   /** Return whether a wall or stop is rigid at a point: an impulse comes first, and the force only holds the point after the impulse. */
-  #holds(point, wall) {
+  #holds({ point, wall }) {
     return this.impacts.some((impact) => impact.point === point && impact.wall === wall && hasImpulseOnly(impact));
   }
 
@@ -145,13 +146,13 @@ export class Recording {
    */
   contactsAt(frame) {
     return this.forces
-      .map(({ point, wall, force, friction, spans }) => ({
+      .map(({ point, wall, force, friction, spans, holds }) => ({
         point,
         wall,
         force: this.betweenRows(force, frame),
         friction: friction ? this.betweenRows(friction, frame) : 0,
         sticks: isWithin(spans, frame),
-        holds: this.#holds(point, wall),
+        holds,
       }))
       .filter(({ force }) => force > 0);
   }

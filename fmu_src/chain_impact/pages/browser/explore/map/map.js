@@ -8,9 +8,9 @@ import { presentUnit } from "../parameters/parameter_fields.js";
 import { mainParametersOf, wordsFor } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
-import { mainOutput, outputIn, outputsOf, presentOutputs, valuesIn } from "./map_outputs.js";
+import { mainOutput, outputIn, outputsOf, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
 import { completed, rowOrder } from "./map_rows.js";
-import { axisScale, isLogarithmic, quantityOf, rangeOf, scaledTo } from "./map_scales.js";
+import { areaOf, axisScale, isLogarithmic, quantityOf, rangeOf, scaledTo } from "./map_scales.js";
 import { Ranking } from "./ranking.js";
 
 const POINTS = 41; // number of values of each parameter in the map
@@ -88,9 +88,8 @@ export class GridMap {
 
   /** Return whether the shown map has the parameters and the ends of the axes that the fields ask for. */
   #fitsFields() {
-    const endsOf = ({ names, axes }) => JSON.stringify([names, axes.map((axis) => [axis[0], axis.at(-1)])]);
     try {
-      return endsOf(this.shown) === endsOf(this.#requestOf(POINTS));
+      return areaOf(this.shown) === areaOf(this.#requestOf(POINTS));
     } catch {
       return false; // the fields are refused
     }
@@ -196,9 +195,9 @@ export class GridMap {
   }
 
   /** Return the shown map if it is the preview of a request, with the same ends of the axes and changes; otherwise undefined. */
-  #coarseFor({ names, axes, values }) {
-    const fieldsOf = (map) => JSON.stringify([map.names, map.axes.map((axis) => [axis[0], axis.at(-1)]), map.values]);
-    return this.shown?.points === COARSE && fieldsOf(this.shown) === fieldsOf({ names, axes, values }) ? this.shown : undefined;
+  #coarseFor(request) {
+    const partsOf = (map) => areaOf(map) + JSON.stringify(map.values);
+    return this.shown?.points === COARSE && partsOf(this.shown) === partsOf(request) ? this.shown : undefined;
   }
 
   #say(text, isFault = false) {
@@ -227,7 +226,7 @@ export class GridMap {
   /** Simulate the rows of a map, each in the next free worker. There are as many workers as processors, but at most WORKERS. */
   async #simulate(shown) {
     const { names, axes, values, outputs, points } = shown;
-    const words = [this.changes.scene.layout.status, ...outputs.flatMap((output) => output.words)];
+    const words = wordsOfRun(this.changes.scene, outputs);
     const rows = rowOrder(points);
     const work = async (engine) => {
       while (rows.length) {
@@ -256,12 +255,12 @@ export class GridMap {
   /** Store the outputs of a row of runs from the kernel's results (`rows`), or the reason for a run that failed or is refused. */
   #store(rows, row) {
     const { outputs, runs, faults, points } = this.shown;
-    const [integers, width] = [new BigInt64Array(rows.buffer), rows.length / points];
     for (let column = 0; column < points; column += 1) {
-      const [index, status] = [row * points + column, column * width];
-      const fault = this.#refusalOf(index) || (integers[status] === 0n ? "" : SHARED.kernel.STATUS_TEXT[integers[status]]);
+      const index = row * points + column;
+      const { status, values } = runIn(outputs, rows, (column * rows.length) / points);
+      const fault = this.#refusalOf(index) || (status ? SHARED.kernel.STATUS_TEXT[status] : "");
       if (fault) faults.set(index, fault);
-      runs[index] = fault ? null : valuesIn(outputs, { rows, integers, first: status + 1 });
+      runs[index] = fault ? null : values;
     }
     this.shown.rows += 1;
     if (!this.#refuses) this.#say(`${this.shown.rows} of ${points} rows`);

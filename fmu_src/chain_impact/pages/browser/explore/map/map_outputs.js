@@ -5,17 +5,21 @@ import { impulsiveLaw } from "../parameters/sliders.js";
 // a map first shows the first of these outputs that the scene has and no rigid law leaves unknown (`rigidLaw`)
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];
 
-/**
- * Return the values of a run, name → value, for the outputs of a map from the kernel's results: `rows`, the same as `integers`, and the
- * index of the `first` result of the run.
- */
-export function valuesIn(outputs, { rows, integers, first }) {
-  let at = first;
-  return Object.fromEntries(outputs.map(({ name, words, integer }) => {
+/** Return the words of a run that a map needs, as indices in the record: its status, and those of the outputs. */
+export function wordsOfRun({ layout }, outputs) {
+  return [layout.status, ...outputs.flatMap(({ words }) => words)];
+}
+
+/** Return a run from the kernel's results for `wordsOfRun`, of which it has those from `first` on: its status, and name → value. */
+export function runIn(outputs, rows, first) {
+  const integers = new BigInt64Array(rows.buffer);
+  let at = first + 1;
+  const values = Object.fromEntries(outputs.map(({ name, words, integer }) => {
     const all = words.map((_, k) => (integer ? Number(integers[at + k]) : rows[at + k]));
     at += words.length;
     return [name, Math.max(...all)];
   }));
+  return { status: Number(integers[first]), values };
 }
 
 /** Return the output of a run with some values; null if a rigid law leaves it unknown: it is 0 in a run with impacts. */

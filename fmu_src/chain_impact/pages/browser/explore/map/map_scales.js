@@ -22,6 +22,11 @@ export function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
+/** Return a text that is equal for maps, or requests of maps, of the same parameters with the same ends of the axes. */
+export function areaOf({ names, axes }) {
+  return JSON.stringify([names, axes.map((axis) => [axis[0], axis.at(-1)])]);
+}
+
 /** Return a name with its unit, as the title of an axis. */
 export function titleOf(name, unit) {
   return unit ? `${name}, ${unit}` : name;

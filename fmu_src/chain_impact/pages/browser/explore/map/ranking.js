@@ -2,7 +2,7 @@
 
 import { find, make } from "../../base/dom.js";
 import { digits, withMinus } from "../../base/format.js";
-import { outputIn, presentOutputs, valuesIn } from "./map_outputs.js";
+import { outputIn, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
 import { quantityOf, scaledTo } from "./map_scales.js";
 
 const STEP_SHARE = 0.01; // change of each parameter, relative to its value
@@ -58,7 +58,7 @@ export class Ranking {
     const reals = changes.scene.parameters.filter(({ name, type, word }) => type === "real" && word >= 0 && !NOT_RANKED.test(name));
     const steps = reals.map(({ name }) => stepOf(changes, name)).filter(Boolean);
     const outputs = presentOutputs(changes);
-    const words = [changes.scene.layout.status, ...outputs.flatMap((output) => output.words)];
+    const words = wordsOfRun(changes.scene, outputs);
     const [{ name: first }] = steps;
     const waiting = [{ name: first, sign: 0, value: changes.valueOf(first) }, ...steps];
     const shown = { outputs, runs: [], count: waiting.length };
@@ -69,9 +69,8 @@ export class Ranking {
         const step = waiting.shift();
         const result = await engine.ask("study", { ...changes.values }, { names: [step.name], each: Float64Array.of(step.value), words });
         if (!result || shown !== this.shown) return;
-        const { rows } = result;
-        const integers = new BigInt64Array(rows.buffer);
-        shown.runs.push({ ...step, values: integers[0] === 0n ? valuesIn(outputs, { rows, integers, first: 1 }) : null });
+        const { status, values } = runIn(outputs, result.rows, 0);
+        shown.runs.push({ ...step, values: status ? null : values });
         this.text.textContent = `${shown.runs.length} of ${shown.count} runs`;
       }
     };
