@@ -313,7 +313,7 @@ def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
 
 
 def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
-    """Draw curves; an output that no picture can show gives a UsageError."""
+    """Draw curves; too many units, too many outputs of a unit, or too little room give a UsageError."""
     from chain_impact.pictures import curves_size, draw_figure, fill_curves
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)

@@ -16,7 +16,8 @@ from chain_impact.system import HOST, nowhere
 
 # [s] usual times to lower and to link each part of a kernel: messages tell users how long to wait
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
-# platform → [s] time that zig needs before its first link to build its own libraries; 0 for other platforms
+# platform → [s] extra time of zig's first link for it, in which zig builds its own libraries; 0 for other
+# platforms
 PREPARING = {"win64": 3.0}
 
 

@@ -224,7 +224,7 @@ def add_categories_and_experiment(root: Element, scene: Scene) -> None:
 
 
 def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
-    """Return a variable's attributes: name, reference, description, causality, variability, initial."""
+    """Return a variable's name, reference, description, causality, variability and, if any, initial."""
     attributes = {"name": variable.name, "valueReference": str(reference)}
     attributes |= {"description": variable.description, "causality": variable.causality}
     attributes["variability"] = variable.variability

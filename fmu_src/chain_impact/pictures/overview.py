@@ -73,11 +73,11 @@ PANEL_WORDS = {"motion": "motion", "impacts": "panel of impacts"}
 
 @styled()
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
-    """Draw panels of PANELS on an empty figure; by default all panels for which the recording has data.
+    """Draw the panels named ``panels`` on an empty figure; without names, all panels with data.
 
-    The motion is to the left of the panels over time, or above them. In a narrow figure, a slim motion that
-    is alone or above the others has its legend beside it. The title "" stands for the summary of the run,
-    None for no title.
+    A motion in the plane is to the left of the panels over time or, if it is broad or the figure narrow,
+    above them. In a narrow figure, a slim motion that is alone or above the others has its legend beside it.
+    The title "" stands for the summary of the run, None for no title.
 
     Raises:
         ValueError: when a panel does not exist.

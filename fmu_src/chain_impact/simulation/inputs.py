@@ -53,7 +53,7 @@ NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
 PIECE = "piece"
-"""The field of the record's part ``motion`` with the coefficients of motions that the solver follows."""
+"""The field, in the record's part ``motion``, of the polynomials of motions that the solver follows."""
 
 
 @dataclass(frozen=True)

@@ -99,7 +99,7 @@ class WordRows:
         if self.numbers.shape[1]:
             rows = self.numbers[start : start + len(times)]
             return instance.trajectory(times, rows, self.spans, of_state=self.of_state)
-        # without columns, one row at the end suffices, because rows do not change a run
+        # without numbers to store, it suffices to advance to the last time: output times do not change a run
         done = instance.trajectory(times[-1:], self.numbers[:1], self.spans, of_state=True)
         return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
 

@@ -42,7 +42,7 @@ def heading(comparison: LawRuns) -> str:
 
 
 def law_table(comparison: LawRuns) -> TextTable:
-    """Return the table with a row for each law; the last column, which has no name, has the notes.
+    """Return a table with a row for each law; its last column, which has no name, has the notes.
 
     A unit in the head has a prefix that suits the largest value of the column.
     """

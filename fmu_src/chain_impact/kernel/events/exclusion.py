@@ -282,7 +282,7 @@ def set_clearance(d, c, u, slope):
         d.search.phi_end[c], d.search.phi_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.law.impulsive[c]:
-        # a held point has no crossing: it is already at the wall, and its contact ends by marks.RELEASE
+        # φ of a held candidate never falls to zero: it is already at its wall; marks.RELEASE ends its contact
         d.search.phi_end[c], d.search.phi_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)

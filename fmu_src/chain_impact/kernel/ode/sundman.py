@@ -92,7 +92,10 @@ def time_rate_change(u, slope):
 
 
 def time_rate_of(d, u):
-    """Return dt/ds, the rate of time in the step's variable s, from u; 1 without a regularized contact."""
+    """Return dt/ds for the integration variable s of the step: u/(1 + u²), or 1 if s is time.
+
+    ``u`` is the root of the relative penetration of the regularized contact.
+    """
     return 1.0 if d.step.regularized == NO_CONTACT else time_rate(u)
 
 

@@ -218,7 +218,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
     return record(
         ("stage", REAL, (STAGES, state)),  # rates dy/ds at the stages of a step
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
-        # ẏ at the end of the last step while `step.rate_known` is 1; remains valid after the step
+        # ẏ at the end of the last step, if `step.rate_known` is 1; valid after the step, too
         ("rate_end", REAL, (state,)),
         ("y", REAL, (state,)),  # the state y that is being evaluated
         ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for evaluations that are no stages of a step

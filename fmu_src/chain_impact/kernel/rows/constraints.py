@@ -66,9 +66,9 @@ LEAST_SINGLE_MOBILITY = 1e-3
 # for a = ((1 + x)ⁿ − 1)/x: n for small x, and 10 for x = 0.36. For a larger x both leave little.
 SINGLE_SOLUTION_FACTOR = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, relative to ``scale``
-# The largest residual of sticking elements that counts as round-off, so that no impulse is removed for it,
-# relative to the largest motion. With a much smaller limit, their forces would contain round-off times D, and
-# a chain at rest would change its energy.
+# A residual of a sticking element well below this, relative to the largest motion, may be round-off, so
+# ``reduce_free_impulses`` takes hardly anything from its impulse. With a much smaller limit, round-off times
+# the impedance D would be taken from impulses, and a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
 UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
 # Impulses against motions below NEGLIGIBLE_MOTION times the squared tolerance times the largest motion are
@@ -194,7 +194,7 @@ def reduce_free_impulses(d, fraction, noise):
     """Remove a ``fraction`` of the impulses against motions that can hardly be constrained (D W ≪ 1).
 
     Along such a motion each of the STICKING_ITERATIONS has added D m to the impulse, with the residual m. A
-    residual below ``noise`` may be the round-off of a constrained motion, and its impulse stays.
+    residual well below ``noise`` may be the round-off of a constrained motion; its impulse hardly changes.
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
@@ -263,7 +263,7 @@ def find_residual(d):
 
 @inlined
 def correct_impulses(d):
-    """Correct the impulses once, to reduce the residuals, and compute the motion with the new impulses."""
+    """Improve the impulses by one iteration, from the residuals; compute the motion with the new impulses."""
     constraints, motion = d.constraints, d.scratch.motion
     # p: impulses, m: residuals (target − motion), D: impedances, J: rows of the constraints, M: mass matrix,
     # z: change of the coordinates' rates

@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import SETTABLE
 
-# [1/s] the least rate whose reciprocal is computed: 1 divided by a smaller rate may overflow
+# size of a rate, in any unit, above which `reciprocal` computes 1/rate: for a smaller one it may overflow
 LEAST_RATE = 1e-300
 DIRECTIONS = 4  # number of directions in one tangent instance; more directions need more instances
 

@@ -153,7 +153,7 @@ class Problem:
         return np.array([self.names[group] in ("onset", "end") for group in self.group])
 
     def values(self, coordinates: np.ndarray) -> np.ndarray:
-        """Return the values of the parameters for coordinates on the scale of the search, shape (P,)."""
+        """Return the parameters' values, shape (P,), from their coordinates on the scale of the search."""
         return np.array(
             [parameter.value(at) for parameter, at in zip(self.parameters, coordinates.tolist(), strict=True)]
         )

@@ -14,7 +14,8 @@ from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation exceeds HIGH
-# the report lists up to this number of horizons; of more, it lists the first two, "…" and the last two
+# a report of up to this number of horizons lists all; a report of more lists the first two and the last two,
+# with "…" between them
 MOST_HORIZONS = 8
 # if the criteria (Akaike) of two laws differ by less than EQUAL, the data do not decide between these laws
 EQUAL = 2.0
