@@ -34,16 +34,20 @@ RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 
 # If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
 # height of the panel of energies.
 HIGH_ROWS, LOW_ROW = 2, 0.24
-# With at most FEW_IMPACTS impacts, their panel has the height LOW_IMPACTS, relative to the panel of energies.
+# If a recording has at most FEW_IMPACTS impacts, the height of their panel is LOW_IMPACTS, relative to the
+# height of the panel of energies.
 FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
-# HIGHEST: the largest height of the panel of motion, relative to the width of the figure; in a narrow figure,
-# ABOVE_TIME limits a panel above the others
+# HIGHEST: the largest height of the panel of motion, relative to the width of the figure, if the user gives
+# no height. In a narrow figure, ABOVE_TIME limits a panel of motion that is above the others.
 HIGHEST = 0.4
-# [inch] LOWEST: the least height of the panel of motion beside the others; ENERGY_HEIGHT: the height of a
-# panel of energies; TEXTS: that of the legend and numbers of a panel over time; HEADS: the sum of the heights
-# of the headline and of the labels below all panels; LABELS: the height of the legend and the labels of a
-# motion; MARGINS: the width of numbers and labels at the left and right of the motion; LEAST_BESIDE: the
-# least width of panels over time beside the motion, with their numbers and labels
+# Lengths in inches.
+# LOWEST: the least height of the panel of motion beside the others.
+# ENERGY_HEIGHT: the height of a panel of energies.
+# TEXTS: the height of the legend and the numbers of a panel over time.
+# HEADS: the height of the headline plus the height of the labels below all panels.
+# LABELS: the height of the legend and the labels of a motion.
+# MARGINS: the width of the numbers and labels at the left and right of the motion.
+# LEAST_BESIDE: the least width of panels over time beside the motion, with their numbers and labels.
 LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 0.9, 0.45, 1.0, 0.6, 0.9, 2.75
 
 
@@ -67,7 +71,7 @@ def motion_share(ratio: float, width: float) -> float:
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """
     height = NARROW_HEIGHT if width < WIDE else WIDE_HEIGHT
-    # a panel of this width has the shape of the motion and its walls
+    # with a ratio from SLIM to BROAD, the panel has the shape of the motion and its walls
     return height * min(max(ratio, SLIM), BROAD)
 
 

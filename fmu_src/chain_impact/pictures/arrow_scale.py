@@ -38,14 +38,14 @@ class ArrowScale:
         return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
-        """Return whether the arrow of a force [N] is longer than the shortest arrow of all forces."""
+        """Return whether the arrow of a force [N] is longer than the least length (SHORTEST_ARROW)."""
         return self.length(force) > SHORTEST_ARROW * self.side
 
     def marks(self) -> list[tuple[float, str]]:
         """Return, for each mark, its distance from the ruler's left end [m] and its text.
 
         Marks are the DECADES largest powers of ten [N] up to the largest force, the largest first. A mark is
-        left out if it is closer to the left end than FIRST_MARK, or closer to the mark before than MARK_GAP.
+        left out if it is closer than FIRST_MARK to the left end, or than MARK_GAP to the mark at its right.
         """
         marks: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side

@@ -1,4 +1,4 @@
-"""Curves that a reader can distinguish: dashes where curves coincide, bands for grey curves, oscillations."""
+"""Curves that a reader can distinguish: dashes if curves coincide, bands for grey and oscillating ones."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
 
 
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
-    """Return, for each curve, the number of earlier curves that it would hide, as they nearly coincide.
+    """Return for each curve how many earlier curves nearly coincide with it, so that it would hide them.
 
     The caller draws such a curve with dashes, so that the earlier ones are seen through the gaps. A curve
     with missing values hides none, and is not hidden.
@@ -122,9 +122,10 @@ def _evenly(line: np.ndarray) -> np.ndarray:
 
 
 def _apart(first: np.ndarray, second: np.ndarray) -> float:
-    """Return the usual distance of two lines: the median distance of a point of one from the other line.
+    """Return the usual distance of two lines.
 
-    Of both medians, one for the points of each line, the larger is returned.
+    For each line, the median of the distances of its points from the other line is found; the result is the
+    larger of both medians.
     """
     distances = np.hypot(*(first[:, :, None] - second[:, None, :]))
     return float(max(np.median(distances.min(axis=along)) for along in (0, 1)))

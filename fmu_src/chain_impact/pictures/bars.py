@@ -28,8 +28,8 @@ WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in row 0, later ones lower
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
-# Blocks with the same label have one scale if the longest bar of each block is at most ONE_SCALE times as
-# long as the longest bar of any other block.
+# If all blocks have the same label, they have one scale, provided that the longest bar of each block is at
+# most ONE_SCALE times as long as the longest bar of any other block.
 ONE_SCALE = 10.0
 
 
@@ -57,7 +57,7 @@ class Bars:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The least value of the axis, which is at most 0, and the largest one, which is at least 0."""
+        """The ends of the axis without margins: the least value or 0, and the largest value or 0."""
         return min([0.0, *self.values]), max([0.0, *self.values])
 
 

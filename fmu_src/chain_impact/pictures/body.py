@@ -13,9 +13,9 @@ from chain_impact.pictures.style import INK
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.bodies import placed
 
-FILL = 0.13  # the opacity of the outline of a body, from 0 to 1
+FILL = 0.13  # the opacity of the area inside the outline of a body, from 0 to 1
 SITE = 3.0  # [points] the size of the mark for a point of a link
-CARRIAGE = 0.5  # the opacity of a carriage, from 0 to 1
+CARRIAGE = 0.5  # the opacity of the area inside the outline of a carriage, from 0 to 1
 
 
 def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:

@@ -34,13 +34,14 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
 from chain_impact.scene.unit_text import in_brackets
 
-# a change of an output up to this, relative to the range of the output, counts as round-off
+# a change up to this counts as round-off; it is relative to the range of the output, or to the largest impact
+# speed for the change of an impact speed
 NO_CHANGE = 1e-12
 # the largest number of parameters with coloured curves: those with the largest effects; others are grey
 LARGEST_EFFECTS = 4
 STEEP = 30.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
-MOST_POWERS = 4  # the largest number of powers of ten on each side of 0 at such an axis
-LINEAR = 0.3  # where this axis turns from linear to logarithmic, relative to the least power of ten at it
+MOST_POWERS = 4  # the largest number of ticks, at powers of ten, on each side of 0 at such an axis
+LINEAR = 0.3  # where this axis turns from linear to logarithmic, relative to its least tick above 0
 Looks = list[dict[str, Any]]
 
 

@@ -148,14 +148,14 @@ def is_dark(ground: Any) -> bool:
 
 
 def least_luminance(ground: Any, ratio: float) -> float:
-    """Return the least luminance of a colour with a contrast ``ratio`` to a dark ground, but at most 1."""
+    """Return the least luminance with which a colour has a contrast ``ratio`` to a dark ground; at most 1."""
     return min(1.0, ratio * (luminance(ground) + GLARE) - GLARE)
 
 
 def lighter(colour: Any, least: float = 0.0) -> Colour:
-    """Return a colour with as little white as gives it at least the luminances LEAST_LUMINANCE and ``least``.
+    """Return a colour mixed with white: its luminance is at least LEAST_LUMINANCE and ``least``.
 
-    The result has the hue of the colour; colours in REPLACED are first replaced by others.
+    The part of white is as small as possible, and the hue stays; a colour in REPLACED is first replaced.
     """
     alpha = to_rgba(colour)[3]
     red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))

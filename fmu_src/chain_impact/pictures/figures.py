@@ -45,14 +45,14 @@ SETTLINGS = 3  # how often, at most, a figure is arranged: broken labels and leg
 NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
 # a number at an axis is in view if it is beyond the end of the axis by at most this part of the axis' length
 LIMIT_ROUND_OFF = 1e-9
-# If a figure is too low, its height is rounded up to a multiple of STEP [inch], and the next HIGHER − 1
-# multiples are tried.
+# If a figure is too low, greater heights are tried: its height, rounded up to a multiple of STEP [inch], plus
+# 1 to HIGHER − 1 times STEP.
 STEP, HIGHER = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten
 COARSE_STEPS = (1, 2, 4, 5, 10)
 
-# a label is broken into two lines if its length exceeds this, relative to the length of its axis
+# a label is broken into lines if its length exceeds this, relative to the length of its axis
 LONGER = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""
@@ -163,7 +163,7 @@ def least_figure(
 ) -> Figure:
     """Return the figure with the least tried height that has room for all panels.
 
-    The tried heights are multiples of STEP above ``height`` [inches], which has no room (HIGHER). ``mean`` is
+    The tried heights are multiples of STEP above ``height`` [inches], which is too low (HIGHER). ``mean`` is
     as in ``has_room``; ``lacks`` is the result of ``lacking_height`` at ``height``, inf if it is unknown;
     ``free_height`` is as in ``StyledFigure``.
 

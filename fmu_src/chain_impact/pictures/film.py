@@ -131,6 +131,7 @@ def draw_frames(
 def resolution(size: tuple[int, int]) -> float:
     """Return the pixels per inch of a film; a small film has fewer, so that all texts have room.
 
+    A film that is too small for energies has SMALL_DPI.
     ``size``: width and height of the film [pixels].
     """
     density = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))

@@ -266,7 +266,8 @@ class Film:
     def _show_last_impact(self, frame: int) -> None:
         """Write the last impact before a frame, with the longest words that have room.
 
-        Nothing is written before the first impact, and from CAPTION_FRAMES after the end of an impact on.
+        Nothing is written before the first impact, from CAPTION_FRAMES frames after the end of the impact on,
+        and in a film without energies.
         """
         recording, impacts = self.recording, self.recording.impacts
         number = int(np.searchsorted(impacts["onset"], self.times[frame], side="right"))

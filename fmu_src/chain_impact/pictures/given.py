@@ -15,8 +15,8 @@ from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
 TIMES = 3  # how often axes are made smaller: the new size can change the space that texts need
-# At a time, axes are made smaller at most to this part of their width and height; if more is needed, they
-# keep their size, and texts stay cut off.
+# One step makes axes smaller at most to this part of their width and height; if texts need more space than
+# that, the axes keep their size, and texts stay cut off.
 LEAST_PART = 0.2
 TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 

@@ -36,10 +36,10 @@ IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
 PEAK = 0.95  # a force counts as having reached its peak at this part of its largest value
 # the least time for which a long contact is shown, relative to the time until the peak force
 AFTER_PEAK = 4.0
-# If a contact lasts longer than MUCH_LONGER times its impact, which ``shown_time`` defines, only the impact
-# is shown.
+# A contact is long if it lasts more than MUCH_LONGER times as long as its impact. Then only the impact is
+# shown; ``shown_time`` tells how long it takes.
 MUCH_LONGER = 2.0
-SHOWN_BEFORE = 0.03  # the time before the onset that is shown, relative to the whole time that is shown
+SHOWN_BEFORE = 0.03  # for a long contact, the time shown before the onset, relative to that after it
 LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
 LABEL_ROOM = 0.2  # the room for the largest value above and below a curve, relative to its range
 # on a narrow figure, the height of the panel of force over penetration, relative to that of a panel over time
@@ -107,8 +107,8 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
 def shown_time(impact: np.void, course: Course) -> float:
     """Return the time after the onset [s] for which a contact is shown; 0 for an impulse.
 
-    This is the duration of the contact or, for a long contact, the longer of two times: LONGEST_IMPACT times
-    penetration / impact speed, and AFTER_PEAK times the time until the peak force.
+    This is the duration of the contact or, if it is long (MUCH_LONGER), the time of its impact: the longer of
+    LONGEST_IMPACT times penetration / impact speed, and AFTER_PEAK times the time until the peak force.
     """
     if not len(course.time):
         return 0.0

@@ -185,7 +185,7 @@ def hardest(tops: np.ndarray) -> np.ndarray:
 
 
 def common_marks(recording: Recording, tops: np.ndarray) -> dict[tuple[int, int], list[int]]:
-    """Return the impacts whose marks nearly coincide: rounded (time, height) → rows in ``impacts``."""
+    """Return groups of impacts with nearly coincident marks: cell (ONE_MARK) → rows in ``impacts``."""
     times = recording.impacts["onset"]
     scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)

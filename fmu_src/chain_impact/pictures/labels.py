@@ -33,8 +33,8 @@ COVERED = 0.6  # the largest part of a leader's length that may cover other draw
 # this order, of the length of a leader on strong pixels; the first OWN [points] of a leader, where the mark
 # of its position is, do not count.
 CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
-# [points] Where no leaders are allowed, a label and its position are on the same side of each strong line
-# that is farther away than this.
+# [points] Where no leaders are allowed, no strong pixel that is farther from a position than this may be
+# between the position and its label.
 OWN_LINE = 4.5
 # [pixels] the distance from a strong pixel, or from another leader, at which a leader counts as crossing it
 CROSSING = 2
@@ -112,7 +112,7 @@ class Ink:
         return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
 
     def is_crossed(self, position: np.ndarray, end: np.ndarray, own: float) -> bool:
-        """Return whether the straight line from ``position`` to ``end`` [pixels] passes strong pixels.
+        """Return whether a strong pixel is on the straight line from ``position`` to ``end`` [pixels].
 
         The first ``own`` pixels of the line do not count.
         """

@@ -1,4 +1,4 @@
-"""Legends above their axes or at the foot of a figure, in as few rows as fit into the width."""
+"""Legends above or beside axes, or at the foot of a figure; rows are as few as fit into the width."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def message(recording: Recording, *, short: bool = False) -> str:
     """Return the headline: the largest force, the number of impacts, and the lost energy.
 
     For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated"; if ``short``, only the name
-    and the first of these.
+    and the first of these that is known.
     """
     parts = [*(f"{peak.words} {peak.value}" for peak in peaks(recording)[:1]), counted(recording)]
     parts = parts[:1] if short else [*parts, dissipated(recording)]
