@@ -25,8 +25,8 @@ FMU_KINDS = {
     ),
     ("native", FMI_3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
-"""(Kind of FMU, version of FMI) → two texts: where such an FMU runs; and for which purpose another FMU is
-needed, with the option that makes it."""
+"""(Kind of FMU, version of FMI) → two lines for the screen: where such an FMU runs, and what another kind of
+FMU is for, with the option that builds that kind."""
 
 
 def add(verbs: Verbs) -> None:
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output.is_file():
         raise UsageError(f"-o {options.output} is a file, must be a folder")
     scene = load_scene(options.source)
-    # FMUs of FMI 3.0 are always of the kind ``native``
+    # without --target, an FMU of FMI 3.0 is of the kind ``native``, the only one for this version
     target = options.target or (TARGET if options.fmi == FMI_2 else "native")
     with progress():
         fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)

@@ -44,7 +44,7 @@ from chain_impact.system import prepare_console
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
-"""Error number of the operating system → what a user can do if a file cannot be written for this reason."""
+"""Error number of the operating system → what a user can do if this error prevents the use of a file."""
 FIRST_STEPS = """chain-impact simulates planar chains that hit walls. First steps:
 
   chain-impact simulate pinned_arm --plot arm.png   simulate a model: impacts, peak forces, a picture
@@ -112,7 +112,7 @@ def hints_shown() -> Iterator[None]:
 class Parser(argparse.ArgumentParser):
     """A parser of the command line that reports an error in one line, and proposes what may be meant.
 
-    ``elsewhere`` has the options of other verbs: option → verbs.
+    ``elsewhere`` has the options of all verbs: option → the verbs that take it.
     """
 
     elsewhere: Mapping[str, Sequence[str]] = MappingProxyType({})
@@ -124,11 +124,10 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse the arguments, and refuse those that the verb does not take.
+        """Parse the arguments, and refuse those that this parser does not take.
 
-        This is the parser of the verb, which knows the verb's options, so that the error can name the most
-        similar one. Without this function, the main parser, which does not know these options, would refuse
-        the arguments.
+        The parser of a verb knows the verb's options, so its error can name the most similar option. argparse
+        would leave the refusal to the main parser, which does not know these options.
         """
         options, others = super().parse_known_args(args, namespace)
         if others:

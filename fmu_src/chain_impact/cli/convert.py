@@ -28,7 +28,7 @@ ONCE = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""Option that makes a choice for the conversion → its metavariable and its help; it can be given once."""
+"""Options that control the conversion, and can be given only once: option → its metavariable and its help."""
 
 
 def add(verbs: Verbs) -> None:

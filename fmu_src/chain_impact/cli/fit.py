@@ -28,8 +28,8 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.inputs import INTERPOLATIONS
 from chain_impact.simulation.record_scene import with_settings
 
-# with this setting on the command line, only data up to this time are fitted; the stop time in a scene file
-# limits no data
+# The setting of the stop time. If it is on the command line, only data up to this time are fitted. A stop
+# time in the scene file limits no data.
 STOP_TIME_KEY = "simulation.stop_time"
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),

@@ -94,9 +94,9 @@ def _as_set(value: object) -> object:
 
 
 def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
-    """Return an FMU parameter's start value, with the rule by which it follows from others, if there is one.
+    """Return the text of an FMU's parameter: its start value, followed by the parameter's rule if it has one.
 
-    ``rules`` has name of a parameter → rule.
+    A rule tells how the value follows from other parameters. ``rules`` is name of a parameter → rule.
     """
     rule = rules.get(variable.name)
     return f"{_rounded(float(variable.start))}  # derived: {rule}" if rule else _start(variable)

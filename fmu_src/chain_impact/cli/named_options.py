@@ -1,4 +1,4 @@
-"""Names in an error the option whose value the error refuses, as the user typed both."""
+"""Adds to an error the option whose value the error refuses; both are shown as the user typed them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from chain_impact.simulation.record_scene import value_of
 
 START = r"(?:^|(?<=: ))"  # where the words of a fault begin: at the start, or after the name of the scene
 Change = tuple[int, int, str]
-"""A change of an error: from which character to which one it gets another text, and this text."""
+"""A change of the text of an error: first character to replace, first character to keep, new text."""
 
 
 def typed_in(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, str]]:
@@ -24,9 +24,10 @@ def typed_in(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, st
 
 
 def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
-    """Return an error with the option whose value it refuses, in place of, or before, the name of the value.
+    """Return an error that tells which option has the refused value.
 
-    The error is unchanged if it begins with an option, has a line of a file, or names none of the values.
+    The option replaces the name of the value in the error, or is put before it. The error is unchanged if it
+    begins with an option, cites a line of a file, or names none of the values.
 
     Args:
         message: the error. What follows its first semicolon is a hint, which is not changed.
@@ -44,7 +45,7 @@ def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
 
 
 def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
-    """Yield changes, by which an error tells of an option and its value."""
+    """Yield each possible change that names an option in an error; ``with_option`` makes the leftmost one."""
     word, (name, equals, given) = option.lstrip("-").replace("-", "_"), value.partition("=")
     if option == "--stop-time":
         name, equals, given = "simulation.stop_time", "=", value
@@ -64,14 +65,17 @@ def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
 
 
 def _names(value: str) -> Iterator[tuple[str, str]]:
-    """Yield each of the names or files in a value, after a pattern that it alone matches."""
+    """Yield (regular expression, name) for each name or file in a value, which commas separate.
+
+    The expression matches this name only. Parts of the value without a letter, such as numbers, are left out.
+    """
     yield from (
         (re.escape(part), part) for part in map(str.strip, value.split(",")) if re.search("[A-Za-z]", part)
     )
 
 
 def _shown(given: str) -> set[str]:
-    """Return the texts that an error may show for a given value."""
+    """Return all forms in which an error may show a value: as typed, as read, and as a number."""
     value = value_of(given)
     shown = {given, value_text(given), str(value), value_text(value)}
     return shown | {f"{value:g}", str(float(value))} if isinstance(value, int | float) else shown

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
-    Verbs = object  # at run time argparse's class for verbs cannot take the type of its parsers
+    Verbs = object  # argparse's class is generic for type checkers only: at run time [...] is an error
 
 Inputs = tuple[Path, str | None]
-"""The file of a table of inputs, and the interpolation of its rows; None stands for the usual one of each
-input."""
+"""The file of a table of inputs, and how inputs are interpolated between its rows; None: each input has its
+own default."""
 OF_TABLES = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
 SETTING = "contact.stiffness=1e9"  # the example of a setting in errors
@@ -254,7 +254,7 @@ def figure_size(text: str) -> Size:
 
 
 def check_look(options: argparse.Namespace) -> None:
-    """Refuse ``--size`` or ``--style`` if no picture is drawn."""
+    """Refuse ``--size`` if no picture is written to a file, and ``--style`` if no picture is drawn at all."""
     if options.size and not options.plot:
         raise UsageError("--size: it is the size of a picture: give --plot FILE too")
     if options.style and not (options.plot or getattr(options, "show", False)):

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from chain_impact.progress import Progress, log, silent
 
-BRIEF = 1.0  # [s] work that takes less time than this shows no progress bar
+BRIEF = 1.0  # [s] the progress bar of the whole work appears after this time
 # [s] the least time between two lines of progress, which replace the bar if there is no terminal
 LINES = 10.0
 plain_console = partial(Console, highlight=False, markup=False, emoji=False)
@@ -88,8 +88,8 @@ def _described(work: str, fraction: float) -> str:
 def _bar(work: str) -> Iterator[Progress]:
     """Context that shows a progress bar; yields a function for the finished fraction, 0 to 1.
 
-    A message on a part of the work, such as a compilation, replaces the bar by one that shows this part; any
-    other message is printed. Work that takes less time than BRIEF shows no bar.
+    The bar appears after the time BRIEF. A message on a part of the work, such as a compilation, shows at
+    once a bar for this part, in place of any other; all other messages are printed.
     """
     from rich import progress as rich_progress  # imported here, because the import takes long
 

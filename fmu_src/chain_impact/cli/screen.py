@@ -36,8 +36,8 @@ from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
-# matches the text before each status in the description of an output such as solver.status; a status is a
-# number and its meaning
+# Regular expression for the separators in the description of an output such as solver.status, in front of
+# each number and its meaning: "status: 0 running; 1 ended".
 CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")
 PHASES = 8  # the table of dry friction shows the first PHASES phases; a line tells how many more there are
 RELATIVE = {
@@ -48,7 +48,8 @@ RELATIVE = {
     "duration": "duration",
     "impulse": "impulse",
 }
-"""Quantity of impacts that is always positive, so that its change is printed in percent → word for it."""
+"""Quantity of an impact → its word in the head of a table of derivatives. These quantities are never
+negative, so that their changes are printed in percent."""
 SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
 """Name of a wall of the box → words for its place."""
 
@@ -178,7 +179,10 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def site_numbers(recording: Recording) -> str:
-    """Return words with the numbers of the points between the ends of links: "2–5 on link 1"."""
+    """Return the numbers of the points of links other than their ends: "2–5 on link 1".
+
+    If the recording does not tell the links of the points: "from 2 on the points of links".
+    """
     first, parts = recording.link_count + 1, []
     for link, count in sites_of_links(recording.parameters).items():
         last = first + count - 1

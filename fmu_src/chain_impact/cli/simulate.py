@@ -95,8 +95,8 @@ class Subject:
     def check(self, *, is_drawn: bool) -> None:
         """Refuse options that do not fit together.
 
-        These are curves without a picture (``is_drawn``), curves together with derivatives or a ranking, and
-        ``around`` without curves.
+        Curves need a picture, and exclude derivatives and a ranking; ``around`` needs curves. ``is_drawn``
+        says whether there is a picture, in a file or a window.
         """
         if self.curves and not is_drawn:
             raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")

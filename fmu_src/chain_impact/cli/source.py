@@ -23,7 +23,7 @@ from chain_impact.simulation.record_scene import record_scene, value_of, with_se
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 
-LEAST_ROWS = 1000  # A picture is drawn with at least this number of rows.
+LEAST_ROWS = 1000  # for a picture of its motion, a scene is simulated again if it has fewer rows
 TOLERANCE = "solver.tolerance"
 
 
@@ -131,5 +131,5 @@ class Source:
         return float(tolerance)
 
     def differences(self, recording: Recording) -> Differences:
-        """Simulate this source, which ``tighter`` has returned, and compare the run with a recording."""
+        """Return the differences between a recording and a run of this source, a result of ``tighter``."""
         return differences(recording, self.record())

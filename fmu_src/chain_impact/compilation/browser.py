@@ -55,7 +55,7 @@ def compile_kernel(module: str, compiled: Path) -> None:
     """Compile the kernel, from LLVM's language, to an object file for ``link``.
 
     Args:
-        module: the kernel in LLVM's language, as lower.py writes it.
+        module: the text of the kernel in LLVM's language, as lower.py writes it.
         compiled: the object file to write; temporary files are in the same folder.
 
     Raises:

@@ -247,9 +247,10 @@ def _type_of_copy_given(_context: Any) -> Any:
 
 
 def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Return whether the two types are the same part of an instance and of a tangent instance.
+    """Return whether the types are those of a part of an instance and of the same part of a tangent instance.
 
-    ``source`` must be the part of the instance, ``target`` the part of the tangent instance.
+    ``source`` must be the type of the part of the instance, ``target`` that of the part of the tangent
+    instance.
     """
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False

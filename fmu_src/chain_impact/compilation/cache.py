@@ -75,7 +75,7 @@ def find(name: str) -> Path | None:
     folder = cache_folder()
     if not trusted(folder.parent) or not _is_whole(folder / name):
         return None
-    with suppress(OSError):  # a cache of another user can be read, but its folder cannot be marked as used
+    with suppress(OSError):  # a cache that root owns can be read, but its folder cannot be marked as used
         os.utime(folder)  # this marks the folder as used now, so that ``_prune`` keeps it
     return folder / name
 
@@ -110,8 +110,8 @@ def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
         make: function that writes the file or folder to a given path in a temporary folder.
 
     Raises:
-        BuildError: when another process clears the cache while the file is made, or when the cache's folder
-            cannot be written.
+        BuildError: when another process clears the cache while the file is made, when the cache's folder
+            cannot be written, or when other users can write to it.
     """
     existing = find(name)
     if existing:

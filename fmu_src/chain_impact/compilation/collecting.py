@@ -1,12 +1,11 @@
-"""Changes numba so that it only lowers functions: it translates each function to LLVM's language, once.
+"""Makes numba only lower functions: numba translates each function to LLVM's language once, and does no more.
 
-When numba compiles a function, it also optimises the function, links all called functions to it, optimises
-the result and makes machine code. For a kernel of hundreds of functions these steps take a minute, and their
-results are not used: zig's compiler optimises all functions in one pass over one module. numba has no public
-way to leave these steps out, so this module replaces private parts of numba: the libraries in which numba
-keeps the code of functions, and the way in which one function calls another. Where Python would raise an
-exception, a function only returns an error code: numba would write the exception with the path of a file into
-the code, which would then differ between machines.
+Unchanged, numba would also optimise each function, link all called functions to it, optimise the result and
+make machine code. For a kernel of hundreds of functions this takes a minute, and nothing uses the results:
+zig's compiler optimises all functions in one pass over one module. No option of numba leaves these steps out,
+so this module replaces private parts of numba: the libraries that hold the code of functions, and the calls
+between functions. A function returns an error code where Python would raise an exception: numba would write
+an exception with the path of a source file into the code, and the code would differ between machines.
 """
 
 from __future__ import annotations

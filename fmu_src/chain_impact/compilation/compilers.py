@@ -28,9 +28,9 @@ from chain_impact.system import HOST, PLATFORMS, X86
 PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest x86 processor on which the code runs
 BAD_LAW = 3  # exit code of lower.py for a faulty law, whose fault is then on standard error
 KERNEL, DERIVATIVES = "kernel", "derivatives"
-"""The two parts of a kernel that are lowered and compiled separately: the kernel itself, and the hooks that
-carry derivatives. The names also stand for kinds of libraries: KERNEL without derivatives, DERIVATIVES with
-both parts."""
+"""The two parts of a kernel, which are lowered and compiled separately: the kernel itself, and the hooks that
+carry derivatives. As the kind of a library, KERNEL means a library of the first part, without derivatives;
+DERIVATIVES means a library of both parts."""
 # No fused multiply-add: ARM's instruction rounds once, the two instructions of x86 round twice, so results
 # would differ in their bits. No loop strength reduction: without it linking takes less time, and kernels are
 # no slower.
@@ -64,8 +64,8 @@ _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
 """The names of the LLVM functions that return the counts and flags at the start of a record, in the record's
 order."""
 _FEW = _SIZES[COUNTS.index("channels") :]
-"""The names in _SIZES of functions that return counts and flags of rare features. These functions return 0 in
-all kernels but GENERAL and those for one scene."""
+"""The last names in _SIZES: those of the functions that return counts and flags of rare features. Only
+kernels for GENERAL or for one scene have rare features; in all others these functions return 0."""
 Sizes = int | tuple[int, ...] | None
 """The scenes that a kernel can run: those with a number of links; None: any number; GENERAL: any number, with
 all features; a tuple of all counts and flags at the start of a record: scenes with exactly these."""
@@ -119,13 +119,14 @@ _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
-    """Return a lowered kernel with the functions that it only declares.
+    """Return the text of a lowered part of a kernel with functions added that it only declares.
 
-    These return the counts at the start of a record, each a constant or read from the record, or set the
-    registers. The functions of LAW and HOOKS become hidden, which makes their calls faster.
+    Two groups are added: functions that return the counts and flags at the start of a record, each as a
+    constant or read from the record, and the functions that set the registers. The functions of LAW and HOOKS
+    are not added, only made hidden, so that calls of them are faster.
 
     Args:
-        module: the kernel in LLVM's language, as lower.py writes it.
+        module: the text of the part in LLVM's language, as lower.py writes it.
         sizes: the scenes that the kernel can run; they decide which counts are constants.
         registers: LLVM code for the functions of registers.c: declarations, or functions that do nothing.
     """
@@ -269,10 +270,10 @@ def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
 
 
 def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
-    """Write a C file with substitutes for the functions that a kernel lacks, and return the files to link.
+    """Write a C file with substitutes for functions that a kernel lacks; return the files to link beside it.
 
-    The kernel lacks the functions of LAW without a ``law``, and those of HOOKS without ``derivatives``. The
-    files to link are the law, if there is one, and the C file.
+    Without ``derivatives`` the C file has the functions of HOOKS. Without a ``law`` it has those of LAW; with
+    one, only ``user_law_present``, which returns 1. The files to link are the law, if any, and the C file.
     """
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
     text = "".join(map(STUB.format, PYTHON_SYMBOLS))

@@ -33,7 +33,7 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 
 
 def log_contacts(d):
-    """Cut the last step at the communication point, and log the active contacts after the ended ones."""
+    """End the last step at the communication point; log the contacts active there, after the ended ones."""
     update_to_output_time(d)
     return 0
 

@@ -68,12 +68,13 @@ def writable(base: Path) -> Path:
 
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Replace an error in the ``with`` block by one sentence if it means that ``folder`` cannot be written.
+    """Context that replaces an error by a BuildError if it means that ``folder`` cannot be written.
 
-    The error comes from the operating system, or from a compiler on a full disk.
+    The BuildError explains this in one sentence. The error that it replaces comes from the operating system,
+    or from a compiler while the disk is full.
 
     Raises:
-        BuildError: with the sentence, or unchanged from a compiler if the disk is not full.
+        BuildError: with the sentence; or a compiler's own error, unchanged, if the disk is not full.
         OSError: unchanged, if the error has another cause or concerns another folder.
     """
     try:
@@ -95,7 +96,7 @@ def _concerns(named: Any, folder: Path) -> bool:
 
     It does if it names no path, or a path inside or above the folder.
     """
-    # an error on an open file has the number of this file in place of a path
+    # an error on an open file has the number of this file in place of a path, so it counts as concerned
     if not isinstance(named, str | bytes | os.PathLike):
         return True
     path = Path(os.fsdecode(named)).absolute()

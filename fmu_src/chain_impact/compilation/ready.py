@@ -64,11 +64,11 @@ def for_release() -> bool:
 
 
 def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the scenes for which a kernel is compiled that must run the scenes ``wanted``.
+    """Return the scenes that a kernel compiled for the scenes ``wanted`` can run.
 
-    A number of links stays only while a wheel for release is built that gets a kernel for it; otherwise the
-    result is None, any number of links. GENERAL, and a tuple of all counts of a scene, are returned
-    unchanged.
+    A number of links is returned only while a wheel for release is built, and only if this wheel gets a
+    kernel for it; otherwise the result is None: a kernel for any number of links. GENERAL, and a tuple of all
+    counts and flags of a scene, are returned unchanged.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 
@@ -101,9 +101,9 @@ def find(name: str) -> Path | None:
 
 
 def best(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """Return the ready kernel for these scenes, else the one for any number of links.
+    """Return the ready kernel for these scenes, or None.
 
-    The result is None if none is ready.
+    For a number of links, the kernel for any number stands in if there is no ready kernel for this number.
     """
     sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
