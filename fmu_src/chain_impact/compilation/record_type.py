@@ -94,7 +94,7 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
             add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
 
     def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
-        """Add a table of the instance as a record; each field of this record is a column of the table."""
+        """Add a table of the instance to ``table`` as a record, whose fields are the columns of the table."""
         row = dtypes[0].base
         shape = [affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)]
         size = affine([dtype.itemsize for dtype in dtypes])
@@ -226,7 +226,10 @@ def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: A
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
-    """Return the signature and the code of a function that makes an array from an address and a shape."""
+    """Return signature and code, for numba, of a function that makes an array over memory.
+
+    The function gets the address of the first number, and the number of entries in each dimension.
+    """
     scalar = first.dtype
 
     def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:

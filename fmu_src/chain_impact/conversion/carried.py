@@ -81,7 +81,10 @@ def with_carried(found: Converted, carried: Carried, choices: Choices) -> Conver
 
 
 class _Merger:
-    """A merger of three tables: a scene, and the conversions ``written`` and ``found`` (see ``Carried``).
+    """The merger of a scene with ``found``, the conversion of a file's elements.
+
+    A value of the scene stays where ``found`` equals ``written``, the conversion of the elements that this
+    package writes for the scene.
 
     Attributes:
         alike: whether both conversions have the same kind of base and the same number of links.
@@ -199,8 +202,8 @@ class _Merger:
     def _links(self, ours: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
         """Return the tables of the links, and the numbers of the joints and ends that touch walls.
 
-        None stands in place of the numbers if the file's elements have the lengths and points that the scene
-        gives: then the same joints and ends touch as in the scene. ``ours`` are the scene's tables of links.
+        If the file's elements have the lengths and points that the scene gives, the second result is None:
+        the same joints and ends touch as in the scene. ``ours`` are the scene's tables of links.
         """
         written, found = (data["chain"]["links"] for data in (self.written, self.found))
         points = [link.get("points", []) for link in found]
@@ -228,7 +231,9 @@ class _Merger:
     def _points(
         self, i: int, tables: Sequence[dict[str, Any]], length: float
     ) -> tuple[list[dict[str, Any]], set[int]]:
-        """Return the tables of the points of link ``i``, from 0, and the ends of the link that touch walls.
+        """Return the tables of the points of link ``i``, from 0, and those of its ends that touch walls.
+
+        An end is given by the number of its point in the chain: i or i + 1.
 
         Args:
             i: the index of the link.

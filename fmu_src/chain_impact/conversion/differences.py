@@ -12,7 +12,7 @@ from chain_impact.recording.text import few
 
 # a difference whose `size` is at most NEGLIGIBLE gives no warning, unless it always changes the motion
 NEGLIGIBLE = 0.02
-LINE_NAMES = 6  # largest number of names in a line; of more names, the line gives only how many there are
+LINE_NAMES = 6  # largest number of names in a line; the line counts further ones: "and 3 more"
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # titles under which differences are reported
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 
@@ -106,7 +106,7 @@ def lines(differences: Iterable[Difference], title: str) -> list[str]:
 
 
 def line(kind: str, names: Sequence[str], text: str, shown: int = LINE_NAMES) -> str:
-    """Return the sentence "<kind> <names>: <text>", with at most ``shown`` names."""
+    """Return the sentence "<kind> <names>: <text>", with up to ``shown`` names and a count of the others."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
     return f"{' '.join(filter(None, (kind, few(names, shown))))}: {text}"

@@ -23,7 +23,8 @@ from chain_impact.scene.reading import SceneError, UnknownNameError
 
 CARRIED = "chain_impact"
 """The name of the text element in files of this package that holds the data of the scene as JSON."""
-# [rad] or [m] MJCF needs both limits of a joint that has one; this number stands for the missing one
+# [rad] or [m] MJCF needs both limits of a joint that has one; this number stands for the missing one, in
+# files that are written and in files that are read
 UNLIMITED = 1e9
 NO_KEYFRAME = "none"
 """The word that a user gives in place of a keyframe's name, so that the robot starts in the file's pose."""
@@ -43,10 +44,11 @@ class Start(NamedTuple):
 def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
     """Return the robot of an MJCF file, at the start that a keyframe gives; by default the first keyframe.
 
-    Files of meshes and pictures may be missing if no mass depends on them.
+    Files of meshes and pictures may be missing. The mass of a missing mesh counts as 0, which is reported.
 
     Raises:
-        SceneError: when MuJoCo cannot read the file, or the file does not have the keyframe.
+        SceneError: when MuJoCo cannot read the file, the file does not have the keyframe, or a body gets its
+            mass only from missing meshes.
         MissingExtraError: when mujoco is not installed.
     """
     mujoco = require("mujoco", "convert")

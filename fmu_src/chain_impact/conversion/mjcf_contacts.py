@@ -23,7 +23,7 @@ def point_name(number: int) -> str:
 class Contacts:
     """The shapes of a MuJoCo model, and which of them can touch.
 
-    ``differences`` describes contacts that a scene cannot have, or has in another form.
+    The method ``differences`` yields the contacts that a scene cannot have, or has in another form.
     """
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str], ours: bool) -> None:
@@ -57,9 +57,9 @@ class Contacts:
     def _touch(self, geom: int, other: int) -> bool:
         """Return whether two shapes can touch by MuJoCo's rules.
 
-        Two shapes can if the file lists them as a pair. Otherwise they can if ``contype`` of one shape and
-        ``conaffinity`` of the other have a bit in common, and their bodies are neither an excluded pair nor
-        fixed to each other.
+        None can if the file disables contacts. Else two shapes can if the file lists them as a pair.
+        Otherwise they can if ``contype`` of one shape and ``conaffinity`` of the other have a bit in common,
+        and their bodies are neither an excluded pair nor fixed to each other.
         """
         model = self.model
         if not self.works:

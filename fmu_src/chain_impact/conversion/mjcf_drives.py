@@ -15,7 +15,7 @@ from chain_impact.conversion.robot import Joint
 # [rad/s] A speed that joints of robots hardly reach. If a limit of torque acts on a damper only above this
 # speed, the difference has no effect.
 FAST = 20.0
-ALIKE = 1e-9  # two limits count as equal if they differ by at most ALIKE × the larger one
+ALIKE = 1e-9  # two limits, or a servo's gain and stiffness, count as equal up to this part of them
 
 
 @dataclass(frozen=True)

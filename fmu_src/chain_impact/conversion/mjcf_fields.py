@@ -205,7 +205,8 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 def _about(model: Any, row: FieldRemark, i: int) -> Difference:
     """Return the difference for element ``i`` of the kind ``row.kind``.
 
-    The difference is not reported if the joint of the element is held, or if its body does not move.
+    The difference is not reported if the joint of the element is held, or if its body can move in the file
+    but is in no link of the scene. It is reported if its body is fixed to the world.
     """
     common: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":
@@ -222,10 +223,10 @@ def _about(model: Any, row: FieldRemark, i: int) -> Difference:
 
 
 def treatments(field: str) -> list[str]:
-    """Return how a field is treated: "used", "remarked", or reasons why it has no effect.
+    """Return how a field is treated, as a list: "used" or "remarked", else the reasons why it has no effect.
 
-    ``field`` is a field of the model, or ``opt.<name>`` for an option; the list is empty if the field is
-    unknown. The patterns of WITHOUT_EFFECT apply only to fields that are neither used nor remarked.
+    The reasons are the keys of WITHOUT_EFFECT with a pattern for the field. The list is empty if the field is
+    unknown. ``field`` is a field of the model, or ``opt.<name>`` for an option.
     """
     named = ["used"] * (field in USED_FIELDS.split()) + ["remarked"] * any(
         row.field == field for row in FIELD_REMARKS
@@ -247,7 +248,7 @@ def fields(model: Any) -> Iterator[tuple[str, Any]]:
 
 
 def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
-    """Yield a note on the features that the file disables, and that the scene does not have either."""
+    """Yield one note on all features that the file disables, if any; the scene does not have them either."""
     flags = model.opt.disableflags
     disabled = [
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")

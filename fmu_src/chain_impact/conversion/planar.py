@@ -162,10 +162,10 @@ class _Conversion:
         return link_of, parts
 
     def _gravity(self) -> np.ndarray:
-        """Return gravity [m/s²], without the share that the file's gravcomp bears in all moving bodies.
+        """Return gravity in space [m/s²], shape (3,), without the share that the file's gravcomp bears.
 
-        If gravcomp bears different shares, each of them is reported, and the whole gravity is returned.
-        Masses of bodies that belong to no link are reported, too.
+        If the share is not the same for all moving bodies, it is reported for each, and the whole gravity is
+        returned. Masses of bodies that belong neither to a link nor to a slider are reported, too.
         """
         still = []
         for b, body in enumerate(self.robot.bodies):
@@ -350,7 +350,7 @@ class _Conversion:
             )
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the base's keys in [chain], which are ``slider`` or none, and its keys in [initial].
+        """Return the base's parts of two tables: of [chain], which is ``slider`` or empty, and of [initial].
 
         ``anchor`` is the place of joint 1 before any joint moves [m], ``gravity`` the gravity of the scene.
         """

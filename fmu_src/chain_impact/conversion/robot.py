@@ -14,9 +14,9 @@ from chain_impact.conversion.differences import Difference
 
 
 def identifier(name: str, prefix: str) -> str:
-    """Return a name that consists of letters, digits and _, made from ``name``.
+    """Return ``name`` with _ in place of each group of characters other than letters of ASCII, digits and _.
 
-    ``prefix`` comes before a digit at the beginning, and replaces an empty name.
+    If the result begins with a digit or is empty, ``prefix`` and _ come before it.
     """
     plain = re.sub(r"\W+", "_", name, flags=re.ASCII)
     return plain if re.match(r"[A-Za-z_]", plain) else f"{prefix}_{plain}"

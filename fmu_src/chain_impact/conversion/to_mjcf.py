@@ -239,9 +239,9 @@ def _radii(scene: Scene) -> list[float | None]:
 
 
 def _limits(scene: Scene) -> Iterator[tuple[str, float | None]]:
-    """Yield name and value of the limit of each joint's drives [N·m or N].
+    """Yield the limit of the drives of each joint and of the slider: its name in the scene, and its value.
 
-    The value is None without a limit.
+    A name is, for example, ``link[1].joint_torque_limit``; the value [N·m or N] is None without a limit.
     """
     for i, link in enumerate(scene.chain.links, 1):
         yield f"link[{i}].joint_torque_limit", link.joint_torque_limit

@@ -129,9 +129,9 @@ class Walls:
     def _points(self, touching: set[int], balls: Sequence[list[Ball]]) -> dict[str, Any]:
         """Return the key ``points`` of [contact], the numbers of joints and ends that touch walls.
 
-        A link that can touch walls and has no balls touches them with its two ends, except a joint that lies
-        inside a ball of a neighbouring link. The result is empty if the scene's default is right: if there
-        are no balls at all, and all links touch walls, or none does.
+        A link that can touch walls and has no balls touches them with its two ends, except a pinned base and
+        a joint inside a ball of a neighbouring link. The result is empty if the scene's default is right: if
+        there are no balls at all, and all links touch walls, or none does.
         """
         if not any(balls) and len(touching) in (0, len(self.parts)):
             return {}

@@ -93,7 +93,7 @@ class Structure:
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
             yield from twice((node.attrib[self.key] for node in nodes), self.key, path)
-            # FMI 3.0 has no list of this name, and requires no order of its initial unknowns
+            # only FMI 2.0 has a list of this name; FMI 3.0 requires no order of initial unknowns
             if name == INITIAL_LIST:
                 yield from _rising(self.listed(name), path)
         for path, node in self._nodes():
