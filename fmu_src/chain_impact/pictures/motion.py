@@ -55,7 +55,7 @@ MOST_CLEAR_PATHS = 6
 # COVERED_WITHIN: the largest distance of the points at the end from their starts with which the chain counts
 # as covered, relative to the size of the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
-BALL_LINE = 0.3  # the width of the line from a ball's centre to its mark, relative to the line of a link
+BALL_LINE = 0.3  # the width of the line from a ball's centre to the link's other end, relative to other links
 SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their unit has a prefix
 RING_SIZE = 6.5  # [points] the size of the mark of an impact
 PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
@@ -85,7 +85,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     draw_paths(axes, recording, shade)
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED_POINTS else ""}
     thick, ball = 1.0, ball_of(recording)
-    if ball is not None:  # the ball is shown by a thin line from its centre to a mark on it
+    if ball is not None:  # a mark shows the ball's centre, a thin line the link
         thick, marks = BALL_LINE, marks | {"markevery": [ball]}
     strong = strong_times(recording)
     draw_moving(axes, recording, view, shade, strong)
@@ -281,9 +281,9 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
     """Draw the largest force in each joint as an arrow, where the joint was at that time.
 
-    The length shows ``joint[i].peak_force``, which includes times between rows or, if this is not known, the
-    largest force in a row. Direction and position come from the row with the largest force. All arrows become
-    shorter if an arrow would leave the view, but not shorter than SHORTEST_LOAD allows.
+    The length shows ``joint[i].peak_force``, the largest force also between rows; if this is not known, it
+    shows the largest force in a row. Direction and position come from the row with the largest force. All
+    arrows become shorter if an arrow would leave the view, but not shorter than SHORTEST_LOAD allows.
     """
     arrows = []
     for joint, force in recording.loads.items():

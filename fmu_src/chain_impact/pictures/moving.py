@@ -1,4 +1,4 @@
-"""Walls and a base that move: drawn strongly at start, end and impacts, faintly in between, with a trace."""
+"""Walls and a base that move: drawn strongly at single times, faintly in between, with a trace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The panels over time: the energies, the speeds of impacts, dry friction, and the colours of time."""
+"""Panels over time: the energies, dry friction, and the colours of time; lines at impacts in such panels."""
 
 from __future__ import annotations
 

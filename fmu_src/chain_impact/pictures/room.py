@@ -123,7 +123,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
 
 
 def drawn_places(recording: Recording) -> np.ndarray:
-    """Return the positions of all points and of the outlines around them in each row, (T, M, 2) [m]."""
+    """Return the positions of points, a carriage's corners and the ends of discs, shape (T, M, 2) [m]."""
     places, points = places_of(recording), recording.all_points
     rims = [
         points[:, [point]] + radius * DISC_ENDS

@@ -102,8 +102,8 @@ COUNT_STEPS = (1, 2, 5, 10)
 def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
     """Draw in the style of all pictures; the function is a context manager and a decorator.
 
-    ``colours`` are settings that replace the user's in any case. Axes of a user are drawn without them, and
-    so keep the colours of their own style.
+    ``colours`` are settings that replace the user's in any case. Axes of a user with a light ground are drawn
+    without them, and so keep the colours of their own style.
     """
     kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
     with mpl.rc_context(kept | colours):
@@ -144,7 +144,7 @@ class StyledFigure(Figure):
             super().savefig(*args, **options)
 
     def _repr_png_(self) -> bytes:
-        """Return the picture as PNG; IPython uses it if no backend of matplotlib shows figures."""
+        """Return the picture as PNG; IPython calls this only if no backend of matplotlib shows figures."""
         file = BytesIO()
         self.savefig(file, format="png", dpi="figure")
         return file.getvalue()

@@ -21,7 +21,10 @@ LASTING_SAMPLES = 4000
 SOON = 1e-6
 
 Rerun = Callable[[np.ndarray], np.ndarray]
-"""A function that repeats the run: increasing times [s], shape (S,) → outputs at these times."""
+"""A function that repeats the run: increasing times [s], shape (S,) → outputs at these times.
+
+The outputs are a structured array with one row for each time, or fewer rows if the run ends early.
+"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,9 +23,10 @@ BEFORE, AFTER = 0.5, 1.0
 # than BEND times its range; this is repeated at most ROUNDS times, and stops at MOST_TIMES times.
 # Without these additional times, a peak late in a long contact would be drawn too low.
 BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
-# [1] what a close view shows of a contact that lasts to the end of the run, relative to the run's duration
+# [1] the duration that a close view assumes for a contact that lasts to the end of the run, relative to the
+# run's duration
 LASTING_SHARE = 0.02
-# [1] what a close view shows around an impulse, which has no duration, relative to the run's duration
+# [1] the duration that a close view assumes for an impulse, which has none, relative to the run's duration
 IMPULSE_SHOWN = 1e-3
 
 

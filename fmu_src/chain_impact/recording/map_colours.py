@@ -9,8 +9,8 @@ import numpy as np
 # [1] colours, except those of counts, are logarithmic if the ratio of large to small values (``spread``) is
 # at least this; with linear colours, all values below a tenth of the largest one would look the same
 WIDE_COLOURS = 10.0
-# [1] the colours end at a quantile, not at the extreme value, if the distance from this quantile to the
-# extreme exceeds this times the range between both quantiles
+# [1] the colours end at a quantile if the extreme value is farther from it than this times the distance of
+# both quantiles; otherwise they end at the extreme value
 BEYOND_QUANTILES = 1.0
 # the quantile that stands for large values; 1 minus this stands for small values, so that a few extremes do
 # not count

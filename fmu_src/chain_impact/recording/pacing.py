@@ -40,8 +40,8 @@ LONGEST_IMPACT = 5.0
 SLOWEST = 1e-6
 MOST_FRAMES = 20_000  # largest number of frames of a film; a longer film has fewer frames per second
 TAIL = 0.3  # [s] simulated time in which the drawn trace of the tip fades
-# REAL: a rate that differs from 1 by less than this is called real time; SLOW_RATE: pages show a rate below
-# this in a stronger colour; TENS: a factor of at least this is written without decimals
+# REAL: a rate that differs from 1 by less than this is called real time; SLOW_RATE: pages and films show a
+# rate below this in a stronger colour; TENS: a factor of at least this is written without decimals
 REAL, SLOW_RATE, TENS = 0.05, 0.5, 9.95
 
 Span = tuple[float, float]
@@ -51,8 +51,8 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
     """Return the times at which impacts end for a film, shape (I,) [s], at the latest at ``stop`` [s].
 
     With the penetration δ and the impact speed v, an impact takes 2.9 δ/v with Hertz's law, π δ/v with a
-    linear spring, and longer with losses. A contact that lasts longer than LONGEST_IMPACT times δ/v ends at
-    this time for a film.
+    linear spring, and longer with losses. A contact that lasts longer than LONGEST_IMPACT times δ/v, or to
+    the end of the run, ends at this time for a film.
     """
     speeds = np.maximum(impacts["impact_speed"], SLOWEST)
     lasting = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
@@ -60,7 +60,7 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
 
 
 def slow_spans(recording: Recording) -> list[Span]:
-    """Return onset and end [s] of each impact that is shown in slow motion."""
+    """Return onset and end [s] (``impact_ends``) of each impact that is shown in slow motion."""
     impacts, speeds = recording.impacts, recording.end_speeds
     ends = impact_ends(impacts, float(recording.time[-1]))
     fastest = np.argsort(-speeds, kind="stable")[:SLOW_COUNT]

@@ -198,7 +198,7 @@ class Recording:
 
     @cached_property
     def loads(self) -> dict[int, np.ndarray]:
-        """Joint → the force on the joint's link, shape (T, 2) [N]; empty if the forces are not known."""
+        """Joint i → the force on link i there, shape (T, 2) [N]; empty if the forces are not known."""
         return {
             joint: np.stack([parts[f"force.{axis}"] for axis in AXES], axis=-1)
             for (joint, _), parts in self.columns_of("joint").items()
@@ -340,7 +340,8 @@ class Recording:
 
         Args:
             path: the file.
-            output: the names of the columns; ``*`` stands for any text; by default all columns.
+            output: the names of the columns and derivatives to write after the time; ``*`` stands for any
+                text; by default all.
 
         Raises:
             UnknownNameError: when a column does not exist.

@@ -57,10 +57,10 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
 
 
 def _extent(positions: np.ndarray, axis: int) -> float:
-    """Return the longest diagonal [m] of some rectangles, each around the positions along an axis.
+    """Return the longest diagonal [m] of the rectangles around positions.
 
-    ``axis`` is an axis of the array, whose last axis is x and y. In an array (T, P, 2), along the axis 0, the
-    time, there is a rectangle around the path of each point.
+    Each rectangle contains the positions along ``axis`` of the array, whose last axis is x and y. In an array
+    (T, P, 2), the axis 0 is the time, so that there is a rectangle around the path of each point.
     """
     return float(np.hypot(*np.ptp(positions, axis=axis).T).max())
 

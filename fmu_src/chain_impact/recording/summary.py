@@ -65,7 +65,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
     Args:
         result: the result of the run.
         outputs: the number of outputs of the result.
-        facts: lines on the scene and the solver, which follow the first line.
+        facts: lines on energies, scene and solver, which come last.
         most: the largest number of impacts in the list.
     """
     yield _headline(result, outputs)
