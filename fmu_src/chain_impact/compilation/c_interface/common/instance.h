@@ -111,7 +111,7 @@ unsigned category_bit(const char *name);
 /* Log a sentence if the importer wants messages of this status; return the status. */
 int say(const Instance *instance, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Return 1 if the call is allowed in the present phase; else log an error and return 0. A null instance gives 0 without
-   a message. `given` does the same for an argument that must not be NULL. */
+   a message. `given` returns 1 if an argument is not NULL; else it logs an error and returns 0. */
 int allowed(const Instance *instance, const char *call, unsigned phases);
 int given(const Instance *instance, const char *call, const char *name, const void *argument);
 /* Return words for the present phase of the instance, such as "before initialization". */
@@ -123,7 +123,7 @@ Sentence reason(const Table *table, const Word *record, int status);
 typedef struct { char text[32]; } Number;
 /* Return the shortest text from which exactly this number is read. */
 Number number(double value);
-Number rounded(double value); /* Return the text of a number with nine digits. */
+Number rounded(double value); /* Return the text of a number with nine significant digits. */
 
 /* functions of table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);

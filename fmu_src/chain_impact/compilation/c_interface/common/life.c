@@ -10,7 +10,7 @@
 #pragma STDC FENV_ACCESS ON
 
 /* [1] largest allowed difference between the importer's and the instance's time, relative to the step: importers may
-   round their time to 1 us. A much larger tolerance would accept a skipped or repeated step. */
+   round their time to 1 us. With a much larger value, a step that the importer skips or repeats would be accepted. */
 static const double TIME_TOLERANCE = 1e-2;
 /* [1] round-off of an importer's time that is a sum of steps, relative to the time */
 static const double ROUND_OFF = 1e-12;

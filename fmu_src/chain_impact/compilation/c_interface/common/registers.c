@@ -1,6 +1,6 @@
-/* Each exported function of the kernel calls these functions at its start and end (compilation/collecting.py). They are
-   in a file of their own, so that no compiler moves arithmetic across their calls. The register also has flags of past
-   exceptions, which are restored as well. */
+/* Each exported function of the kernel calls usual_registers at its start and put_registers_back at its end
+   (compilation/collecting.py). These two are in a file of their own, so that no compiler moves arithmetic across their
+   calls. The registers also have flags of past exceptions, which are set and restored as well. */
 #include "registers.h"
 
 #if defined(__x86_64__)

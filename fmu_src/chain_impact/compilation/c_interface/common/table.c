@@ -45,7 +45,7 @@ static int hexadecimal(char digit) {
 static const char NAME[] = "/model.bin";
 
 /* Find the path of model.bin from the URI of its folder: file:///folder, file:/folder or file://localhost/folder;
-   beyond the standard, the folder's path is accepted, too. Return 0 if the URI is not valid. */
+   beyond the standard, the folder's path is accepted, too. Return 0 if the URI is not valid, or too long. */
 static int path_by_uri(const char *uri, char path[LONGEST]) {
     if (strncmp(uri, "file:", 5) == 0) uri += 5;
     if (strncmp(uri, "//", 2) == 0) uri += strncmp(uri, "//localhost/", 12) == 0 ? 11 : 2;
@@ -69,7 +69,8 @@ static int path_by_uri(const char *uri, char path[LONGEST]) {
     return 1;
 }
 
-/* Find the path of model.bin from the path of its folder, with or without a separator at the end. */
+/* Find the path of model.bin from the path of its folder, with or without a separator at the end. Return 0 if the
+   folder's path is empty or too long. */
 static int path_by_path(const char *folder, char path[LONGEST]) {
     size_t size = strlen(folder);
     if (size == 0 || size + sizeof NAME > LONGEST) return 0;
@@ -112,8 +113,9 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     return table;
 }
 
-/* Return the CRC-32, four bytes at a time, with eight tables of 16 entries: one table for each group of four bits.
-   tables[0] belongs to the last group; the table of the group before it follows by a shift of four bits, and so on. */
+/* Return the CRC-32. Each step takes four bytes, which are eight groups of four bits; each group has a table of 16
+   entries. tables[0] belongs to the last group. The table of any other group follows from that of the group after it,
+   by a shift of four bits. */
 uint32_t checksum(const void *bytes, size_t size) {
     static const uint32_t LAST[16] = {
         0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,

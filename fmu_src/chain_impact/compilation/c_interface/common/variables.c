@@ -23,16 +23,16 @@ static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType
     return vr < instance->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
-/* Return whether the kernel must compute a value before it is read: an output, or a parameter that the kernel derives
-   from others unless it is set; the latter only after instantiation. */
+/* Return whether the kernel must compute a variable before it is read: an output or, after instantiation, a parameter
+   that the kernel can derive from others, even if the importer has set it. */
 static int worked_out(const Instance *instance, const Variable *of) {
     return of->kind == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
 }
 
 /* Return the record from which variables are read; NULL after an error. If the kernel must compute one of the
-   variables, the result has all outputs of the present time. After values were set, they are computed in the second
-   record, so that reading does not change the run. If the run cannot continue with these values, *status becomes a
-   warning: other values may still be set. */
+   variables, the record has all outputs of the present time. After new values were set, this is the second record, so
+   that reading does not change the run. If the run cannot continue with the new values, *status becomes WARNING, not
+   ERROR: the importer may still set other values. */
 static const Word *source(Instance *instance, const char *call, const uint32_t vr[], size_t count, int *status) {
     const Variable *all = in_table(instance->table, instance->table->variables_at);
     size_t i = 0;

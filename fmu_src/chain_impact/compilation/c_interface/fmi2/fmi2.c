@@ -46,9 +46,9 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
 }
 
 /* Beyond the standard, for a slave in Python (slave.py): return another instance of the same FMU, which shares the
-   table of the first instance; the first instance must be freed last. After a second of computing, fmi2DoStep returns
-   fmi2Pending; the slave calls it again with the same arguments, and the step goes on. Between the calls Python handles
-   Ctrl-C. */
+   table of the first instance; the first instance must be freed last. For the new instance, fmi2DoStep returns
+   fmi2Pending after about a second of computing; the slave calls it again with the same arguments, and the step goes
+   on. Between the calls Python handles Ctrl-C. */
 FMI2_Export fmi2Component another_fmi2_instance(fmi2Component first, fmi2String name) {
     Instance *instance = first ? another_instance(first, "fmi2Instantiate", name) : NULL;
     if (instance) instance->advance = advance_awhile;

@@ -77,7 +77,10 @@ export class Simulation {
     if (this.#nextRun) this.soon();
   }
 
-  /** Give recordings of the present scene the curves of the chosen outputs, by another run of each that lacks some. */
+  /**
+   * Give recordings of the present scene the curves of the chosen outputs, by another run of each that lacks some. Return whether any lacks
+   * some.
+   */
   async addCurves(recordings) {
     const { engine, choice: { names }, changes: { scene } } = this;
     const lacking = recordings.filter(({ scene: own, outputs }) =>

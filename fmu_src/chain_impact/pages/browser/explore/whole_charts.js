@@ -3,8 +3,8 @@
 import { find } from "../base/dom.js";
 
 /**
- * From now on, if the upper edge of the list cuts a chart or a title of a column that is not scrolled, make the charts above it higher, so
- * that it moves down and lies behind the list as a whole.
+ * From now on, while the column is not scrolled, prevent the upper edge of the list from cutting a chart or a title in the column: the
+ * charts above the cut part become higher, so that this part moves down and lies wholly behind the list.
  */
 export function keepChartsWhole() {
   const [column, list] = [document.querySelector("aside"), find("list")];

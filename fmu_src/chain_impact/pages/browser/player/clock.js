@@ -80,7 +80,7 @@ export class Clock {
     this.set({ frame: again ? 0 : frame, playing: this.playing && (again || frame < this.last) });
   }
 
-  /** Pause, and move by STEP back (−1) or ahead (1). */
+  /** Pause, and move back (−1) or ahead (1) by the time STEP on the screen. */
   step(direction) {
     this.playing = false;
     this.advance(direction * STEP);
@@ -101,12 +101,15 @@ export class Clock {
     this.set({});
   }
 
-  /** Go to the largest force of the impact before (−1) or after (1) the present time; if none is before it, go to the start. */
+  /**
+   * Go to the nearest time before (−1) or after (1) the present one at which an impact has its largest force. If there is none before, go
+   * to the start.
+   */
   stepImpact(direction) {
     const now = this.time;
     const same = 1e-9 * (1 + Math.abs(now)) + 2e-3 * this.recording.rateAt(this.frame) / this.recording.frameRate;
     const ahead = ({ peakTime }) => direction * (peakTime - now);
-    // the largest forces of impacts may be in another order than the onsets
+    // all impacts are searched, because the times of their largest forces may be in another order than their onsets
     const nearest = this.recording.impacts.filter((impact) => ahead(impact) > same)
       .reduce((best, impact) => (best && ahead(best) <= ahead(impact) ? best : impact), null);
     if (nearest) this.toImpact(nearest);

@@ -56,7 +56,7 @@ export class ImpactList {
     this.reached = Object.assign(button, { tabIndex: 0 });
   }
 
-  /** Go to the button of the next or the last row with the arrow keys, which move the time elsewhere. */
+  /** Go to the button of the next or the previous row with the arrow keys; outside the list, these keys change the time. */
   #press(event) {
     const way = { ArrowUp: -1, ArrowDown: 1 }[event.key];
     if (!way || !event.target.matches("td button")) return;
@@ -101,7 +101,7 @@ export class ImpactList {
     this.#showAll(element.classList.contains("whole"));
   }
 
-  /** Mark the largest of at least two peak forces at walls, and the largest of the moments at stops. */
+  /** Mark the largest peak force at walls, and the largest peak moment at stops of joints, each if there are at least two. */
   #markLargest(impacts) {
     [true, false].forEach((ofStops) => {
       const peaks = impacts.map(({ peak, atStop }) => (Boolean(atStop) === ofStops ? peak ?? 0 : 0));

@@ -9,9 +9,9 @@ const FEWEST_FRAMES = 200; // smallest number of frames of a recording
 
 /**
  * Return the impacts in the form of a `Recording`: an unknown `end` becomes `stop`, the end of the recording [s]. A `peak` becomes null if
- * it is 0, or if there is no penetration: the force of a rigid wall only holds a point after the impulse.
- * `impactEnd` [s] is when the impact is over for slow motion: `end` or, in a long contact, an earlier time that follows from its largest
- * penetration and impact speed.
+ * it is 0, or if the largest penetration is 0, as at a rigid wall, whose force only holds the point after the impulse.
+ * `impactEnd` [s] is the time at which the slow motion of an impact ends: `end` or, in a long contact, an earlier time, which follows from
+ * the largest penetration and the impact speed.
  */
 export function impactsUntil(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {

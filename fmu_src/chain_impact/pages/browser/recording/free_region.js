@@ -28,8 +28,8 @@ export function freeRegionWithin(walls, [[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Return the point that lies `inside` [m] before the edge of a view, [low, high], on the perpendicular from the view's middle to a wall
- * beyond the view; undefined if the middle is not on the wall's free side.
+ * Return the point at which the perpendicular from the middle of a view, [low, high], to a wall beyond the view leaves a rectangle that is
+ * smaller than the view by `inside` [m] at each side; undefined if the middle is not on the wall's free side.
  */
 export function edgeBefore({ normal, offset }, [low, high], inside) {
   const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);

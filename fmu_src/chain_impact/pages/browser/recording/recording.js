@@ -81,7 +81,10 @@ export class Recording {
     return values[row] + share * (values[row + 1] - values[row]);
   }
 
-  /** Return force [N], penetration [m] and dry friction [N] of a contact's point at its wall in all rows; unknown ones are left out. */
+  /**
+   * Return force [N], penetration [m] and dry friction [N] of a contact's point at its wall in all rows; unknown ones are left out. At a
+   * stop of a joint the `force` is a moment [N·m].
+   */
   courseOf({ point, wall }) {
     return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};
   }
@@ -141,8 +144,8 @@ export class Recording {
   }
 
   /**
-   * Return the contacts with a force at a frame, each with point, wall, normal force [N], dry friction along the wall [N], whether it
-   * sticks, and whether the force only holds the point after an impulse.
+   * Return the contacts with a force at a frame, each with point, wall, normal force [N] (at a stop of a joint: moment [N·m]), dry friction
+   * along the wall [N], whether it sticks, and whether the force only holds the point after an impulse.
    */
   contactsAt(frame) {
     return this.forces

@@ -21,7 +21,7 @@ export function orDegrees(unit) {
   return IN_DEGREES[unit]?.advice ?? "";
 }
 
-/** Return a value as text with at most `digits` digits; an angle is written in degrees. */
+/** Return a value as text with at most `digits` significant digits; an angle is written in degrees, with at most DEGREE_DIGITS. */
 export function valueText(value, unit, digits = ALL_DIGITS) {
   if (!(unit in IN_DEGREES)) return numberText(Number(value.toPrecision(digits)));
   return `${numberText(Number((value / DEGREE).toPrecision(Math.min(digits, DEGREE_DIGITS))))} ${IN_DEGREES[unit].word}`;

@@ -89,7 +89,7 @@ export class Changes {
 
   /**
    * Return the changes `from` with the changes `given` added, name → number, after a check. A value that equals the scene's value is no
-   * change, unless the scene derives it from others: as a change it does not follow from these.
+   * change, and is left out, except for a parameter that the scene derives from others: with a changed value it does not follow from these.
    */
   with(given, from = this.values) {
     const values = { ...from };

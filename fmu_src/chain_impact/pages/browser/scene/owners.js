@@ -97,7 +97,7 @@ export function filled(text, { n, of, name }) {
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", before);
 }
 
-/** Return the rows of all groups, once for each owner of the group's kind; a row's `has` tells whether the owner meets its conditions. */
+/** Return each row of each group once for each owner of the group's kind; `has` tells whether the owner meets the row's conditions. */
 export function rowsOfOwners(groups, { owners, known }) {
   return groups.flatMap(({ ownerKind, rows }) => owners[ownerKind].flatMap((owner) => {
     const here = { ...known, ...owner };

@@ -64,7 +64,7 @@ function tablesOfLaws({ chain, contact, stops }, valueAt) {
   const hasStops = chain.links.some(({ joint_min: least, joint_max: most }) => least !== undefined || most !== undefined);
   const table = (path, law, otherwise) => [path, (key) =>
     (key.startsWith("law.") ? SHARED.laws[law]?.[key.slice(4)] : valueAt([...path, key]) ?? otherwise(key, path))];
-  // a wall with its own sliding friction has, by default, the static friction 0
+  // by default, a wall with its own sliding friction has the static friction 0; any other wall has both values of [contact]
   const ofWall = (key, path) => {
     if (!key.endsWith("friction")) return undefined;
     return valueAt([...path, "friction"]) === undefined ? valueAt(["contact", key]) : 0;

@@ -209,8 +209,8 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that still last, with their peaks so far, which the kernel first puts into the log after the ended contacts. The
-   * part of its last step beyond the present time is dropped.
+   * Return the contacts that still last, with their peaks so far. The kernel first cuts its last step at the present time, and puts these
+   * contacts into the log after the ended ones.
    */
   #unfinished() {
     this.exports.log_contacts(this.record);

@@ -14,8 +14,8 @@ const PARTS = 100; // the first run has this many parts, between which it can be
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time, for their curves
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: about two for each pixel of a chart
-// FOLLOWED: number of the first impacts within which the second run has more rows; WITHIN: number of these rows in the part of an impact
-// that is shown slowly, and in its rest
+// FOLLOWED: number of the first impacts within which the second run has more rows; WITHIN: number of these rows in each of two parts of an
+// impact, the part that is shown slowly and the rest
 const { FOLLOWED, WITHIN } = SHARED.curves;
 
 /** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
@@ -120,7 +120,8 @@ function inputCurves({ scene, parameters }, { time, columns }, inputSteps, value
 }
 
 /**
- * Return the parts of a `Recording`, and how the runs ended; the generator yields the fraction that is done.
+ * Return `parts`, those of a `Recording` (null without a motion), and how the first run ended; the generator yields the fraction that is
+ * done.
  *
  * @param curves the names of outputs that are wanted over time. @param inputSteps inputs with other values from some times on: name → pairs
  * of a time [s] and a value.
