@@ -25,7 +25,7 @@ LARGEST_FILE = 2**30
 A larger one is refused, as it could fill the disk. The check adds the sizes that the zip declares; Python
 never unpacks more than the declared size of a file.
 """
-# largest number of variables that one line names; of more, the line gives only the number
+# largest number of variables that one line names; the line counts further ones: "and 3 more"
 NAMED_VARIABLES = 5
 # if more findings than this differ only in the variable, they share one line
 MOST_ALIKE_FINDINGS = 10

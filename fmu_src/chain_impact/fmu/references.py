@@ -37,11 +37,12 @@ REFERENCE_ROWS = 100
 # with communication steps that are shorter by the same ratio, is made instead; but none is shorter than the
 # scene's own
 SHORTER = 10
-# A chain amplifies each error at every impact. So a second run has the scene's own tolerance, and the table
-# ends where its outputs deviate from the reference results by more than this tolerance and by more than
-# ASTRAY. An importer's outputs may deviate by TOLERANCE_FACTOR × the largest deviation of the second run
-# before this end, but always by LEAST_TOLERANCE. The scene's tolerance, ASTRAY and LEAST_TOLERANCE are
-# relative to the largest value of all outputs with the same unit.
+# A chain amplifies each error at every impact, so results are reliable only for some time. A second run, at
+# the scene's own tolerance, tells for how long: the table ends where an output of this run deviates from the
+# reference results by more than the scene's tolerance or ASTRAY, whichever is larger. The table allows an
+# importer's outputs TOLERANCE_FACTOR × the largest deviation of the second run before this end, and at least
+# LEAST_TOLERANCE. The scene's tolerance, ASTRAY and LEAST_TOLERANCE are relative to the largest value of all
+# outputs with the same unit. Outputs that are whole numbers may not deviate.
 ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
 # Outputs are not compared closer to the onset or the end of a contact than EVENT_DISTANCE × the communication
 # step, because they change too fast there.
@@ -187,11 +188,12 @@ def _run(
 
 
 def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the values of each input at ``times``: a sine whose frequency is different for each input.
+    """Return the values of each input at ``times``: sines of different frequencies.
 
-    By the different frequencies, an importer that exchanges two inputs is noticed. Velocity and acceleration
-    of a moving base or wall are the derivatives of its position. Values are rounded as in the file, so that
-    the reference run gets exactly the values that an importer will read.
+    All forces and torques have different frequencies, and so have all prescribed motions: an importer that
+    exchanges two of them is noticed. Velocity and acceleration of a motion are the derivatives of its
+    position. Values are rounded as in the file, so that the reference run gets exactly the values that an
+    importer will read.
     """
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count

@@ -122,10 +122,10 @@ def log_is_full(d, capacity):
 
 
 def advance_to_onset(d, time):
-    """Advance as ``advance`` does, without limits on log and cost, but at most to the first onset.
+    """Advance to ``time`` as ``advance`` does, without limits on log and cost, or only to the first onset.
 
-    The onset is not applied yet. An onset at the present time counts if no earlier call has stopped at it,
-    for example at the start of a run with a point at a wall.
+    ``event_update`` or the next call applies this onset. It may be at the present time, as at the start of a
+    run with a point at a wall, unless an earlier call has already stopped at it.
 
     Returns:
         A status; ONSET_DUE if contacts begin at the time that is reached.
@@ -265,7 +265,7 @@ def take_step(d):
 
 
 def check_solved(d, status):
-    """Return ``status``, or FORCES_NOT_FOUND if forces or modes at an event were not found."""
+    """Return ``status`` or, if it is OK but forces or modes at an event were not found, FORCES_NOT_FOUND."""
     return FORCES_NOT_FOUND if status == OK and d.constraints.unsolved == UNSOLVED else status
 
 
@@ -294,7 +294,7 @@ def find_step(d):
 
 
 def try_step(d, h):
-    """Try a step of size h; if it is accepted, it becomes the last step, and ends at its first event."""
+    """Try a step of size h; if ``control.accepted``, it becomes the last step, up to its first event."""
     clear_stage_notes(d)
     attempt(d, h)
     if not control.accepted(d):
@@ -331,9 +331,9 @@ def must_land(d, theta):
 
 
 def land(d, theta):
-    """Repeat the last step so that it ends at its fraction θ; return at which fraction contacts begin.
+    """Repeat the last step so that it ends at its fraction θ; return where in the repetition contacts begin.
 
-    It is a fraction of the repeated step, or −1 for the end of this step: contacts begin there, or none do.
+    This is a fraction of the repeated step, near 1, or −1 for its end (see ``onset_fraction``).
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)

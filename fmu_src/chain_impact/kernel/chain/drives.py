@@ -248,9 +248,9 @@ def transmitted_moment(d, y, rate, i):
 
 
 def drive_power(d, y, i):
-    """Return the force or torque [N·m or N] of drive i, and the powers [W] that it dissipates and supplies.
+    """Return the force or torque [N·m or N] of drive i, and two powers [W]: dissipated, and supplied by it.
 
-    The force of a passive drive lacks the force of its spring, which stores energy and is added elsewhere.
+    The spring of a passive drive stores energy. Its force is added elsewhere, and is no part of these values.
     """
     rate = along_drive(d, y, velocity_at(d.links), i)
     if is_powered(d, i):
@@ -263,7 +263,8 @@ def drive_power(d, y, i):
 def drive_mode(unlimited, limit):
     """Return the mode of a drive with a ``limit``, from the force ``unlimited`` that it would have without.
 
-    The mode is 0 below the limit, else the sign of the force. With the limit 0, the mode is never 0.
+    The mode is 0 up to the limit, and beyond it 1 or −1, the sign of the force. With the limit 0, the mode is
+    never 0: it is 1 for a force > 0, else −1.
     """
     if abs(unlimited) > limit or limit == 0.0:
         return 1 if unlimited > 0.0 else -1
@@ -271,12 +272,12 @@ def drive_mode(unlimited, limit):
 
 
 def mode_margin(d, y):
-    """Return the least margin [N·m], of all drives with a limit > 0, by which a drive's mode still holds.
+    """Return the least margin [N·m] of the modes of drives; a mode holds as long as its margin is ≥ 0.
 
-    The margin is the distance of the force F, without its limit, from the limit; it is < 0 where F has passed
-    the limit. Round-off is added, so the result is negative only where a mode has surely ended. The result is
-    ∞ if no drive has such a limit. The forces of a slider are multiplied by the longest link, to compare them
-    with torques.
+    With F the force without a limit, the margin is limit − |F| in mode 0, and ±F − limit in mode ±1.
+    Round-off is added, so the result is negative only where a mode has surely ended. Only drives with a limit
+    > 0 count; without any, the result is ∞. The margin of a slider is multiplied by the longest link, to
+    compare it with torques.
     """
     least = math.inf
     for i in range(drive_count(d)):
@@ -294,9 +295,10 @@ def mode_margin(d, y):
 
 
 def load_drive(d, load, i, force):
-    """Set in ``load`` the load along the coordinate of drive i to a ``force`` [N] or torque [N·m].
+    """Set the load of drive i in ``load`` to ``force``, a torque [N·m] or, for the slider, a force [N].
 
-    For a joint it is the moment in the joint, for the slider a force on the base along the line.
+    The torque is the moment in the joint; the force acts on the base, along the slider's line. Present values
+    are replaced.
     """
     if is_slider(d, i):
         load.x[0], load.y[0] = force * d.slider.ux, force * d.slider.uy

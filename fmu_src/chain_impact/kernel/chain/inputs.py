@@ -28,16 +28,17 @@ DEGREE = 9  # the highest degree of the polynomials
 # values of given.changed beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
 # the next piece of the inputs continues the piece in use without a jump
 REINITIALIZE, CONTINUES = 1, 2
-# The largest part of a given displacement that the given velocities v and v′ before and after it may leave
-# unexplained, relative to |v| + |v′| times the time between the two velocities. A larger part is a
-# contradiction, of which the user is warned; a part beyond 1 is a jump of the position of a wall.
+# Velocities v and v′, given at the start and the end of a time T, explain a given displacement if a velocity
+# between v and v′ gives it in T. A displacement may differ from an explained one by UNEXPLAINED_PART × T (|v|
+# + |v′|). A larger difference is a contradiction, of which the user is warned; one beyond T (|v| + |v′|) is a
+# jump of the position if the channel moves a wall, and a fault.
 UNEXPLAINED_PART = 0.05
 # the displacement, relative to the longest link, that may be unexplained in addition to UNEXPLAINED_PART, at
 # any speed: round-off
 UNEXPLAINED_DISPLACEMENT = 1e-9
-# The largest jump of an acceleration, times the squared duration of the cubic, that counts as round-off,
-# relative to the sum of the positions at both ends of the cubic and of half its duration times the speeds
-# there. Also the largest coefficient of x³ of a cubic, relative to the same sum, that counts as 0.
+# Two lengths count as 0 up to this part of the size of a cubic: the jump of the acceleration at its start
+# times its squared duration, and its coefficient of x³. The size is the sum of the absolute positions at both
+# ends and of the absolute velocities there times half the duration.
 ACCELERATION_ROUND_OFF = 1e-14
 # A cubic motion that lasts a time h counts as fast as a sine of the angular frequency CUBIC_CHANGE/h [rad/s],
 # which is stored as `change_rate`. The value is small, because a cubic has no sixth derivative, to which the
@@ -174,10 +175,11 @@ def limit_to_piece(d, h):
 
 
 def limit_to_time(d, time, h):
-    """Return a size ≤ h [s] of the next step, which does not pass a ``time`` [s] after the last step's end.
+    """Return a size ≤ h [s] of the next step, with which the step does not pass the ``time`` [s].
 
-    A step that could pass the time ends there; a step longer than half of the remaining time is shortened to
-    this half, so that the step after it is not tiny.
+    What remains is the time from the end of the last step to ``time``. If h reaches it, the step ends at
+    ``time``; if h is only more than half of it, the size is this half, so that the step after it is not tiny.
+    If nothing remains, the size is h.
     """
     remaining = time - d.step.end
     if remaining <= 0.0 or 2.0 * h <= remaining:
