@@ -24,7 +24,7 @@ export function withMinus(text) {
   return text.replace(/^-(?=[\d.])/, "−");
 }
 
-/** Return a number with `count` significant digits, or with all digits before the point if these are more; it has at most 9 decimals. */
+/** Return a number rounded to `count` significant digits, but not coarser than to a whole number, and with at most 9 decimals. */
 export function digits(value, count = 3) {
   if (value === 0) return "0";
   const decimals = count - 1 - Math.floor(Math.log10(Math.abs(value)));

@@ -16,9 +16,9 @@ function highest(...all) {
 }
 
 /**
- * Return the values of a contact in the rows of a recording around it: `times` since the onset [s], `force`, `depth` and `friction`, and
- * the time `margin` [s] before and after the contact. Before the onset and after the end, force, depth and friction are 0; depth and
- * friction are undefined if they are unknown.
+ * Return the course of a contact: `times` since its onset [s], the values of `force`, `depth` and `friction` at these times, and `margin`
+ * [s]. The times are those of the recording's rows from about `margin` before the contact to `margin` after it. Before and after the
+ * contact force, depth and friction are 0. If depth or friction is unknown, it is undefined.
  */
 function courseAround(recording, contact) {
   const { onset, end } = contact;

@@ -164,7 +164,7 @@ export class EnergyChart extends TimeChart {
   }
 }
 
-/** Return how often values change between rising and falling; steps of at most `least` count only together. */
+/** Return how often values turn from rising to falling or back; values within `least` of the last used one are skipped. */
 function turnsOf(values, least) {
   let [turns, rises, from] = [0, undefined, values[0]];
   for (const value of values) {
@@ -177,8 +177,8 @@ function turnsOf(values, least) {
 }
 
 /**
- * Return the path of a curve through all its rows that are at least CURVE_APART apart: a function `paths` of uPlot. uPlot's own paths are
- * rounded to pixels if rows are much denser than pixels.
+ * Return the path of a curve, for the option `paths` of uPlot: straight lines between its rows, without those rows that are nearer than
+ * CURVE_APART to the row before on the path. uPlot's own paths would be rounded to pixels if rows are much denser than pixels.
  */
 function pathOf(plot, series, first, last) {
   const [times, values] = [plot.data[0], plot.data[series]];

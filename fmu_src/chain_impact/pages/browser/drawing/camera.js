@@ -4,8 +4,8 @@ const LABEL_ROOM = 12; // [pixels] the size of a label: a number beside a wall a
 
 /**
  * A map from metres, with y upwards, to pixels of a drawing, with y downwards. It shows the `view` of a recording (a rectangle in metres)
- * below a strip of some height [pixels]. If the drawing is larger than the view needs, the recording's `anchor` gives the fractions of the
- * free space to the left of the view and below it.
+ * below the strip at the top of the drawing, whose height is `strip` [pixels]. If the drawing is larger than the view needs, the
+ * recording's `anchor` divides the free space: its two numbers are the fraction to the left of the view, and the fraction below it.
  */
 export class Camera {
   constructor({ view: [[x0, y0], [x1, y1]], anchor: [beside, below] }, width, height, strip) {

@@ -267,9 +267,9 @@ export class ChainDrawing {
   }
 
   /**
-   * Return where a contact is drawn on the screen, and a direction, `away`, for its label. At a wall these are the foot of the point on the
-   * wall, and the direction away from the wall. At a stop these are the place where the link crosses the arc of the joint's range, and a
-   * direction at a right angle to the link.
+   * Return where a contact is drawn on the screen, and a direction, `away`, for its label. At a wall or a stop of a slider these are the
+   * foot of the point on it, and the direction away from it. At a stop of a joint these are the place where the link crosses the arc of the
+   * joint's range, and a direction at a right angle to the link.
    */
   #contactPosition(frame, point, wall) {
     const side = this.recording.sidesAt(frame)[wall];

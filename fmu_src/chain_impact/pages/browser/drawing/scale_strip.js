@@ -9,7 +9,7 @@ const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the w
 const BAR_TEXT = 6; // largest number of letters in the text beside the scale bar
 export const STRIP = 30; // [pixels] height of the strip
 
-/** Return both ends of the part of a line on the screen that lies below the strip. */
+/** Return both ends of the part of a line on the screen that lies below the strip; they are equal if no part does. */
 export function belowStrip([[x0, y0], [x1, y1]]) {
   const at = (y) => (y0 === y1 ? 0 : Math.min(Math.max((y - y0) / (y1 - y0), 0), 1));
   const ends = [y0 < STRIP ? at(STRIP) : 0, y1 < STRIP ? at(STRIP) : 1];

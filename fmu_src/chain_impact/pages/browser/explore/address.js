@@ -33,8 +33,8 @@ export class Address {
   }
 
   /**
-   * Use the scene, the changes and the outputs in the address. If one of these has a fault, show the fault; then nothing is used if the
-   * scene has it, otherwise only the scene.
+   * Use the scene, the changes and the outputs in the address. If the scene has a fault, use none of them; if the changes or the outputs
+   * have one, use only the scene. In both cases show the fault.
    */
   #apply() {
     const { changes, choice, openScene } = this;

@@ -70,7 +70,7 @@ export class ComparedMotions {
     this.player.drawSoon();
   }
 
-  /** Return words for a pinned motion: its scene, if the shown motion has another one, and its changes that other motions do not have. */
+  /** Return words for a pinned motion: its scene, if the shown motion has another, and those changes in which the listed motions differ. */
   #textOf({ recording }) {
     const { name, scene } = recording;
     const { name: shownName, scene: shown } = this.player.recording;

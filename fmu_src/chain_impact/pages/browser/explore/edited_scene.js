@@ -78,9 +78,9 @@ function keepSignals(contents, nameOf, open) {
 
 /**
  * Return the scene with edited contents, and the reader's changes in it: the complete file `whole` and its `scene`, both without the
- * changes; the changes that are `kept`; `nameOf`, the function from a name before the edit to the name after it; and words for signals and
- * their inputs that are `removed`. If the edit itself gives a changed parameter a value, the change is dropped. If the scene without the
- * changes is impossible, only changes of inputs are kept.
+ * changes; the changes that are `kept`; `nameOf`, the function from a name before the edit to the name after it; and `removed`, words for
+ * the signals and inputs of signals that the edit removes. If the edit itself gives a changed parameter a value, its change is dropped. If
+ * the scene without the changes is impossible, `whole` and `scene` contain the changed values, and only changes of inputs are kept.
  *
  * @param before the result of `partsOf` for the contents before the edit.
  */

@@ -33,8 +33,8 @@ player.layers.push(comparedMotions, handles);
 
 /**
  * Return the parts of the next motion with two views: `ownView` contains this motion alone, `view` also the compared motions of scenes with
- * the same name. So that the picture does not move, `view` is the present view if the next one lies inside it and is not much smaller
- * (KEPT), or while a handle is dragged.
+ * the same name. So that the picture does not move, the present view is kept as `view` if the new one lies inside it and is not much
+ * smaller (KEPT), and while a handle is dragged.
  */
 function withSteadyView(next) {
   const ownView = next.view;

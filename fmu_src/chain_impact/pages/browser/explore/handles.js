@@ -38,8 +38,8 @@ export class Handles {
     this.player = player;
     this.changes = changes;
     this.element = element;
-    // the handle that is being dragged, or null: {kind, index, apart (from `#apart`), time (from `#arrowTime`), pointer}, or with
-    // `by` [pixels] in place of `pointer` if a key moves it
+    // the handle that moves, or null: {kind, index, apart (from `#apart`), time (from `#arrowTime`)}, also with `pointer`, the number of
+    // the pointer that drags it, or with `by`, the way [pixels] by which a key moves it
     this.dragged = null;
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);
@@ -64,7 +64,7 @@ export class Handles {
     return this.changes.valueOf(name) ?? 0;
   }
 
-  /** Return positions [m] and velocities [m/s] of the points at the start, for the present parameters. */
+  /** Return positions [m] and velocities [m/s] of the base and the link ends at the start, for the present parameters. */
   get #start() {
     // a base that a signal drives starts where the signal says
     const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
@@ -223,8 +223,9 @@ export class Handles {
   }
 
   /**
-   * Return the direction on the screen of the stem at point `k` at rest: of a slider along its line, of another base opposite to link 1, of
-   * any other point where an anticlockwise turn of the link before it moves it; another one if the grip would not be in the drawing.
+   * Return the direction on the screen of the stem at a point `k` whose velocity is 0. At the base of a slider, the stem lies along the
+   * slider's line; at another base, opposite to link 1; at the end of a link, in the direction in which an anticlockwise turn of this link
+   * moves it. If the grip would then not be in the drawing, the direction is another one, except at a slider.
    */
   #aside(k, [x, y]) {
     if (k === 0 && this.#line) return [this.#line[0], -this.#line[1]];

@@ -216,7 +216,7 @@ export class GridMap {
     return { names, axes, values: { ...this.changes.values }, outputs: presentOutputs(this.changes) };
   }
 
-  /** Return the number in a field for an end of an axis; an angle without a unit is in degrees, as on the axis. */
+  /** Return the end of an axis, an angle in radians, that the text of a field stands for; an angle in it without a unit is in degrees. */
   #limit(name, text) {
     const { factor } = shownIn(this.changes.parameters.get(name));
     const isShown = factor !== 1 && text.trim() !== "" && Number.isFinite(Number(text));

@@ -22,7 +22,7 @@ export function runIn(outputs, rows, first) {
   return { status: Number(integers[first]), values };
 }
 
-/** Return the output of a run with some values; null if a rigid law leaves it unknown: it is 0 in a run with impacts. */
+/** Return an output from the `values` of a run; null if a rigid law leaves it unknown, so that it is 0 though the run has impacts. */
 export function outputIn(values, { name, rigid }) {
   return rigid && values[name] === 0 && values["impact.count"] > 0 ? null : values[name];
 }

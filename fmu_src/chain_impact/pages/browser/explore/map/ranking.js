@@ -11,7 +11,10 @@ const MOST_EFFECTS = 10; // largest number of parameters in the list
 // parameters that are no part of the mechanism, and exponents, which change the unit of a stiffness
 const NOT_RANKED = /^(solver|simulation)\.|\.exponent$/;
 
-/** Return the changed `value` of a parameter, 1 % more or, if the scene refuses it, 1 % less, and its `sign`; undefined if it is 0. */
+/**
+ * Return the changed `value` of a parameter, 1 % more or, if the scene refuses it, 1 % less, and its `sign`; undefined if the parameter is
+ * 0, or the scene refuses both.
+ */
 function stepOf(changes, name) {
   const steps = [1, -1].map((sign) => ({ name, sign, value: changes.valueOf(name) * (1 + sign * STEP_SHARE) }));
   return steps.find(({ value }) => {

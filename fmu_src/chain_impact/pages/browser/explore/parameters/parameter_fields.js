@@ -56,8 +56,8 @@ export function presentUnit(changes, name, values = changes.values) {
 
 /**
  * Return a `field` for a parameter, which is a number or a choice, with two functions: `write` writes a value into it, and `refresh` the
- * parameter's present value. A field shows all digits of its value only while it has the focus. A refused text stays until Escape or
- * another change brings back the value that holds.
+ * parameter's present value. A field shows all digits of its value only while it has the focus. A refused text stays in the field until the
+ * reader presses Escape or changes something else; then the field shows the present value again.
  */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;
