@@ -160,7 +160,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 def _when(result: Recording, joint: int, peaks: np.ndarray) -> str:
     """Return words for when the force in a joint is largest: between two rows, and the impact.
 
-    An impact that touches the time between the rows only in part is told as near, unless its own largest
+    An impact that overlaps only a part of the time between the rows is told as near, unless its own largest
     force is that of the joint.
 
     Args:
@@ -233,7 +233,7 @@ def smallest_body(scene: Scene) -> tuple[float, str]:
     """Return the size [m] of the smallest body, and words for it: the shortest link, or a ball's radius.
 
     A free chain of one link that touches only at its centre of mass is a ball: the length of its link has no
-    meaning, and without a radius the ball has no size.
+    meaning, and a ball without a radius counts as infinitely large, so that it is never the reason of a hint.
     """
     link, points = min(scene.chain.links, key=lambda item: item.length), scene.touching_points
     ends = {0.0: 0, link.length: 1}

@@ -20,6 +20,7 @@ ROOM = 1.0
 MARGIN = 0.06  # [1] margin around the view of a film, relative to the longer side of the view
 LEAST = 1e-6  # [m] size assumed for the view of a chain that does not move
 # a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
+# in absolute value; the component's sign tells on which side
 UPRIGHT = 0.5
 # [1] a point with at most this radius is not drawn as a circle; relative to the size of the motion
 ALONE = 1e-3
@@ -121,8 +122,9 @@ def framed(
 def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
     """Return to which sides a view can be extended: to sides without a wall.
 
-    The first result is the fraction, 0…1, of an extension that goes to the left, for x, and down, for y. The
-    second result is whether at least one of the two sides has no wall, for x and for y.
+    The first result is the fraction, 0…1, of an extension that goes to the left, for x, and down, for y. It
+    is 0.5 if both sides have a wall, or none. The second result is whether at least one of the two sides has
+    no wall, for x and for y.
     """
     # 1 for a side without a wall, else 0: [[left, below], [right, above]]
     open_sides = np.ones((2, 2))

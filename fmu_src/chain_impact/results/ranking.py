@@ -33,7 +33,8 @@ EXPONENTS = ("contact.exponent", "stop.exponent")
 """The parameters that change the unit, and so the meaning, of a stiffness."""
 # [1] an effect that is larger, relative to the quantity, holds for smaller changes only: the text says so
 LARGE_SHARE = 0.2
-# [1] an effect that is at most this, relative to the quantity, is round-off and counts as none
+# [1] an effect that is at most this, relative to the quantity's size (see _Found), is round-off and counts as
+# none
 LEAST_EFFECT = 1e-12
 NAMED_STEPS = 2  # the largest number of different steps that the heading of a block of bars lists
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
@@ -208,7 +209,7 @@ class Ranking:
         )
 
     def _blocks(self) -> list[list[Effect]]:
-        """Return the first MOST_BARS effects: those of 1 % in one list, those of fixed steps in another."""
+        """Return the first MOST_BARS effects in one or two lists: those of 1 %, and those of fixed steps."""
         return list(filter(None, by_step(self.effects[:MOST_BARS])))
 
     def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:

@@ -189,9 +189,9 @@ class Rail:
 
 
 def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
-    """Return the line of a slider; None if there is no slider, or if nothing tells the line's direction.
+    """Return the line of a slider; None if ``values`` has no ``slider.angle`` and ``positions`` is None.
 
-    In both cases ``values`` has no ``slider.angle``, and ``positions`` is None.
+    Then there is no slider, or nothing tells the direction of its line.
 
     Args:
         points: the positions of all points, of which the first is the base, shape (T, P, 2) [m].

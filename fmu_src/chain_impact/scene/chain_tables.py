@@ -154,7 +154,7 @@ class ChainTable:
 
     @property
     def sites(self) -> tuple[tuple[int, Site], ...]:
-        """Each point of a link that is not an end, as a pair (index of the link, point), in order of number.
+        """Pairs of a link's index, from 0, and a point of this link other than its ends, in order of number.
 
         The numbers of these points begin at N + 1.
         """

@@ -56,7 +56,7 @@ def with_angles(scene: AnyScene) -> AnyScene:
 def with_radii(scene: AnyScene) -> AnyScene:
     """Return the scene with a radius for each point of links.
 
-    Points without their own radius get the derived ``contact.radius``.
+    A point without its own radius gets ``contact.radius``; this is a derived value of the point.
     """
     links, paths = [], [*scene.derived_paths]
     for i, link in enumerate(scene.chain.links):

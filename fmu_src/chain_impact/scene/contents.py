@@ -92,10 +92,9 @@ class Contents:
 
     @property
     def may_touch(self) -> bool:
-        """Whether any point may touch a wall, as ``contact.points`` and the points of links say.
+        """Whether any point may touch a wall: one of ``contact.points``, or a point of a link.
 
-        If the scene has walls, at least one of these points must be able to reach a wall: see
-        ``keeps_distance``.
+        If the scene has walls, one of these points must also be able to reach a wall: see ``keeps_distance``.
         """
         if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
@@ -178,7 +177,7 @@ class Contents:
         return {number: site.name for number, (_, site) in sites if site.name}
 
     def point_label(self, number: int) -> str:
-        """Return the words for a point in a sentence: the number, and the name if the point has one."""
+        """Return the words for a point in a sentence, with its name if it has one: "point 5 (heel)"."""
         return point_label(number, self.point_names)
 
     def stop_name(self, wall: int) -> str:
