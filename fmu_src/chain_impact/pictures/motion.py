@@ -60,7 +60,7 @@ SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their
 RING_SIZE = 6.5  # [points] the size of the mark of an impact
 PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
-# the distance within which impacts at the same wall share a ring, relative to the larger side of the view
+# the distance within which impacts at the same wall or stop share a ring, relative to the view's larger side
 RING_DISTANCE = 0.03
 # the length of the arrow for the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3

@@ -63,7 +63,8 @@ NUMBERS = {"motion": number_places, "impacts": number_impacts}
 
 The functions return the numbers without room, as text.
 """
-# LISTED_HEIGHT: the largest height of texts at the foot that name impacts, relative to the figure's height
+# LISTED_HEIGHT: the largest height of all texts at the foot together, if one of them names impacts; relative
+# to the height of the figure
 LISTED_HEIGHT = 0.25
 # how often, at most, the panels are arranged again because the text at the foot takes room from them
 FEET = 3

@@ -16,7 +16,7 @@ from chain_impact.variables.prepared import PreparedScene
 
 # WITHIN: number of additional times within an impact; FOLLOWED: largest number of impacts that get them
 WITHIN, FOLLOWED = 50, 400
-CLOSE_TIMES = 1000  # number of times in a picture of one impact (a close view)
+CLOSE_TIMES = 1000  # number of equally spaced times in a picture of one impact (a close view)
 # [1] time that a close view shows before and after the impact, relative to the impact's duration
 BEFORE, AFTER = 0.5, 1.0
 # An interval between two times is divided into PARTS if a curve deviates from a straight line there by more
