@@ -11,6 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.contact_times import impacts_at_peaks
 from chain_impact.pictures.impact_marks import MOST_OWN_MARKS, POINT_MARKS, STOP_MARKS, heights, point_groups
 from chain_impact.pictures.over_time import ENERGIES, VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
 from chain_impact.pictures.overview import fill
@@ -40,7 +41,7 @@ def test_every_impact_is_in_the_picture(model):
     energy, speeds = panels["energy"], panels["impacts"]
     lines = [path for item in speeds.collections for path in item.get_segments()]
     stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
-    expected = sorted(zip(recording.impacts["onset"], strengths(recording), strict=True))
+    expected = sorted(zip(impacts_at_peaks(recording)["onset"], strengths(recording), strict=True))
     assert sorted(tuple(stem[1]) for stem in stems) == expected
     (lines,) = (item for item in energy.collections if isinstance(item, LineCollection))
     assert [path[0, 0] for path in lines.get_segments()] == recording.impacts["onset"].tolist()
@@ -53,7 +54,7 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
     (speeds,) = (axes for axes in drawn(recording)[1:] if axes.get_label() == "impacts")
     for text in speeds.texts:
         row = int(re.split("[,–:]", text.get_text())[0]) - 1
-        assert text.xy == (recording.impacts["onset"][row], strengths(recording)[row])
+        assert text.xy == (impacts_at_peaks(recording)["onset"][row], strengths(recording)[row])
         box, place = text.get_window_extent(), speeds.transData.transform(text.xy)
         assert np.hypot(*(np.clip(place, box.min, box.max) - place)) < 20.0  # pixels
 

@@ -14,11 +14,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
+from chain_impact.pictures.contact_times import SEEN_CONTACT
 from chain_impact.pictures.figures import settle
 from chain_impact.pictures.impact_marks import IMPACT_DOT
 from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import SEEN_CONTACT, impact_lines, mark_impacts, name_time
+from chain_impact.pictures.over_time import impact_lines, mark_impacts, name_time
 from chain_impact.pictures.style import (
     GREY,
     INK,

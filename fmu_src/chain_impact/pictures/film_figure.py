@@ -16,9 +16,9 @@ from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.bands import plot_curves
 from chain_impact.pictures.body import body_look, draw_rail
+from chain_impact.pictures.contact_times import contact_ends
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_labels import Number, write_numbers
-from chain_impact.pictures.impact_marks import contact_ends
 from chain_impact.pictures.message import hit
 from chain_impact.pictures.names import brief_hit, short_names
 from chain_impact.pictures.over_time import (

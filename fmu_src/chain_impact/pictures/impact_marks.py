@@ -13,14 +13,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
+from chain_impact.pictures.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
 from chain_impact.pictures.labels import Ink, Label, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import peaks, strengths
 from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_IN_LABEL, numbers_text
 from chain_impact.pictures.names import short_names, what_touches
-from chain_impact.pictures.over_time import SEEN_CONTACT, over_all_time
+from chain_impact.pictures.over_time import over_all_time
 from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR, scale_numbers
-from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed, speed_unit
 
@@ -60,12 +60,14 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
 
     If none is known, the impact speeds are drawn. At most MOST_OWN_MARKS points have a mark of their own:
     those with the hardest impacts. The others are grey. The hardest impact has a colour of its own.
+    The marks stand at the times of the peak forces (``impacts_at_peaks``).
 
     Thick, pale lines below the marks, a row for each kind of mark, show the contacts that are long enough to
     be seen; the axis of time is below them.
     If there are impacts at walls and at stops, those at stops have their own axis on the right.
     """
-    stopped, times, scale = recording.at_stops, recording.impacts["onset"], stop_scale(recording)
+    stopped, scale = recording.at_stops, stop_scale(recording)
+    onsets, times = recording.impacts["onset"], impacts_at_peaks(recording)["onset"]
     tops = heights(recording, scale)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     groups, lanes = point_groups(recording, tops), 0
@@ -85,9 +87,9 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         for row in strongest & {*hits.tolist()}:
             bold = {"color": PEAK_COLOUR, "markersize": form * IMPACT_DOT, "label": "_", "zorder": 2.1}
             axes.plot(times[row], tops[row], **look | bold)
-        goes_on = hits[ends[hits] - times[hits] > SEEN_CONTACT * span]
+        goes_on = hits[ends[hits] - onsets[hits] > SEEN_CONTACT * span]
         if len(goes_on):
-            draw_contacts(axes, times[goes_on], ends[goes_on], lanes, mark)
+            draw_contacts(axes, onsets[goes_on], ends[goes_on], lanes, mark)
             lanes += 1
     axes.spines["bottom"].set_position(("outward", lanes * ROW))
     at_stops, at_walls = bool(stopped.any()), not stopped.all() or not len(stopped)
@@ -101,7 +103,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         axes.spines["right"].set_visible(True)
     if len(times):
         handles, _ = axes.get_legend_handles_labels()
-        if (ends - times > SEEN_CONTACT * span).any():
+        if (ends - onsets > SEEN_CONTACT * span).any():
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
         legend_above(axes, handles)
     else:
@@ -128,16 +130,6 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, m
     for artist in (lines, first):
         artist.set_clip_path(sides)
         artist.set_in_layout(False)
-
-
-def contact_ends(recording: Recording) -> np.ndarray:
-    """Return the ends of the contacts of the recording's I impacts, shape (I,) [s].
-
-    A contact that has not ended gets the end of the recording; an unknown end is replaced by the onset.
-    """
-    impacts = recording.impacts
-    ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
-    return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
 
 
 def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
@@ -186,7 +178,7 @@ def hardest(tops: np.ndarray) -> np.ndarray:
 
 def common_marks(recording: Recording, tops: np.ndarray) -> dict[tuple[int, int], list[int]]:
     """Return groups of impacts with nearly coincident marks: cell (ONE_MARK) → rows in ``impacts``."""
-    times = recording.impacts["onset"]
+    times = impacts_at_peaks(recording)["onset"]
     scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
     marks: dict[tuple[int, int], list[int]] = {}
@@ -242,7 +234,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     Returns words for the impacts without a number; "" if there are none.
     """
     high = heights(recording, stop_scale(recording))
-    tops = list(zip(recording.impacts["onset"].tolist(), high.tolist(), strict=True))
+    tops = list(zip(impacts_at_peaks(recording)["onset"].tolist(), high.tolist(), strict=True))
     order, step = hardest(high), numbered_step(axes, recording)
     if step > 1:
         order = np.arange(step - 1, len(tops), step)

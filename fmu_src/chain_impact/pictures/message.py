@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.contact_times import impacts_at_peaks
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.names import brief_hit, what_touches
 from chain_impact.pictures.style import force_text, headline, is_narrow, raised
@@ -147,12 +148,16 @@ def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
 
 
 def place(recording: Recording, row: int) -> str:
-    """Return words for the impact in a row: "impact 1: point 4 hits y_min at 0.5 s with 2 m/s"."""
-    impact = recording.impacts[row]
+    """Return words for the impact in a row: "impact 1: ball hits y_min at 0.5 s with 2 m/s, peak at 0.7 s".
+
+    The time of the peak is told if it is seen to be later than the onset (``impacts_at_peaks``).
+    """
+    impact, peak = recording.impacts[row], impacts_at_peaks(recording)["onset"][row]
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
     speed = f"{impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
     at = f"{factor * impact['onset']:.4g} {unit}"
-    return f"impact {row + 1}: {brief_hit(recording, impact)} at {at} with {speed}"
+    later = f", peak at {factor * peak:.4g} {unit}" if peak > impact["onset"] else ""
+    return f"impact {row + 1}: {brief_hit(recording, impact)} at {at} with {speed}{later}"
 
 
 def has_contact(recording: Recording) -> bool:

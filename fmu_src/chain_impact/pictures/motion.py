@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.body import draw_bodies, draw_rail
+from chain_impact.pictures.contact_times import impacts_at_peaks
 from chain_impact.pictures.labels import Ink, Label, listed, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import peaks
@@ -329,10 +330,10 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     The fastest impacts come first. Returns the numbers without room as text, or how many they are; "" if all
     have room.
     """
-    hits_at, labels = rings(axes, recording), []
+    hits_at, labels, impacts = rings(axes, recording), [], impacts_at_peaks(recording)
     for spot, hits in hits_at.items():
         numbers = [hit + 1 for hit in hits]
-        position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
+        position, outward = _label_place(recording, impacts[hits[0]], spot)
         whole = numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY)
         labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
@@ -374,13 +375,15 @@ def _label_place(
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
     """Return the rings of impacts: position of a ring → rows of its impacts in ``impacts``, fastest first.
 
-    Impacts at the same wall or stop share a ring if they are closer than RING_DISTANCE.
+    A ring is where the force is largest. Impacts at the same wall or stop share a ring if they are closer
+    than RING_DISTANCE.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}
-    walls = recording.impacts["wall"]
+    impacts = impacts_at_peaks(recording)
+    walls = impacts["wall"]
     for row in by_speed(recording).tolist():
-        x, y = recording.spot(recording.impacts[row]).tolist()
+        x, y = recording.spot(impacts[row]).tolist()
         near = (
             spot
             for spot, hits in hits_at.items()

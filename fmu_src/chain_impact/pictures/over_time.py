@@ -67,8 +67,6 @@ PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
 MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
 SHORT = 0.002
-# the least duration of a contact, relative to the run's duration, that is drawn as a thick line
-SEEN_CONTACT = 0.01
 TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
 
 

@@ -1,0 +1,48 @@
+"""When contacts end and when their forces are largest, as far as a picture shows it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.recording import Recording
+
+# the least time within a contact, relative to the run's duration, that is seen: a shorter contact is no thick
+# line, and the peak of its force stands at its onset
+SEEN_CONTACT = 0.01
+# the least force of a row that counts as the peak of a contact, relative to the peak force between all rows
+ALMOST_PEAK = 0.98
+# the first row with so much of the largest force is its time, so that round-off chooses no time of a constant
+# force
+FIRST = 1.0 - 1e-4
+
+
+def contact_ends(recording: Recording) -> np.ndarray:
+    """Return the ends of the contacts of the recording's I impacts, shape (I,) [s].
+
+    A contact that has not ended gets the end of the recording; an unknown end is replaced by the onset.
+    """
+    impacts = recording.impacts
+    ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
+    return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
+
+
+def impacts_at_peaks(recording: Recording) -> np.ndarray:
+    """Return the table of impacts with the time of the largest force as ``onset``, where the rows tell it.
+
+    The onset stays if the force is largest so soon after it that this is not seen (SEEN_CONTACT), or if no
+    row has the peak force.
+    """
+    impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * np.ptp(recording.time)
+    forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
+    ends = contact_ends(recording)
+    for impact, end in zip(impacts, ends, strict=True):
+        force = forces.get((int(impact["point"]), recording.wall_names[impact["wall"]]))
+        first, last = np.searchsorted(time, [impact["onset"], end])
+        if force is None or end - impact["onset"] <= least or first == last:
+            continue
+        during = force[first:last]
+        row = first + (during >= FIRST * during.max()).argmax()
+        if force[row] >= ALMOST_PEAK * impact["peak_force"] and time[row] - impact["onset"] > least:
+            impact["onset"] = time[row]
+    return impacts
