@@ -33,7 +33,7 @@ WRAPPERS: set[Path] = set()
 # the folder of this module; each FMU is unpacked to another folder, and has a module of another name
 RESOURCES = Path(__file__).absolute().parent
 NAME, GUID = (RESOURCES / "slavemodule.txt").read_text(encoding="utf-8").split()[1:]
-with suppress(OSError):  # importers take the GUID from modelDescription.xml; the wrapper does not pass it on
+with suppress(OSError):  # importers use the GUID in modelDescription.xml, and the wrapper does not pass it on
     GUID = ElementTree.parse(RESOURCES.parent / "modelDescription.xml").getroot().attrib["guid"]
 KERNEL = ctypes.CDLL(str(RESOURCES / f"kernel-{'win64.dll' if os.name == 'nt' else 'linux64.so'}"))
 KERNEL.fmi2Instantiate.restype = KERNEL.another_fmi2_instance.restype = c_void_p
@@ -43,19 +43,19 @@ _log = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)(
 
 
 class SlaveError(Exception):
-    """Raised when the kernel refuses a call; its text is the kernel's last message, or ``reason``."""
+    """Raised when the kernel refuses a call; its text is ``reason``, by default the kernel's last message."""
 
     def __init__(self, *slaves: ChainImpact, reason: str = "") -> None:
         super().__init__(reason or vars(SAID).pop("messages")[-1][1])
-        # At an exception, pythonfmu 0.7.0 gives up its references to a slave, and once more when the importer
-        # frees the slave. One reference more for each keeps Python from freeing the slave too early.
+        # pythonfmu 0.7.0 gives up its references to a slave twice: at an exception of the slave, and when the
+        # importer frees it. One more reference to each object keeps Python from freeing it too early.
         for kept in [kept for slave in slaves for kept in (slave, type(slave), slave.log_queue)]:
             ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
         # Python logs this text to stderr, because fmpy itself shows only "status 4 (fatal)" by default
         text = str(self).replace("%%", "%").replace("##", "#")
         logging.getLogger("chain_impact.fmu").error("%s: %s", NAME, text)
 
-    __repr__ = Exception.__str__  # the wrapper logs the repr as a format of printf
+    __repr__ = Exception.__str__  # the text, with % as %%: the wrapper logs the repr as a format of printf
 
 
 _functions = (_log, ctypes.pythonapi.PyMem_RawCalloc, ctypes.pythonapi.PyMem_RawFree)

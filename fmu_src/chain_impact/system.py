@@ -168,12 +168,12 @@ def included(in_package: str, in_repository: str) -> Path:
 
 
 def others_can_write(status: os.stat_result) -> bool:
-    """Return whether another user of this machine, except root, can write into a folder.
+    """Return whether another user of this machine, except root, can write into a folder with a ``status``.
 
-    ``status`` is the folder's. If another user, except root, owns the folder, the result is True. A group's
-    right to write does not count for the group of root and a group with the user's own number, to which only
-    this user belongs on many systems. On Windows the result is False, because a user's own folder is closed
-    to others.
+    This is so if another user, except root, owns the folder, or if its group or all users may write into it.
+    The group does not count if it is the group of root, or has the user's own number, because only this user
+    belongs to such a group on many systems. On Windows the result is False, because a user's own folder is
+    closed to others.
     """
     if SYSTEM == WINDOWS:
         return False
@@ -190,7 +190,7 @@ def remove_lock(lock: Any) -> None:
     file = Path(lock.lock_file)
     if SYSTEM == WINDOWS:
         lock.release()
-        with suppress(OSError):  # if another process has taken the lock, its file cannot be removed
+        with suppress(OSError):  # the file stays if another process has taken the lock since the release
             file.unlink()
     else:
         file.unlink(missing_ok=True)

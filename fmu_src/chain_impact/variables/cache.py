@@ -1,8 +1,8 @@
 """A cache of the data that scenes share if they differ only in numbers.
 
-``in_common`` marks the properties of ``PreparedScene`` that do not depend on numbers, and keeps them in the
-cache. The cache also keeps the record of one of these scenes: a record for another one is a copy, in which
-only the tables with changed numbers are written again (filling.py).
+These data are the properties of ``PreparedScene`` that do not depend on numbers, which ``in_common`` marks,
+and the record of one of the scenes. The record of another one is a copy of it, in which only the tables with
+changed numbers are written again (filling.py).
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ _OTHERS = [
     for entry in fields(Scene)
     if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
 ]
-"""The other tables of a scene: if one differs, nothing is shared. Texts do not matter, and [simulation]
-matters only to signals."""
+"""The other parts of a scene, except texts: two scenes that differ in one of them share nothing. [simulation]
+is no such part, because it matters only to scenes with signals."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:
@@ -73,7 +73,7 @@ _OF_CONTACT = _decisive(Contact, ("contact",))
 _OF_LINK = _decisive(Link, ("chain", "links", AT))
 _OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
 """The keys of [contact], of a link and of a slider that decide the layout of the record or which variables
-exist. A slider's angle does, because it decides which walls the points can reach."""
+exist. The angle of a slider is one of them, because it decides which walls the points can reach."""
 
 
 def common_of(scene: Scene) -> Common:
@@ -109,7 +109,7 @@ def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
 
 
 def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
-    """Return the names of the tables whose numbers a record of ``before`` needs to become one of ``scene``.
+    """Return the names of the tables to write again in a copy of the record of ``before`` for ``scene``.
 
     These are the tables of ``_NUMBERS`` that are not the same object in both scenes. The result is None if
     the whole record must be written, because the scenes differ in more than numbers, or in numbers that

@@ -103,8 +103,8 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     """Return a function from a scene to the values of a kind of parameters, one for each owner.
 
-    If the record has two fields for the parameter, the function returns all values in use, then all given
-    values, with the number DERIVED for a value that is not given.
+    If the record has two fields for the parameter, the list has the values in use of all owners, and then the
+    given values of all owners, with the number DERIVED for a value that is not given.
     """
     path = kind.path or ()
     if AT not in path and ENTRY_AT not in path:
@@ -144,10 +144,10 @@ def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
 def _members(
     path: DataPath,
 ) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[DataPath]]]:
-    """Return three functions that read a kind of parameters, whose ``path`` is a template, from a scene.
+    """Return three functions for a kind of parameters whose ``path`` in a scene is a template with an index.
 
-    The first function returns the owners of the values in a scene, in order, such as all links. The second
-    returns the value of one owner. The third returns the paths of all these values in a scene.
+    The first function returns the owners of the parameters in a scene, in order, such as all links. The
+    second returns the value that one owner has. The third returns the paths of all these values in a scene.
     """
     if ENTRY_AT in path:  # these parameters belong to points of links, which form a list in each link
         key = path[-1]
@@ -186,7 +186,7 @@ def _itself(value: Any) -> Any:
 
 
 def _choice(kind: Kind, name: str) -> float:
-    """Return the number of a choice, counted from 1, as the real number that has the same 8 bytes.
+    """Return the number of a choice, counted from 1, as the real number with the 8 bytes of this integer.
 
     All words of a record are written as real numbers, and the kernel reads this word as an integer.
     """
@@ -208,11 +208,11 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
 def _words_of(
     table: str, sizes: Counts, lines: int, slides: bool, met: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
-    """Return the words of a record that hold a table's numbers, and the functions that read these numbers.
+    """Return the indices of a record's words with a table's numbers, and the functions that read the numbers.
 
-    The first result has the words' indices, in the order in which the functions give the numbers. ``lines``
-    is the number of walls at any angle in the record, ``slides`` whether there is a slider, and ``met`` are
-    the conditions of ``_GIVEN_IF`` that the scene meets.
+    The functions, one after the other, return the numbers in the order of the indices. ``lines`` is the
+    number of walls at any angle in the record, ``slides`` whether there is a slider, and ``met`` are the
+    conditions of ``_GIVEN_IF`` that the scene meets.
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}
     layout, kinds, words, there = layout_of(*sizes), _tables()[table], [], []
@@ -253,10 +253,10 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
-    """Return a copy of an instance with the tangent instances for derivatives after it in memory.
+    """Return a copy of an instance that is followed in memory by tangent instances for derivatives.
 
-    ``paths`` are the paths, in the record, of the parameters with respect to which there are derivatives.
-    Each parameter has a direction of its own, in which its derivative is 1 and those of all other parameters
+    ``paths`` are the paths in the record of the parameters and inputs with respect to which there are
+    derivatives. Each of them has a direction of its own, in which its derivative is 1 and those of all others
     are 0. A tangent instance has DIRECTIONS directions.
     """
     layout, count = memory.dtype, -(-len(paths) // DIRECTIONS)

@@ -34,8 +34,8 @@ def parts_hint(name: str, names: Iterable[str]) -> str | None:
 def series_hint(hint: Hint) -> Hint:
     """Return a function that gives hints for names that are not time series.
 
-    For outputs that change only at events, its hint tells where the result has their values; for any other
-    name it calls the function ``hint``.
+    For outputs that change only at events or steps, its hint tells where the result has their values; for any
+    other name it returns the result of the function ``hint``.
     """
 
     def found(name: str) -> str | None:

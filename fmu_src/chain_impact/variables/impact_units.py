@@ -34,5 +34,5 @@ def impact_units(*, stop: bool) -> Mapping[str, str]:
 
 
 def unit_at(quantity: str, *, stop: bool) -> str:
-    """Return the unit of a quantity of an impact as a text; ``stop`` means an impact at a stop of a joint."""
+    """Return the unit of a quantity of an impact as readers see it, N·m; ``stop``: at a stop of a joint."""
     return unit_text(impact_units(stop=stop)[quantity])

@@ -65,8 +65,8 @@ PEAKS = {
 # layouts are cached, because computing one takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
-"""The number of words at the start of a record that decide its layout: counts, two flags, and the number of
-tangent instances."""
+"""The number of words at the start of a record: counts, two flags, and the number of tangent instances. These
+words decide the layout of the record."""
 
 
 def word_index(dtype: np.dtype, path: DataPath) -> int:
@@ -129,13 +129,13 @@ def log_words(counts: Counts) -> LogWords:
 
 
 class OutputIndices(NamedTuple):
-    """Where the record of an instance has some outputs; an index counts words of 8 bytes.
+    """The indices of some outputs in the record of an instance, counted in words of 8 bytes.
 
     Attributes:
         motion: name → index, for outputs that change continuously.
         stepwise: name → (index, whether it is a real number), for outputs that change only at events and
             steps.
-        row: the layout of a row of ``Result.outputs``, which has the outputs in ``motion``.
+        row: the NumPy type of a row of ``Result.outputs`` with the outputs in ``motion``.
         words: the indices of the numbers of such a row, then the sorted indices of the outputs in
             ``stepwise``.
         of_state: whether the state alone determines all these outputs (``STATE_OUTPUTS`` in

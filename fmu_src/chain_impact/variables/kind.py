@@ -1,8 +1,8 @@
 """A kind of variables: variables that differ only in the number of a link or point, or in the name of a wall.
 
-Texts and paths in the record are templates. ``{n}`` stands for the number of an owner of the kind, ``{name}``
-for the name of a wall, ``{axis}`` for an axis. Other words in braces stand for words of a scene or an owner
-(words.py). In a path, ``{at}`` stands for the index of the owner and ``{next}`` for the next index.
+The names, texts and paths of a kind are templates. ``{n}`` stands for the number of an owner of the kind,
+``{name}`` for the name of a wall, ``{axis}`` for an axis. Other words in braces stand for words of a scene or
+an owner (words.py). In a path, ``{at}`` stands for the index of the owner and ``{next}`` for the next index.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from chain_impact.scene.names import DataPath, NameParts, name_parts, sensitivit
 
 NEXT = "{next}"
 MOTION = "motion"
-"""The part of the record with the given motions."""
+"""The name of the part of the record with the prescribed motions of base, walls and belts."""
 MOTIONS = ("position", "velocity", "acceleration")
 """The fields of the part ``MOTION`` of the record."""
 
 
 class Heading(NamedTuple):
-    """The first words of a description: ``text``, a template, for one variable; ``general`` for the kind."""
+    """The first words of descriptions: ``text``, a template, of one variable; ``general`` of a whole kind."""
 
     text: str = ""
     general: str = ""
@@ -107,7 +107,7 @@ class Kind:
 
     @cached_property
     def parts(self) -> NameParts:
-        """The parts of the variables' names; the number and the name of the owner have no meaning."""
+        """The parts of a variable's name, with any number and any name in place of those of its owner."""
         return name_parts(self.name.format(n=0, of=0, name="name"))
 
     @cached_property

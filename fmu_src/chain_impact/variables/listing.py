@@ -79,7 +79,7 @@ def all_outputs(scene: Scene) -> dict[str, Variable]:
 
 @lru_cache(KEPT_STRUCTURES)
 def outputs_of(structure: Structure) -> dict[str, Variable]:
-    """Return name → output for all outputs that each scene of a structure has, without derivatives.
+    """Return name → output for the outputs, which all scenes of a structure have, without derivatives.
 
     The outputs of the KEPT_STRUCTURES structures used last are cached, because making them takes as long as a
     short simulation.
@@ -149,9 +149,9 @@ def absent_hint(name: str) -> str | None:
 def _owned_kinds(
     blocks: Iterable[Block], structure: Structure
 ) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
-    """Yield each kind with each of its owners that meets the kind's conditions.
+    """Yield each kind with each of its owners that meets the kind's conditions, and with a table of words.
 
-    The third entry has the words of scene and owner that replace words in braces.
+    The table has the texts of scene and owner that replace words in braces.
     """
     scene = scene_words(structure)
     for of, kinds in blocks:

@@ -45,7 +45,8 @@ def _block(
         part: the part of the record.
         owner_kind: the kind of owner.
         prefix: the first part of the names.
-        rows: the rows of the table. The index of the owner is appended to each field without an index.
+        rows: the rows of the table. The index of the owner is appended to the path of each field without
+            ``{at}`` or ``{next}``, unless the owner is the only one: "one" or "slider".
         names: full name → unit, for rows that lack name and unit: row k has the k-th name that begins with
             ``prefix``.
         array: whether the values of all owners form an array, named after the owner and the row.
@@ -87,7 +88,8 @@ def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
     """Return the name and value of an attribute that a row has as text, such as ``minimum=0``.
 
-    An attribute that is written without a value has the value true.
+    An attribute that is written without a value has the value true. A limit is a real number if the row has a
+    ``unit``, else an integer; a name stays text.
     """
     name, _, value = text.partition("=")
     if name == "when":

@@ -193,8 +193,8 @@ def values_of(
 ) -> ValueOf:
     """Return the function from a name in a rule to its value, for the rules of the tables in this file.
 
-    ``known`` and ``lists`` have the values of names without a dot. If ``scene`` is given, a name with a dot
-    is any key of the scene's file; if not, it must be a key of [inputs] or [outputs], which ``known`` has.
+    ``known`` and ``lists`` have the values of names without a dot. A name with a dot is a key of the scene's
+    file: any key if ``scene`` is given, else one of [inputs] or [outputs], whose values ``known`` has.
     """
 
     def value_of(name: str) -> Any:

@@ -70,9 +70,10 @@ class PreparedScene:
 
     @in_common
     def candidates(self) -> list[tuple[int, int]]:
-        """The C candidates: pairs (number of a point or joint, index in ``scene.wall_names``) that can touch.
+        """The candidates: pairs (number of a point or joint, index of a wall or stop).
 
-        A stop of a slider has the number 0 in place of a point's number.
+        The index is that in ``scene.wall_names``. A stop of a slider has the number 0 in place of a point's
+        number.
         """
         return [(candidate["n"], candidate["wall"]) for candidate in self.structure.lists["candidates"]]
 
@@ -244,7 +245,7 @@ class PreparedScene:
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an instance with the parameters of the scene, before its initialization.
 
-        The instance is an array with one record. Tangent instances, which derivatives need, follow it in
+        The instance is an array with one record. If there are derivatives, tangent instances follow it in
         memory.
 
         Args:
@@ -269,8 +270,8 @@ def field_at(outputs: Any, path: DataPath) -> Any:
 def kernel_size(scene: Scene) -> int:
     """Return the size by which ``kernel_library`` finds the compiled kernel for a scene: its number of links.
 
-    The size is ``GENERAL`` if the base or a wall moves, signals drive inputs, or a link is a body
-    (scene/facts.py), not only a rod: a kernel for a fixed number of links has no code for these.
+    The size is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or links are bodies with
+    points or on a slider, not only rods: a kernel for a fixed number of links has no code for these.
     """
     facts = SceneFacts(scene)
     is_general = scene.signals or facts["body"] or facts["motions"]

@@ -41,7 +41,7 @@ class Structure:
 
     @property
     def driven_quantities(self) -> dict[str, tuple[int, int]]:
-        """Name of a quantity that a signal determines → index in ``signals``, index in its ``outputs``."""
+        """Name of a quantity that a signal determines → index in ``signals``, index in ``outputs`` there."""
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):
             positions |= {name: (row, order) for order, name in enumerate(signal.outputs) if name}

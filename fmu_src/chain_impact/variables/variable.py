@@ -14,8 +14,8 @@ from chain_impact.variables.kind import Kind, filled
 from chain_impact.variables.owners import Owner
 
 OBSERVED = ("output",), ("latest",)
-"""The parts of the record that the kernel fills when an output is read. Real numbers in them have the
-variability "continuous" of FMI."""
+"""The parts of the record that the kernel fills only when an output is read. An output in them that is a real
+number has the variability "continuous" of FMI."""
 
 UNLESS_SET = "; unless set: "
 """The words before the rule by which a parameter is derived, in its description."""
@@ -126,9 +126,9 @@ class Variable:
     def feedthrough(self) -> bool:
         """Whether an input acts on this output at once, not only through the state.
 
-        This is so for forces and peaks of forces, for accelerations of points that can move, and for
-        derivatives of these outputs: at a rigid wall or with dry friction, a torque changes the force at
-        once.
+        This is so for forces, moments, peak forces of impacts, sticking, and accelerations except that of a
+        base that cannot move, and for derivatives of these outputs: at a rigid wall or with dry friction, a
+        torque changes the force at once.
         """
         return self.kind.feedthrough and not self.base_at_rest
 

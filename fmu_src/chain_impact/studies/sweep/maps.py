@@ -24,12 +24,12 @@ from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-# matplotlib's colour map, the same as in the maps of pages, and the colour of runs without a value: they
-# failed, or have only impulses
+# the colours of a map: the name of matplotlib's colour map, the same as in the maps of pages, and the grey of
+# runs without a value, which failed or have only impulses
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
 # an axis is logarithmic if its largest value is at least WIDE_RANGE times its smallest one, which must be > 0
 WIDE_RANGE = 1e3
-# on a logarithmic axis of few decades, the multiples of a power of ten that have labels, besides 1
+# on a logarithmic axis of few decades, each power of ten has a label, and so have these multiples of it
 FEW_TICKS = (2.0, 5.0)
 NEVER = "no run has a finite value"
 
@@ -107,7 +107,7 @@ def _draw_map(
     if isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]:
         axis = bar.ax.yaxis
         number_few_decades(axis)
-        # a bar that gets new colours, as on a dark ground, uses its own locator and formatter
+        # when a bar gets new colours, as for a dark ground, matplotlib sets its axis again from these two
         bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
@@ -153,7 +153,7 @@ class Scale:
 
 
 def axis_of(variation: Variation) -> Scale:
-    """Return the axis of a map for a varied parameter."""
+    """Return the axis of a map for a varied parameter: the order of its values and the edges of the cells."""
     if variation.choices:
         names = variation.shown(variation.values).tolist()
         return Scale(np.arange(len(names)), np.arange(len(names) + 1) - 0.5, False, names)
@@ -179,7 +179,7 @@ def label_of(runs: Runs, variation: Variation) -> str:
 def unit_of(runs: Runs, variation: Variation) -> str:
     """Return the unit of a varied parameter, such as N/m^1.5.
 
-    If runs vary an exponent, the unit keeps this word: N/m^exponent.
+    If the runs vary an exponent, the unit has this word in place of a number: N/m^exponent.
     """
     unit = variation.variable.unit
     varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}

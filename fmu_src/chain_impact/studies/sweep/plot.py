@@ -211,8 +211,8 @@ def varying_in(design: Design) -> list[Variation]:
 def _across(count: int, kind: str, width: float) -> int:
     """Return how many of ``count`` panels to put in a row of a figure of some width [inches].
 
-    These are two, or three if ``count`` is 3; three maps are in one column if the figure is narrower than
-    THREE_MAPS. ``kind`` is the kind of picture.
+    Three panels stand in one row, but three maps in one column if the figure is narrower than THREE_MAPS. Of
+    any other number of panels, two stand in a row. ``kind`` is the kind of picture.
     """
     if count != IN_ONE_ROW:
         return 2
@@ -229,7 +229,7 @@ def _dots_across(count: int, width: float) -> int:
 
 
 def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> list[Axes]:
-    """Return ``count`` empty panels, at most ``most`` in a row, or one in a row of a narrow figure."""
+    """Return ``count`` empty panels, at most ``most`` in a row; in a narrow figure, one in a row."""
     across = 1 if is_narrow(figure) else min(count, most)
     grid = figure.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)

@@ -57,21 +57,21 @@ class Quantity:
         return self.column == COUNT
 
     def label_for(self, values: np.ndarray) -> str:
-        """Return the label for finite values; if they differ little, it tells this, too: ", within 3 %"."""
+        """Return the label; its end tells the range of ``values``, if it is small: ", within 3 %"."""
         within = self._small_range(values)
         return f"{self.label}, within {100.0 * within:.2g} %" if within else self.label
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
-        """Return the ends of a wider axis for values with a small range (``_small_range``); else None."""
+        """Return the ends of a wider axis for values with a small range (``_small_range``), else None."""
         if not self._small_range(values):
             return None
         middle, half = 0.5 * (values.min() + values.max()), 0.55 * LEAST_RANGE * np.abs(values).max()
         return float(middle - half), float(middle + half)
 
     def _small_range(self, values: np.ndarray) -> float:
-        """Return the range of values, relative to the largest |value|, if it is small.
+        """Return the range of values, divided by the largest |value|, if it is small; else 0.
 
-        It is small between EQUAL_RESULTS and LEAST_RANGE; else, and for a count, the result is 0.
+        It is small if this quotient lies between EQUAL_RESULTS and LEAST_RANGE. For a count the result is 0.
         """
         largest = np.abs(values).max(initial=0.0)
         if self.is_count or not largest:
@@ -96,7 +96,7 @@ QUANTITIES = (
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
 SHARED = ("N", "N·m", "J")
-"""Units that have one prefix in the whole picture, for main results and additional outputs.
+"""Units for which main results and additional outputs have one prefix in the whole picture.
 
 An additional output in any other unit gets no prefix.
 """
@@ -110,8 +110,9 @@ class Results:
     """The quantities that the picture of a sweep tells.
 
     Attributes:
-        every: the quantities that have a panel, or are the same in all runs and told in words: of the main
-            results and the first additional outputs, or of the columns that the user has named.
+        every: the quantities that the picture tells, in a panel or, if they are the same in all runs, in
+            words. They are main results and the first additional outputs, or the columns that the user has
+            named.
         drawn: the quantities among them that have a panel.
     """
 
@@ -127,10 +128,10 @@ class Results:
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     """Return the quantities that the picture of a sweep tells, and those among them that it draws.
 
-    The columns that ``panels`` names are drawn. Without names, the quantities that differ between the runs
-    are drawn, or all quantities if none differs, with at most MOST_ASKED additional outputs. For samples only
-    the forces and moments (``LOADS``) among these are drawn, if there are any. Quantities that the scene
-    cannot have, such as a force at walls without walls, are left out.
+    The columns that ``panels`` names are drawn. Without names, the picture tells the main results and the
+    first MOST_ASKED additional outputs; quantities that the scene cannot have, such as a force at walls
+    without walls, are left out. It draws those that differ between the runs, or all if none differs. For
+    samples it tells and draws only the forces and moments (``LOADS``) among the drawn ones, if there are any.
 
     Raises:
         UnknownNameError: when there is no column for a panel.

@@ -134,7 +134,7 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """If the ``with`` block is interrupted, write the finished runs to the table and a file for ``take_up``.
+    """If the ``with`` block is interrupted, write a table of the finished runs, and the file of ``take_up``.
 
     Args:
         table: the path of the table.

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from chain_impact.pictures.sizes import Size
 
 TABLES = (".csv", PARQUET)
-SHOWN_RUNS = 10  # number of runs that a notebook shows in full; it leaves further ones out
+SHOWN_RUNS = 10  # a notebook shows the rows of at most this number of runs, and tells how many more there are
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,7 +180,7 @@ def table_path(path: str | Path) -> Path:
 
 
 def _cell_text(value: object) -> str:
-    """Return the text of a value for a notebook's table, with 6 digits."""
+    """Return the text of a value for a notebook's table, with 6 significant digits."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
