@@ -89,8 +89,8 @@ def regularized_fraction(d, elapsed):
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
-    # Newton's method, in an interval that contains the solution, with dt/dθ = h p and the size h of the step:
-    # where u ≥ 0, time increases with θ; where u < 0, the contact has ended, and θ is too large.
+    # Newton's method for θ, in an interval that contains it, with the slope dt/dθ = h p and the step size h.
+    # Where u ≥ 0, time increases with θ; where u < 0, the contact has ended, and θ is too large.
     low, high, theta = 0.0, 1.0, 0.5
     for tries in range(MOST_GUESSES):
         error = interpolate_component(step, theta, clock) - elapsed
@@ -252,15 +252,15 @@ def correct_falling_impulses(d):
         c, fallen = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
         if fallen > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
-            # stops take no part: the stops of all joints share a wall number, but are different walls
+            # stops are left out: the stops of all joints have one wall number, but each is a wall of its own
             if k >= d.touch.compliant_count and at_wall(d, c):
                 reduce_largest_impulse(d, d.candidate.wall[c], fallen)
 
 
 def reduce_largest_impulse(d, wall, amount):
-    """Subtract ``amount`` [N·s] from the largest impulse on any of the points that a rigid ``wall`` holds.
+    """Reduce the largest impulse of the last step on any point that the rigid ``wall`` holds.
 
-    Only the last step's part of an impulse counts, and it does not become negative.
+    The impulse of this step loses ``amount`` [N·s], but does not become negative.
     """
     quadrature, most, largest = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -291,7 +291,7 @@ def quadrature_within(d, theta, k):
 
 
 def copy_tried_quadratures(d, z, first):
-    """Copy the quadratures at the end of the tried step from z, where they begin at index ``first``."""
+    """Set the quadratures at the end of the tried step to the entries of z from index ``first`` on."""
     for k in range(d.quadrature.count):
         d.quadrature.tried[k] = z[first + k]
 
@@ -307,7 +307,7 @@ def accept_quadratures(d):
 
 
 def roll_back_quadratures(d):
-    """Reset the quadratures at the end of the last step, which was rejected, to their values at its start."""
+    """Set the quadratures at the end of the last step, which was rejected, back to those at its start."""
     for k in range(d.quadrature.count):
         d.quadrature.state_end[k] = d.quadrature.state[k]
 
@@ -321,8 +321,8 @@ def truncate_quadratures(d, theta):
 def commit_quadratures(d):
     """Store the totals and rates of the quadratures at the end of the last step.
 
-    This must happen before contacts begin or end, and before a break in the sequence of steps, because then
-    the list of quadratures changes.
+    Call this before contacts begin or end, and before a break in the sequence of steps. Afterwards
+    ``reset_quadratures`` lists the integrated quadratures again, and begins with these totals and rates.
 
     A quadrature that is not integrated gets the rate 0, with which a later integration begins: the force of a
     new contact starts at 0, unless it jumps, and then ``store_end_rates`` is called again.
@@ -368,9 +368,9 @@ def maximum_of(value_at):
         Values after the fraction ``end`` do not count, nor values before the event with which the step
         begins: it lies at the start of the step, but in a tangent instance it has a delay with derivatives.
 
-        The search uses up to three parabolas, each through three points around the maximum of the parabola
-        before; it ends at a parabola without a maximum. The result is the largest of three values: the
-        maximum of the third parabola, the largest value at the points of all parabolas, and 0.
+        The search uses up to three parabolas through three points each, around the maximum of the parabola
+        before; a parabola without one ends the search. The result is the largest of the values at all these
+        points, the maximum of the third parabola, and 0.
 
         Args:
             d: the instance.

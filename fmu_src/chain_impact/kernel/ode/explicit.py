@@ -117,7 +117,8 @@ SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # If the phase of a sine signal of the base advances by more than FAST_SINE [rad] in a step, the sine
 # determines the error of the step (``is_smooth``).
 FAST_SINE = 0.35
-# number of evaluations of the right-hand side in a step, without the evaluation at the end of the step
+# Number of evaluations of the right-hand side in a step: stages 1 to 11. Stage 0 is known, and ``find_rate``
+# (last_step.py) counts the evaluation at the end of the step.
 STEP_EVALUATIONS = END_STAGE - 1
 # number of evaluations of the right-hand side that only the dense output needs
 DENSE_EVALUATIONS = STAGES - END_STAGE
@@ -178,10 +179,10 @@ def combinations(first_row, second_row):
 
 
 def _stage(i, accepted):
-    """Return a function that computes the state at stage i of a step, and the rate of this state.
+    """Return a function (d, h) that computes stage i of a step of size h: the state there, and its rate.
 
-    If ``accepted`` is false, the step is tried and starts at ``step.state_end``. If ``accepted`` is true, the
-    step is the last step, which has started at ``step.state``.
+    ``accepted`` is false for the tried step, which starts at ``step.state_end``. It is true for the last
+    step, which started at ``step.state``; the dense output needs further stages of this step.
     """
     combine = combination(A[i])
 
@@ -252,7 +253,10 @@ def size_up_to_end(h, left):
 
 
 def attempt(d, h):
-    """Try a step of size h from the state ``step.state_end``; the result is in ``trial``."""
+    """Try a step of size h from the state ``step.state_end``.
+
+    ``trial`` gets the state at the end of the step, the outcome, and the error relative to the tolerance.
+    """
     make_step(d, h)
     count_evaluations(d, STEP_EVALUATIONS)
     if runs_back(d, d.trial.state):

@@ -3,8 +3,9 @@
 As the links turn, the clearance that follows from the coordinates of a stage has an error of about ½ h² J̇ẏ,
 with the step size h and the gradient J of the clearances. This error is small, but often larger than the
 penetration of a stiff wall. So the clearances g of the active contacts and their rates are integrated
-together with y without u and t: z = (y, g, ġ, Q), with g̈ the acceleration of the point along the normal and
-Q the quadratures. The contact forces are evaluated at the integrated g and ġ, which do not have that error.
+together with the state: z = (y without u and t, g, ġ, Q), with g̈ the acceleration of the point along the
+normal and Q the quadratures. The contact forces are evaluated at the integrated g and ġ, which do not have
+that error.
 
 A rigid wall has no force law and constrains its points as in an explicit step (forces/holding.py), so z has
 no entries for these points.
@@ -83,7 +84,7 @@ from chain_impact.kernel.rows.geometry import (
 def gap_at(d, k):
     """Return the index in the extended state z of the clearance of the k-th active contact.
 
-    In z, clearances begin at the index of u in y, because an implicit step does not need u.
+    z lacks u and t, the last two entries of y; the clearances begin at the index that u has in y.
     """
     return sundman_u_at(d.links) + k
 
@@ -230,8 +231,8 @@ def solve_shift(d, s, space, slot, x):
         add_along(constraint_row(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, slot, change)
     if d.slides:
-        # remove the load of the slider's drive, because in flight no other function clears the loads on the
-        # points
+        # The slider's drive has put a load on point 0, the base. This load is removed here, because in flight
+        # no other function clears the loads on points.
         space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
@@ -285,11 +286,11 @@ CLEARANCE_MISMATCH = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
-    """Move the coordinates in y so that the clearances become those in ``implicit.normal``.
+    """Move coordinates, or velocities, in y to the clearances, or their rates, in ``implicit.normal``.
 
-    If ``derivative`` is 1, the function changes the velocities instead, so that the rates of the clearances
-    become the values in ``implicit.normal``. The points must be located for y. The change of the coordinates
-    or velocities is stored in ``change``, shape (N+2,).
+    ``derivative`` is 0 for coordinates and clearances, and 1 for velocities and rates of clearances. The
+    points must be located for y. The change of the coordinates or velocities is stored in ``change``, shape
+    (N+2,).
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.scratch.load)
@@ -309,9 +310,9 @@ def project_clearances(d, z, y):
     """Move the state y, whose points are located, so that its clearances and their rates are those in z.
 
     Returns:
-        The largest change of a component, divided by its scale and the tolerance. And the largest difference,
-        before the move, between a clearance that follows from y and the one in z, divided by the allowed
-        difference.
+        Two numbers. The first is the largest change of a component of y, divided by the component's scale and
+        by the tolerance. The second is the largest difference, before the move, between a clearance that
+        follows from y and the one in z, divided by the difference that CLEARANCE_MISMATCH allows.
     """
     implicit, change, worst = d.implicit, d.scratch.change, 0.0
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH

@@ -1,10 +1,10 @@
 """The energy that dry friction dissipates in a step: the work of friction along the step's final motion.
 
-Two corrections change the motion of a step after the rates, with their friction power, have been evaluated:
-the last iteration of an implicit step; and, at the end of any step, round-off and the projection onto
-constraints. At rest these corrections are larger than the motion itself, and friction forces stay large
-although the speed is zero. If the work of friction along the corrections were not counted, the energy balance
-would have an error that grows in every step.
+The rates of a step contain the power of friction. Two corrections change the motion of the step after its
+rates have been evaluated: the last iteration of an implicit step; and, at the end of any step, round-off and
+the projection onto constraints. At rest these corrections are larger than the motion itself, and friction
+forces stay large although the speed is zero. If the work of friction along the corrections were not counted,
+the energy balance would have an error that grows in every step.
 """
 
 from chain_impact.kernel.chain.inputs import set_inputs
@@ -40,6 +40,8 @@ def correct_friction_energy(d, h):
 def power_of_correction(d, m):
     """Return the power [W] of sliding friction at stage m along the speeds that the last iteration added.
 
+    It is negative if friction dissipates more along the corrected than along the uncorrected speeds.
+
     The friction forces are those of the evaluated rate. At rest the speeds in this rate may be far larger
     than the corrected speeds. The dissipated energy contains the work of these forces along the uncorrected
     speeds, so the same forces must be used to take this work back.
@@ -53,8 +55,9 @@ def power_of_correction(d, m):
 def uncounted_work(d):
     """Return the work [J] of dry friction along the part of the tried step that is not counted yet.
 
-    In an implicit step, this part is the motion from the last stage to the projected end; in an explicit
-    step, the round-off and the projection. The points must be located at the end.
+    In an implicit step, this part is the motion from the last stage to the projected end. In an explicit
+    step, it is the change of the end by round-off and by the projection. The points must be located at the
+    end. The work is negative if friction dissipates energy.
     """
     change, y, z = d.scratch.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):
@@ -109,11 +112,11 @@ def work_of_sliding(d, change, force):
 
 
 def count_holding_work(d, h):
-    """Count the work of sticking elements since the start of a step of size h [s] as dissipated energy.
+    """Add the energy that sticking forces take from the chain to the dissipated energy of each stage.
 
-    The energy that their constraint forces take from the chain is added to the dissipated energy of each
-    stage. These forces do work only along errors, because such elements should not move. At the end of the
-    step a projection moves the elements back to their anchors, and does the opposite work.
+    The energy is counted from the start of the implicit step, of size h [s]. Sticking forces do work only
+    along errors, because sticking elements should not move. At the end of the step a projection moves the
+    elements back to their anchors, and does the opposite work.
     """
     implicit = d.implicit
     before = holding_at(d, implicit.start, 0.0)
@@ -124,9 +127,9 @@ def count_holding_work(d, h):
 
 
 def holding_at(d, z, elapsed):
-    """Return the work [J] of sticking forces along the way from each anchor to its element.
+    """Return the work [J] of all sticking forces, each along the way from an anchor to its element.
 
-    The places of the elements are those at the extended state z, ``elapsed`` [s] after the step's start.
+    The elements are at their places in the extended state z, ``elapsed`` [s] after the step's start.
     """
     if d.channels > 0:
         set_inputs(d, d.step.clock + elapsed)

@@ -73,9 +73,9 @@ def reset_times(d, time):
 
 
 def set_start_delay(d, delay):
-    """Set the ``delay`` [s] by which a parameter shifts the event at the start of the next step.
+    """Set ``step.start_delay`` to a ``delay`` [s]: the shift of the event at the start of the next step.
 
-    The value of the delay is 0; only in a tangent instance does it have derivatives.
+    The value of the delay is 0. In a tangent instance it has derivatives, because parameters shift the event.
     """
     d.step.start_delay = delay
 
@@ -88,8 +88,8 @@ def make_last_step(d):
         project_trial(d)
         move_missed_anchors(d)
     step.remainder_whole = step.remainder_end
-    # coordinates and rates that fade toward 0 are set to 0; only contacts, friction, springs and dampers can
-    # make them fade
+    # Coordinates and rates that have faded almost to 0 are set to 0. Only contacts, friction, springs and
+    # dampers make them fade, so without these no value is set to 0.
     resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
     faded = clear_faded(d, y) if resisted else False
     for j in range(len(step.state)):
@@ -171,7 +171,10 @@ def truncate_step(d, theta):
 
 
 def end_at_fraction(d, theta):
-    """Set state and quadratures at the end of the last step to the dense output at its fraction θ."""
+    """Set state and quadratures at the end of the last step to the dense output at its fraction θ.
+
+    The function also sets ``step.end_fraction`` and counts a break; the caller sets ``step.end``.
+    """
     step, lost = d.step, dissipated_at(d.links)
     interpolate(step, theta, step.state_end)
     # ``remainder`` and ``remainder_whole`` are the energies that rounding has lost at the start and at the
@@ -186,7 +189,10 @@ def end_at_fraction(d, theta):
 
 
 def set_own_output_time(d, time):
-    """Set the communication point to a ``time`` [s] in the last step, and ensure the step's dense output."""
+    """Set the communication point ``step.time`` to a ``time`` [s] in the last step.
+
+    The dense output of the step is computed if it does not exist yet.
+    """
     d.step.time = time
     ensure_dense(d, OUTPUTS)
 

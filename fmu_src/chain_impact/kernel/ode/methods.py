@@ -105,7 +105,8 @@ def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
     The implicit method is judged by the proposed size of the next step, the explicit one by the length of the
-    last step. An explicit method that has replaced the implicit one and takes far shorter steps costs more.
+    last step. The explicit method also costs more if it has replaced the implicit one, and its next step is
+    shorter than the implicit steps were by more than FAR_SHORTER.
     """
     step = d.step
     if step.method == IMPLICIT:
@@ -125,7 +126,7 @@ def limit_to_stable(d):
     derivatives with respect to parameters grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z is hρ of the last step, which may have been truncated to its part ``end_fraction``
+    if z > 0.0:  # z is hρ of the last step as it ended: ``size`` times ``end_fraction``
         limit_next_size(d, d.step.size * d.step.end_fraction * STABLE_STEP / z)
 
 

@@ -46,9 +46,9 @@ def regularized_rate(d, y, rate):
 
 
 def regularize(d, y, time_rate, rate):
-    """Set ``rate`` to dy/ds in state y at an end of a step, from ``time_rate`` = dy/dt.
+    """Set ``rate`` to dy/ds in state y, from ``time_rate``, which is dy/dt in this state.
 
-    The points must be located.
+    y is the state at the start or at the end of a step. The points must be located.
     """
     for j in range(len(rate)):
         rate[j] = time_rate[j]

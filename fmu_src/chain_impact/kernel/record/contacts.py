@@ -70,7 +70,7 @@ def law_dtype(candidates: int) -> np.dtype:
 
 
 def most_constraints(candidates: int, elements: int) -> int:
-    """Return the largest number of constraints that can be active at one moment."""
+    """Return the largest number of constraints: one for each candidate and one for each element."""
     return candidates + elements
 
 
@@ -116,8 +116,8 @@ def touch_dtype(candidates: int) -> np.dtype:
         # used
         ("force_rate", REAL, (candidates,)),
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
-        # side of the kink (forces/force_formula.py) whose smooth force a step uses on both sides: 1: the side
-        # beyond the kink; 0: the other side
+        # side of the kink (forces/force_formula.py) whose smooth force a step uses everywhere, also on the
+        # other side: 1: the side beyond the kink; 0: the side before it
         ("beyond_kink", INTEGER, (candidates,)),
         # m/s, only a rate of the penetration beyond the kink δ̇ = 0 by more than this counts as a crossing; 0
         # if the law damps in both directions
@@ -147,7 +147,7 @@ def impact_dtype() -> np.dtype:
         ("last_point", INTEGER),
         # 1 + index of the wall of the latest onset in the scene's wall_names; 0 before the first impact
         ("last_wall", INTEGER),
-        ("last_speed", REAL),  # m/s, impact speed of the latest onset; rad/s at a stop in a joint
+        ("last_speed", REAL),  # m/s, approach speed at the latest onset; rad/s at a stop in a joint
     )
 
 
@@ -166,7 +166,7 @@ def latest_dtype() -> np.dtype:
         ("point", INTEGER, (LATEST,)),  # point of each impact, as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
         ("time", REAL, (LATEST,)),  # s, onset of each impact
-        ("speed", REAL, (LATEST,)),  # m/s, impact speed of each impact
+        ("speed", REAL, (LATEST,)),  # m/s, approach speed at the onset of each impact
         ("end", REAL, (LATEST,)),  # s, end of each contact; the communication point while the contact lasts
         ("separation_speed", REAL, (LATEST,)),  # m/s, separation speed at the end of each contact
         ("peak_force", REAL, (LATEST,)),  # N, peak force of each contact
@@ -207,7 +207,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
-        # 1: the impulse of a rigid wall is a pull, or the point stays below its target motion
+        # 1: a rigid wall in the active set pulls, or a point not in the set stays below its target motion
         ("violated", INTEGER, (count,)),
         ("start", REAL, (count,)),  # motion along the constraint without any impulses
         ("reached", REAL, (count,)),  # motion along the constraint with all impulses
@@ -219,9 +219,9 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, impedance with which a contact with a force law resists a projection; else 0
         ("resistance", REAL, (count,)),
-        # N, force of the constraint near a fold, found from forces some time before and after
-        # (kernel/ode/folds.py); and a difference of these forces, which is small if the force is smooth
+        # N, near a fold: force of the constraint from its forces at times before and after (ode/folds.py)
         ("refined", REAL, (count,)),
+        # N, near a fold: sum of these forces with the weights DIFFERENCE, small if the force is smooth
         ("uneven", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
         # sampled, packed
