@@ -2,7 +2,7 @@
 
 The slave needs only Python 3.8 and its standard library. The kernel is the same library as in native FMUs: it
 knows the state of each instance, and checks each call. A refused call raises SlaveError, which is fatal for
-the instance; FMI would also allow to discard a step, but fmpy then ends without a message.
+the instance. FMI allows a slave to discard a step, too, but then fmpy ends without a message.
 """
 
 from __future__ import annotations

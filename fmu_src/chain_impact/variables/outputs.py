@@ -2,8 +2,8 @@
 
 A row has the name without the prefix, the unit, the description, and attributes: those of ``Kind``, and
 ``field``, the field of the record if it has another name than the row. Rows of inputs lack name and unit,
-which are in ``INPUTS_OF``. A row with {axis} stands for two rows, for x and y, in which {j} is 0 or 1. The
-value references follow the order of the rows.
+which are in ``INPUTS_OF``. A row with {axis} stands for two rows: for x, where {j} is 0, and for y, where it
+is 1. The value references follow the order of the rows.
 """
 
 from __future__ import annotations

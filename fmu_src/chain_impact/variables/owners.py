@@ -1,8 +1,8 @@
-"""Tables of conditions, counts and owners of variables, and of numbers of a record that follow from them.
+"""Tables of rules that find the owners of a scene's variables, their conditions, and numbers of the record.
 
 An owner is a part of a scene that has variables, such as a link. Python (structure.py) and a page
-(pages/browser/scene/owners.js) evaluate these tables; their rules are in the language of scene/rules.py and
-name facts and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint
+(pages/browser/scene/owners.js) evaluate the rules, which are in the language of scene/rules.py and name facts
+and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint
 with friction", which has the outputs of dry friction; the record has room for them, because the fact
 "friction" holds.
 """

@@ -2,8 +2,8 @@
 
 One varied number gives lines, two numbers a map, one choice dots. A choice beside a number, such as the
 contact law, gives a line for each of up to ten choices; with more than ten choices, these become the rows of
-a map. Runs that failed are crosses, or grey in a map. Samples of one number are points; samples of several
-parameters give a histogram of each result.
+a map. Runs that failed are crosses, or grey in a map. Samples of one number are points; samples of a choice
+or of several parameters give a histogram of each result.
 """
 
 from __future__ import annotations
