@@ -173,7 +173,7 @@ class Drives:
         return Drive(self._name(a), torque, scale, float(stiffness), float(damping), low, high)
 
     def _control(self, joint: Joint, a: int) -> float:
-        """Return the control of actuator ``a`` at the start.
+        """Return the control of actuator ``a`` at the start, within the limits of the control.
 
         Report a delay and an activation, which a scene does not have; an activation replaces the control.
         """

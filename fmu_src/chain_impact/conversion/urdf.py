@@ -43,7 +43,7 @@ def read_urdf(path: Path) -> Robot:
     Files of meshes may be missing, because meshes and colours are not read.
 
     Raises:
-        SceneError: when the file does not contain a robot.
+        SceneError: when the file is not XML, must first be expanded by xacro, or has no valid tree of links.
         MissingExtraError: when yourdfpy is not installed.
     """
     yourdfpy = require("yourdfpy", "convert")

@@ -110,7 +110,7 @@ def listening() -> Iterator[Callable[[], list[str]]]:
 
 
 def _log(*call: Any) -> None:
-    """Collect a message that an FMU sends by FMI's callback, if the thread runs an FMU in ``listening``."""
+    """Collect an error that an FMU sends by FMI's callback, if the thread runs an FMU in ``listening``."""
     # FMI 2.0 passes the name of the instance before these three arguments, FMI 3.0 does not
     status, _category, message = call[-3:]
     if status > WARNING and hasattr(_here, "logged"):
