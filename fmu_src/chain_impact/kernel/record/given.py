@@ -196,7 +196,7 @@ def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[ob
     """Return a field for each input: an array with its values, such as the torque of each drive.
 
     If the number of ``rows`` is given, the array has a row for each coefficient of a polynomial, and a column
-    for each value. ``target`` is the type of the reals in the field of springs' targets.
+    for each value. ``target`` is the type of springs' targets, such as FINITE, a real in a checked range.
     """
     return [
         (name, target if k == TARGET else REAL, (*rows, links + 1 if size == EACH_DRIVE else size))
@@ -383,7 +383,7 @@ def walls_dtype(candidates: int) -> np.dtype:
         ("restitution", REAL, (len(WALLS) + candidates,)),
         # coefficient of sliding friction of each wall; −1: `given.friction` is used
         ("friction", REAL, (len(WALLS) + candidates,)),
-        # coefficient of static friction of each wall; 0: equal to the coefficient of sliding; −1: equal to it
-        # if the wall has a sliding coefficient of its own, else `given.static_friction` is used
+        # coefficient of static friction of each wall. 0: the wall's coefficient of sliding is used. −1: it is
+        # used, too, if the wall has one of its own; if it has none, `given.static_friction` is used
         ("static_friction", REAL, (len(WALLS) + candidates,)),
     )

@@ -108,7 +108,8 @@ def output_dtype(
         ("kinetic", REAL),  # J, kinetic energy
         ("potential", REAL),  # J, potential energy of gravity, zero at the origin
         ("elastic", REAL),  # J, energy stored in contacts and in springs of passive drives
-        ("dissipated", REAL),  # J, energy dissipated by contacts, dampers and dry friction since the start
+        # J, energy dissipated by contacts, dampers of passive drives and dry friction since the start
+        ("dissipated", REAL),
         # J, energy supplied by inputs, powered drives and prescribed motions since the start
         ("supplied", REAL),
         ("total", REAL),  # J, sum of the kinetic, potential and elastic energy
@@ -169,7 +170,8 @@ def transmitted_dtype(loads: int) -> np.dtype:
     return record(
         ("start_time", REAL),  # s, time at which the run started
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
-        ("start_x", REAL, (loads,)),  # N·s, momentum of each joint's outer link at the start of the run
+        # N·s, momentum at the start of the run: in the row of a joint that of its outer link alone
+        ("start_x", REAL, (loads,)),
         ("start_y", REAL, (loads,)),
         # N², the largest squared force in each joint from the start of the run to the start of the last step
         ("peak", REAL, (loads,)),

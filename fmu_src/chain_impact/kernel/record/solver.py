@@ -53,8 +53,8 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("flight_size", REAL),
         ("state", REAL, (state,)),  # state y at `start`
         ("state_end", REAL, (state,)),  # state y at `end`
-        # J, the parts of the dissipated energy at ``start`` and at ``end`` that its entry in y lacks, because
-        # the sum was rounded
+        # J, the rounding loss of the dissipated energy at ``start`` and at ``end``: the part that its entry
+        # in y lacks
         ("remainder", REAL),
         ("remainder_end", REAL),
         # J, the part of the dissipated energy that its entry in y lacks at the end of the whole step of
@@ -311,8 +311,9 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # data of the linear systems with complex shifts s, one of each conjugate pair; for the real shift,
-    # ``scratch`` has the same data, and ``parts`` has x
+    # Data of the linear systems with complex shifts s, one shift of each conjugate pair. ``factors`` has a
+    # slot for each shift; the other fields serve one system at a time. For the real shift, ``scratch`` has
+    # the same data, and ``parts`` has x.
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),

@@ -60,11 +60,12 @@ def holding_impedance(d):
 
 
 def held_mobility(d, mobility):
-    """Return the mobility W′ [1/kg] with which m/W′ is the impulse that the iteration gives one constraint.
+    """Return the mobility W′ [1/kg] of a single sticking constraint of the ``mobility`` W [1/kg].
 
-    STICKING_ITERATIONS = n iterations with the impedance D reduce a residual m to m/(1 + D W)ⁿ, with the
-    mobility W of the constraint, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can
-    hardly be constrained: in a toggle position, where W = 0, W′ is 1/(n D).
+    W′ is defined by the impulse m/W′ that the iteration gives this constraint for a residual m.
+    STICKING_ITERATIONS = n iterations with the impedance D reduce m to m/(1 + D W)ⁿ, so that
+    W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can hardly be constrained: in a toggle
+    position, where W = 0, W′ is 1/(n D).
     """
     compliance = 1.0 / holding_impedance(d)
     left = compliance / (compliance + max(0.0, mobility))
@@ -124,11 +125,12 @@ def solve_contacts(d, slot, impulse, change):
 
 
 def accelerations_with_armatures(d, y, rate):
-    """Compute the accelerations of a chain with armatures: M also contains the inertia of the rotors.
+    """Set the accelerations in ``rate``, ẏ at the state y, of a chain with armatures.
 
-    The force m (g − a_C) of each link is divided between its two ends according to the position of its centre
-    of mass; a_C is the acceleration that the centre of mass has at constant angular velocities. The loads at
-    the points have their old values afterwards; the factors of M stay in ``scratch.factors``.
+    The mass matrix M also contains the inertia of the rotors. The force m (g − a_C) of each link is divided
+    between its two ends according to the position of its centre of mass; a_C is the acceleration that the
+    centre of mass has at constant angular velocities. The loads at the points have their old values
+    afterwards; the factors of M stay in ``scratch.factors``.
     """
     scratch, n = d.scratch, d.links
     load, link, before = scratch.load, scratch.link, scratch.motion

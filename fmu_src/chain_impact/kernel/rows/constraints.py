@@ -191,10 +191,10 @@ def iterate_impulses(d, scale, impedance):
 
 
 def reduce_free_impulses(d, fraction, noise):
-    """Remove a ``fraction`` of the impulses against motions that can hardly be constrained (D W ≪ 1).
+    """Take a ``fraction`` off the impulses along motions that can hardly be constrained (D W ≪ 1).
 
-    Along such a motion each of the STICKING_ITERATIONS has added D m to the impulse, with the residual m. A
-    residual well below ``noise`` may be the round-off of a constrained motion; its impulse hardly changes.
+    Along such a motion each of the STICKING_ITERATIONS has added D m to the impulse, with the residual m. The
+    impulse hardly changes if m is well below ``noise``, and may be the round-off of a constrained motion.
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
@@ -289,7 +289,7 @@ def move_by_impulses(d):
 
 
 def replace_impulses(d, impulse):
-    """Replace the impulses by ``impulse``; set ``change`` to the effect of the differences on coordinates."""
+    """Set the impulses to ``impulse``, and ``change`` to the response to the new minus the old impulses."""
     constraints = d.constraints
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k] - constraints.impulse[k]
@@ -305,7 +305,7 @@ def solve_lcp(d, scale):
     the active set and those with u < target enter it. All of these candidates change at once as long as their
     number falls; otherwise only the candidate with the highest number changes, which terminates if W is
     positive definite (Murty 1974, Linear Algebra Appl 9:65). If the search does not terminate, the problem is
-    recorded as unsolved. The arguments are those of ``solve_equality``.
+    recorded as unsolved. Arguments and stored results are as in ``solve_equality``; nothing is returned.
     """
     constraints, first = d.constraints, d.touch.compliant_count
     count = d.touch.active_count - first

@@ -90,7 +90,7 @@ def set_sloped_wall(d, c, w):
 def set_stop(d, c):
     """Set the row, the offset and the radius of candidate c, a stop of a joint or of the slider.
 
-    The base touches the slider's stops. A joint's stop is at the place of the joint.
+    The base touches the slider's stops. A joint's stop is at the place of the joint. The radius is 0.
     """
     candidate, sign, i = (
         d.candidate,
