@@ -12,8 +12,10 @@ from chain_impact.pictures.changes import (
     LARGEST_EFFECTS,
     calm,
     fill_sensitivities,
+    fit_scale,
     looks_of,
     short_contacts,
+    span_of,
 )
 from chain_impact.pictures.style import PALETTE
 from tests.helpers.scenes.problems import flat_rod
@@ -98,7 +100,7 @@ def test_the_most_important_of_many_parameters_have_colours():
     curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
     colours = [line.get_color() for line in curves]
     assert colours == [*PALETTE[:LARGEST_EFFECTS]]
-    ranges = {name: np.ptp(recording.columns[name]) for name in ("point[1].x", "point[1].y", "energy.total")}
+    ranges = {name: span_of(recording, name) for name in ("point[1].x", "point[1].y", "energy.total")}
     shares = [np.abs(found.changes(name)[calm(recording)]) / span for name, span in ranges.items()]
     matter = np.max(shares, axis=(0, 1))
     share = dict(zip(found.parameters, matter.tolist(), strict=True))
@@ -129,7 +131,7 @@ def test_the_legend_counts_the_other_parameters(names, told):
 @pytest.mark.full("takes long")
 def test_changes_without_an_impact_say_that_there_is_none():
     page = drawn(made("rod_drop", "contact.restitution", stop_time=0.3))
-    assert said(page)[0] == "RodDrop: changes with 1 parameter, to first order"
+    assert said(page)[0] == "RodDrop: no parameter changes point[1].x, point[1].y, energy.total"
     assert "no impact" in [text.get_text() for text in page.axes[-1].texts]
 
 
@@ -156,20 +158,46 @@ def test_a_scale_fits_what_is_outside_of_impacts(swing, page):
     assert max(-low, high) < 0.5 * np.abs(changes).max()
 
 
-@pytest.mark.full("takes long")
-def test_a_scale_is_logarithmic_where_impacts_make_changes_grow():
-    recording = made("four_link_box", "contact.restitution")
-    panels = drawn(recording, "point[4].x", "point[4].y").axes
-    assert {axes.get_yscale() for axes in panels} == {"asinh"}
-    for axes in panels:
-        low, high = axes.get_ylim()
-        ticks = axes.get_yticks()
-        assert len(ticks[(ticks > low) & (ticks < high)]) >= 3
-        # the slope of the scale has no jump, as it has between a linear and a logarithmic part
-        places = np.geomspace(1e-3, 1.0, 2000) * max(ticks)
-        slopes = np.gradient(axes.yaxis.get_transform().transform(places), places)
-        assert np.abs(np.diff(np.log(slopes))).max() < 0.01
+def test_a_scale_is_logarithmic_where_few_changes_are_very_large():
+    axes = Figure().add_subplot()
+    fit_scale(axes, np.array([*[1e-3] * 10, -1.0, 2.0]), 0.0)
+    assert axes.get_yscale() == "asinh"
+    low, high = axes.get_ylim()
+    ticks = axes.get_yticks()
+    assert len(ticks[(ticks > low) & (ticks < high)]) >= 3
+    # the slope of the scale has no jump, as it has between a linear and a logarithmic part
+    places = np.geomspace(1e-3, 1.0, 2000) * max(ticks)
+    slopes = np.gradient(axes.yaxis.get_transform().transform(places), places)
+    assert np.abs(np.diff(np.log(slopes))).max() < 0.01
     assert {axes.get_yscale() for axes in drawn(made("pinned_arm", "gravity.y")).axes} == {"linear"}
+
+
+@pytest.fixture(scope="module")
+def chaotic():
+    return made("four_link_box", ["contact.restitution", "contact.stiffness"])
+
+
+def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
+    found, page = chaotic.sensitivities, drawn(chaotic)
+    assert np.abs(found.changes("energy.total")[calm(chaotic)]).max() > span_of(chaotic, "energy.total")
+    for axes, name in zip(page.axes, ("point[4].x", "point[4].y", "energy.total"), strict=False):
+        values = [line.get_ydata() for line in axes.lines if len(line.get_xdata()) == len(chaotic.time)]
+        shown = np.abs(np.where(calm(chaotic), values, np.nan))
+        assert np.nanmax(shown) <= span_of(chaotic, name)
+        assert np.isnan(shown[0, -1])  # the restitution
+        assert np.isfinite(shown[1, -1])
+    dots = [line.get_ydata() for line in page.axes[-1].lines if line.get_marker() == "o"]
+    assert np.nanmax(np.abs(dots)) <= chaotic.impacts["impact_speed"].max()
+    assert any("a curve ends where" in text for text in said(page))
+
+
+def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page):
+    assert "contact.restitution + 1 % changes" in said(drawn(chaotic))[0]
+    assert "more than its range" in said(drawn(chaotic))[0]
+    found = re.search(r"(\S+) \+ 1 % changes (\S+) by up to (\S+) ", said(page)[0])
+    parameter, output, value = found.groups()
+    changes = swing.sensitivities.changes(output)[calm(swing), FEW.index(parameter)]
+    assert float(value) == pytest.approx(np.abs(changes).max(), rel=0.05)
 
 
 def test_a_result_draws_itself(tmp_path):

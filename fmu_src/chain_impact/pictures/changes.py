@@ -2,6 +2,9 @@
 
 The curves show the derivative times a small change of the parameter: 1 % of its value, or 0.01 of its unit
 where the value is zero. So all parameters share an axis, in the unit of the output.
+
+The curves of a parameter end where its change of any drawn output exceeds the range of this output in the run
+(``span_of``): from then on, a change to first order says nothing.
 """
 
 from __future__ import annotations
@@ -18,8 +21,8 @@ from chain_impact.pictures.contact_times import SEEN_CONTACT
 from chain_impact.pictures.figures import settle
 from chain_impact.pictures.impact_marks import IMPACT_DOT
 from chain_impact.pictures.legends import legend_at_foot
-from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import impact_lines, mark_impacts, name_time
+from chain_impact.pictures.message import conditions, time_unit
+from chain_impact.pictures.over_time import impact_lines, mark_impacts, name_time, range_of
 from chain_impact.pictures.style import (
     GREY,
     INK,
@@ -33,16 +36,18 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
-from chain_impact.scene.unit_text import in_brackets
+from chain_impact.scene.unit_text import in_brackets, with_unit
 
 # a change up to this counts as round-off; it is relative to the range of the output, or to the largest impact
 # speed for the change of an impact speed
 NO_CHANGE = 1e-12
 # the largest number of parameters with coloured curves: those with the largest effects; others are grey
 LARGEST_EFFECTS = 4
-STEEP = 30.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
+STEEP = 300.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
 MOST_POWERS = 4  # the largest number of ticks, at powers of ten, on each side of 0 at such an axis
 LINEAR = 0.3  # where this axis turns from linear to logarithmic, relative to its least tick above 0
+ENDED = "a curve ends where a change exceeds the range of an output in the run"
+JUMP = ", where changes jump as they shift in time"
 Looks = list[dict[str, Any]]
 
 
@@ -56,8 +61,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     assert sensitivities is not None
     names = sensitivities.drawn(outputs)
     relative = relative_changes(recording, sensitivities, names)
-    parameters = plural(len(sensitivities.parameters), "parameter")
-    headline(figure, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
+    known = holds(relative)
+    told = ["changes to first order", "" if known.all() else ENDED]
+    headline(figure, finding(recording, sensitivities, names, relative), conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
     grid = figure.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
@@ -65,18 +71,17 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     for axes in rest:
         axes.remove()
     for axes, name in zip(panels, names, strict=False):
-        draw_changes(axes, recording, sensitivities, name, looks)
-    draw_speeds(panels[-1], recording, sensitivities, looks)
+        draw_changes(axes, recording, sensitivities, name, looks, known=known)
+    draw_speeds(panels[-1], recording, sensitivities, looks, known)
     for axes in panels:
         mark_impacts(axes, recording)
         mark_unknown(axes, recording, sensitivities)
         axes.tick_params(labelbottom=True)
         give_ticks(axes)
-    end = float(recording.time[-1])
+    start, end = recording.time[[0, -1]].tolist()
     for axes in panels[-across:]:
-        axes.set_xlabel(
-            "; ".join(filter(None, (name_time(axes, end), impact_lines(recording, *recording.time[[0, -1]]))))
-        )
+        parts = name_time(axes, end), impact_lines(recording, start, end, JUMP)
+        axes.set_xlabel("; ".join(filter(None, parts)))
     legend_at_foot(figure, panels[0].get_legend_handles_labels()[0])
     figure.supxlabel(
         "\n".join(sensitivities.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True
@@ -112,13 +117,59 @@ def relative_changes(
 ) -> np.ndarray:
     """Return the largest |change| of any of ``outputs`` for each row and parameter, shape (T, P).
 
-    A change is relative to the range of its output. The result is 0 within impacts.
+    A change is relative to ``span_of`` its output. The result is 0 within impacts.
     """
-    ranges = [np.ptp(recording.columns[name]) or 1.0 for name in outputs]
-    shares = [np.abs(sensitivities.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
-    largest: np.ndarray = np.max(np.nan_to_num(shares), axis=0)
-    largest[~calm(recording)] = 0.0
+    largest: np.ndarray = np.max(
+        [shares(recording, sensitivities, name) for name in outputs], axis=0, initial=0.0
+    )
     return largest
+
+
+def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
+    """Return |change| of an output relative to ``span_of`` it, shape (T, P); 0 within impacts."""
+    parts = np.abs(np.nan_to_num(sensitivities.changes(output))) / span_of(recording, output)
+    parts[~calm(recording)] = 0.0
+    return np.asarray(parts)
+
+
+def span_of(recording: Recording, output: str) -> float:
+    """Return what an output can change by: its range in the run, or that of all energies; 1 if it is 0."""
+    span = range_of(dict(recording.energies)) if output.startswith("energy.") else 0.0
+    return span or float(np.ptp(recording.columns[output])) or 1.0
+
+
+def holds(relative: np.ndarray) -> np.ndarray:
+    """Return whether changes to first order can hold: until the first one above 1, shape (T, P).
+
+    ``relative`` is the result of ``relative_changes``.
+    """
+    return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
+
+
+def finding(
+    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], relative: np.ndarray
+) -> str:
+    """Return the headline: the parameter that matters most, and what it does to which output.
+
+    It is the one whose change first exceeds the range of an output or, if none does, the one with the largest
+    change relative to this range. A parameter with the value 0 is named only if no other has an effect: a
+    change by 0.01 of its unit does not compare with one by 1 %.
+    """
+    is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
+    if relative[:, ~is_zero].max(initial=0.0) > NO_CHANGE:
+        relative = np.where(is_zero, 0.0, relative)
+    parts = np.stack([shares(recording, sensitivities, name) for name in outputs])
+    beyond = ~holds(relative)
+    row, k = divmod(int(beyond.argmax() if beyond.any() else relative.argmax()), relative.shape[1])
+    output, parameter = outputs[int(parts[:, row, k].argmax())], list(sensitivities.parameters)[k]
+    if relative[row, k] <= NO_CHANGE:
+        return f"{recording.name}: no parameter changes {', '.join(outputs)}"
+    what = f"{recording.name}: {parameter} + {sensitivities.step_text(parameter)} changes {output} by"
+    if beyond.any():
+        factor, unit = time_unit(float(np.ptp(recording.time)))
+        return f"{what} more than its range from {factor * recording.time[row]:.3g} {unit} on"
+    most = abs(sensitivities.changes(output)[row, k])
+    return f"{what} up to {with_unit(f'{most:.2g}', sensitivities.units[output])}"
 
 
 def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
@@ -147,14 +198,20 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
 
 
 def draw_changes(
-    axes: Axes, recording: Recording, sensitivities: Sensitivities, output: str, looks: Looks
+    axes: Axes,
+    recording: Recording,
+    sensitivities: Sensitivities,
+    output: str,
+    looks: Looks,
+    *,
+    known: np.ndarray,
 ) -> None:
     """Draw the changes of an output over time, a curve for each parameter.
 
-    The curves have gaps in impacts that are too short to be seen, and where the derivative is unknown. Many
-    grey curves are a band.
+    The curves have gaps in impacts that are too short to be seen, and where the derivative is unknown; they
+    are drawn where ``known``, the result of ``holds``. Many grey curves are a band.
     """
-    changes = sensitivities.changes(output)
+    changes = np.where(known, sensitivities.changes(output), np.nan)
     changes[short_contacts(recording)] = np.nan
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
     if len(grey) > MOST_GREY:
@@ -163,12 +220,23 @@ def draw_changes(
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
     axes.set_ylabel(f"Δ {output}{in_brackets(sensitivities.units[output])}")
-    fit_scale(axes, changes[calm(recording)], NO_CHANGE * np.ptp(recording.columns[output]))
+    told: Any = [k for k, look in enumerate(looks) if look["color"] != GREY] or slice(None)
+    least = NO_CHANGE * np.ptp(recording.columns[output])
+    fit_scale(axes, changes[calm(recording)], least, changes[calm(recording)][:, told])
 
 
-def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, looks: Looks) -> None:
-    """Draw the change of each impact's speed by each parameter: as a dot, or a diamond at stops of joints."""
+def draw_speeds(
+    axes: Axes, recording: Recording, sensitivities: Sensitivities, looks: Looks, known: np.ndarray
+) -> None:
+    """Draw the change of each impact's speed by each parameter: as a dot, or a diamond at stops of joints.
+
+    The marks of a parameter end where ``known``, the result of ``holds``, ends, or at the first change that
+    is larger than all impact speeds of the run.
+    """
     changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
+    at = [recording.row_at(time) for time in sensitivities.impacts["onset"]]
+    fastest = sensitivities.impacts["impact_speed"].max(initial=0.0)
+    changes = np.where(known[at] & holds(np.abs(np.nan_to_num(changes)) / (fastest or 1.0)), changes, np.nan)
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": IMPACT_DOT, "clip_on": False}
         for rows, marker in ((~stopped, "o"), (stopped, "D")):
@@ -182,19 +250,23 @@ def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, 
         axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=INK)
 
 
-def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
+def fit_scale(axes: Axes, changes: np.ndarray, least: float, usual: np.ndarray | None = None) -> None:
     """Set the scale of the vertical axis for some changes, and draw a line at 0.
 
-    The scale is logarithmic on both sides of 0 if some changes are very large (STEEP), else linear. If all
+    The scale is logarithmic on both sides of 0 if some changes are very large compared with the median of the
+    changes ``usual`` (STEEP), else linear; by default ``usual`` are all changes. If all
     changes are at most ``least``, which is round-off, the axis goes from −1 to 1.
     """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
-    sizes = np.abs(changes[np.isfinite(changes) & (changes != 0.0)])
+    sizes, usual_sizes = (
+        np.abs(values[np.isfinite(values) & (values != 0.0)])
+        for values in (changes, changes if usual is None else usual)
+    )
     if not sizes.size or sizes.max() <= least:
         axes.set_ylim(-1.0, 1.0)
         return
     low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
-    usual_size = np.median(sizes)
+    usual_size = np.median(usual_sizes if usual_sizes.size else sizes)
     if sizes.max() > STEEP * usual_size:
         # unlike "symlog", this scale has no kink between its linear and its logarithmic part
         first, last = (int(np.floor(np.log10(size))) for size in (usual_size, sizes.max()))

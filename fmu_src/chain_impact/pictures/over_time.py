@@ -270,7 +270,10 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
     )
 
 
-def impact_lines(recording: Recording, start: float, end: float) -> str:
-    """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" if there are none."""
+def impact_lines(recording: Recording, start: float, end: float, more: str = "") -> str:
+    """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" if there are none.
+
+    The words end with ``more``.
+    """
     onsets = recording.impacts["onset"]
-    return "grey: impacts" if ((onsets >= start) & (onsets <= end)).any() else ""
+    return f"grey: impacts{more}" if ((onsets >= start) & (onsets <= end)).any() else ""
