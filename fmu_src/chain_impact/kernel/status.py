@@ -90,7 +90,7 @@ def set_status(d, status):
 
 
 def refuse_candidate(d, c, status):
-    """Store candidate c as the cause of the fault ``status``, for messages, and return the status."""
+    """Store candidate c as the cause of the fault ``status``; return the status, which the caller sets."""
     d.fault.part = 1 + c
     return status
 

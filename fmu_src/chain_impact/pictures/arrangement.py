@@ -29,7 +29,7 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
 # room for the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion if
 # it is above the other panels, on a figure of COLUMN [inch] or less; on a wider one that is still narrow, it
-# grows with the width. All are relative to the height of the panel of energies.
+# grows with the width. All but COLUMN are relative to the height of the panel of energies.
 RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 2.0, 3.5
 # If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
 # height of the panel of energies.
@@ -101,10 +101,11 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
 
 
 def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> tuple[float, float]:
-    """Return the usual width and height of a figure [inches]; a width in ``size`` replaces the usual one.
+    """Return the width and the usual height of a figure [inches] with the panels in ``shown``.
 
-    The result is FIGURE_SIZE, whatever ``size`` is, for the motion alone, for panels without it, and for a
-    narrow figure with the motion above the other panels.
+    The width is that of ``size`` or, without ``size``, the usual one. But the result is FIGURE_SIZE, whatever
+    ``size`` is, for the motion alone, for panels without it, and for a narrow figure with the motion above
+    the other panels.
     """
     width = figure_size(size)[0] if size else FULL
     timed = [name for name in shown if is_over_time(recording, name)]

@@ -339,9 +339,9 @@ def largest_acceleration(d):
 
 
 def length_bound(d, vectors):
-    """Return an upper bound of the lengths of ``vectors``, velocities or accelerations, at some places.
+    """Return an upper bound of the lengths of the velocities or accelerations at places with clearances.
 
-    These are all places that may have clearances: points, sites and, if joints have stops, joints.
+    Points and sites have clearances, and joints, if any has a stop. ``vectors`` has those of all places.
     """
     most = 0.0
     for k in range(d.links + 1):
@@ -355,9 +355,9 @@ def length_bound(d, vectors):
 
 
 def coordinates_size(d, c, y):
-    """Return the sum [m] of the sizes of the coordinates from which candidate c's clearance is computed.
+    """Return the sum [m] of the absolute values of the coordinates that determine candidate c's clearance.
 
-    The round-off of the clearance is relative to this sum.
+    At a joint's stop these are angles times the lever arm. The clearance's round-off is relative to the sum.
     """
     point = d.candidate.point[c]
     if at_joint_stop(d, c):
@@ -392,7 +392,7 @@ def faces_base(d, c):
 
 
 def base_clearance(d, c):
-    """Return the distance [m] of a pinned base from the wall of candidate c; < 0 if it is in the wall."""
+    """Return the distance [m] of a pinned base, without a radius, from the wall of candidate c; < 0 in it."""
     x, y = d.step.state_end[0], d.step.state_end[1]
     if d.chain.base_moves:
         x, y = d.moved.position[0], d.moved.position[1]

@@ -37,11 +37,12 @@ TRUST = np.dtype(
         # 0: the derivatives are trusted at present; else the number, in trust.py, of the reason why they have
         # ended
         ("reason", np.int64),
-        ("time", np.float64),  # s, the time after which the derivatives cannot be trusted
+        ("time", np.float64),  # s, the time from which on the derivatives cannot be trusted
         # number of the point or joint whose impact or dry friction is the reason; 0 for the slider; −1: no
         # such point
         ("point", np.int64),
-        # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider
+        # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider; without
+        # meaning if ``point`` is −1
         ("wall", np.int64),
         # the sum of the changes of a position whose derivatives were neglected, because friction stops a
         # speed soon, relative to the largest derivative of a position (tangent/friction.py)
@@ -50,14 +51,17 @@ TRUST = np.dtype(
             "split",
             np.int64,
         ),  # 1: the derivatives of friction impulses are not known (``mark_split``)
-        # 1: the motion has no derivative in this direction (rises.py)
+        # 1: the motion has no derivative in this direction (rises.py, and ``check_coefficient`` in trust.py)
         ("missing", np.int64, (DIRECTIONS,)),
     ]
 )
 
 
 def tangent_dtype(instance):
-    """Return the layout of an instance of dual numbers for a primal instance of the layout ``instance``."""
+    """Return the layout of a tangent instance, for a primal instance of the layout ``instance``.
+
+    It has a dual number for each real, and after all parts of the instance the part ``trust``.
+    """
     dual = dual_dtype(instance)
     return np.dtype([*((name, dual[name]) for name in dual.names), ("trust", TRUST)])
 

@@ -38,8 +38,8 @@ def for_all(act):
 def observe_tangent(d, t):
     """Set the derivatives of the outputs at the communication point; NaN if they cannot be trusted.
 
-    They are also NaN after a fault of the run. After ``mark_split`` only the derivatives of the outputs of
-    friction and of loads are NaN.
+    They are also NaN after a fault of the run, and in the directions of ``forget_missing``. After
+    ``mark_split`` those of the outputs of friction and of loads are NaN; those of other outputs stay.
     """
     set_own_output_time(t, d.step.time)
     fill_outputs(t)

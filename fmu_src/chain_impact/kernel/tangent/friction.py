@@ -137,9 +137,10 @@ def delay_of_sliding(t, e):
 def negligible(t, speed):
     """Return whether the derivatives of a ``speed`` [m/s] of the value 0 may be neglected.
 
-    The speed times the settling time is a change of a position. The derivatives of this change, relative to
-    the largest derivative of a position, are then added to ``trust.neglected``; the sum must not exceed
-    MOST_NEGLECTED. After that, the derivatives of friction impulses count as unknown (``mark_split``).
+    The speed times the settling time is a change of a position. The share of the change is the largest ratio
+    of its derivatives to the largest derivative of a position. The result is true if ``trust.neglected`` plus
+    the share is at most MOST_NEGLECTED. Then the share is added, and if it is not 0, the derivatives of
+    friction impulses count as unknown (``mark_split``).
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
@@ -205,10 +206,11 @@ def check_changes(t, time):
 
 
 def slips_for_nearby_parameters(t, e, time):
-    """Return whether the margin of element e, whose value is zero, has no derivatives at a delayed time.
+    """Return whether element e begins to slide at a delayed time for nearby parameters, too.
 
-    Then element e begins to slide at the delayed time for nearby parameters, too. ``time`` [s] is the delay,
-    a dual number of value 0; derivatives up to SAME_TIME_SLOPE of their scale count as zero.
+    It does if its margin of static friction, whose value is zero, has no derivatives at that time.
+    ``time`` [s] is the delay, a dual number of value 0; derivatives up to SAME_TIME_SLOPE of their scale
+    count as zero.
     """
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):

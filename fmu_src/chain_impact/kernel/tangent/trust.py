@@ -1,4 +1,4 @@
-"""The time after which derivatives cannot be trusted, because they do not exist or are too inaccurate.
+"""The time from which on derivatives cannot be trusted, because they do not exist or are too inaccurate.
 
 There are four causes: an onset (``check_onsets``); a jump of a user's force; a mode of dry friction that
 errors decide (tangent/friction.py); and an implicit step in which the iteration of the derivatives does not
@@ -155,5 +155,8 @@ def copy_reason(t, other):
 
 
 def is_trusted(t):
-    """Return whether the derivatives can be trusted at the communication point."""
+    """Return whether the derivatives can be trusted at the communication point.
+
+    At the time ``trust.time`` itself, at which they end, they cannot be trusted.
+    """
     return t.trust.reason == TRUSTED or value(t.step.time) < t.trust.time
