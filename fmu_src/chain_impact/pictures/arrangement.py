@@ -124,7 +124,10 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
 
 
 def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
-    """Return the axes of a figure: name of a panel → axes; "time" is the axis of colours below the panels."""
+    """Return the axes of a figure: name of a panel → axes.
+
+    If a motion in the plane is shown with panels over time, "time" is the axis of its colours below them.
+    """
     timed = [name for name in shown if is_over_time(recording, name)]
     width, has_motion = figure.get_figwidth(), len(timed) < len(shown)
     ratio = broadness(recording) if has_motion else 1.0

@@ -168,7 +168,7 @@ def latest_dtype() -> np.dtype:
         ("time", REAL, (LATEST,)),  # s, onset of each impact
         ("speed", REAL, (LATEST,)),  # m/s, approach speed at the onset of each impact
         ("end", REAL, (LATEST,)),  # s, end of each contact; the communication point while the contact lasts
-        ("separation_speed", REAL, (LATEST,)),  # m/s, separation speed at the end of each contact
+        ("separation_speed", REAL, (LATEST,)),  # m/s, rate of the clearance at ``end``
         ("peak_force", REAL, (LATEST,)),  # N, peak force of each contact
         ("max_penetration", REAL, (LATEST,)),  # m, largest penetration of each contact
         ("impulse", REAL, (LATEST,)),  # N·s, impulse of the wall on the point in each contact

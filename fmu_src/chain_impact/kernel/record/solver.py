@@ -343,7 +343,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("listing", INTEGER),
         ("iterations", INTEGER),  # number of Newton iterations in the tried step
         ("correction", REAL),  # largest component of the last Newton correction, relative to the tolerance
-        # convergence rate θ of Newton's iteration, the ratio of its last two corrections; ∞ if it has failed
+        # convergence rate θ of Newton's iteration, the ratio of its last two corrections; ∞ after a
+        # correction above FAILED_CORRECTION (ode/radau.py)
         ("contraction", REAL),
         # changes of the state at one and at two thirds of the step that correct the dense output
         ("thirds", REAL, (2, state)),
