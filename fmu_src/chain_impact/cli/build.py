@@ -71,16 +71,21 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Build the FMU of a scene and, if the options ask for it, simulate the FMU and draw the result."""
-    from chain_impact.fmu.build import TARGET, build_fmu
+    from chain_impact.fmu.build import TARGET, TARGETS, build_fmu
 
     if is_fmu(str(options.output)):
         named = "it is a folder, and the FMU in it has the name of the scene"
         raise UsageError(f"-o {options.output} must not end in .fmu: {named}")
     if options.output.is_file():
         raise UsageError(f"-o {options.output} is a file, must be a folder")
-    scene = load_scene(options.source)
     # without --target, an FMU of FMI 3.0 is of the kind ``native``, the only one for this version
     target = options.target or (TARGET if options.fmi == FMI_2 else "native")
+    if (target, options.fmi) not in FMU_KINDS:
+        raise UsageError(f"--target {target} is for FMI 2.0 only; for --fmi {options.fmi}: --target native")
+    for platform in {*options.platform} - {*TARGETS[target], "all"}:
+        has = f"is for {', '.join(TARGETS[target])} only"
+        raise UsageError(f"--target {target} {has}; for --platform {platform}: --target native")
+    scene = load_scene(options.source)
     with progress():
         fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)
     say(f"FMU      {fmu}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,6 +17,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.table_file import TIME, TableSource, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
+from chain_impact.simulation.input_values import called_at, checked_signal
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
@@ -31,6 +31,7 @@ from chain_impact.simulation.motions import (
     refuse_jumps,
 )
 from chain_impact.simulation.pieces import Pieces, joined_points
+from chain_impact.simulation.targets import still_dampers
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
@@ -151,7 +152,8 @@ def input_course(
     channels = channels_of(prepared) if interpolation != "hold" and stop > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
     functions = {
-        name: partial(_called, f"{scene.name}: {name}", signal) for name, signal in (signals | given).items()
+        name: partial(called_at, f"{scene.name}: {name}", signal)
+        for name, signal in (signals | given).items()
     }
 
     def called(name: str, time: float) -> float:
@@ -162,6 +164,7 @@ def input_course(
     belts = np.array([not channel.position for channel in channels], bool)
     refuse_jumps(scene.name, motions, belts, pieces, moving)
     warn(scene.name, contradictions(channels, given, pieces, moving, called))
+    warn(scene.name, still_dampers(prepared, list(signals), pieces))
     if motions:
         pieces = made_continuous(pieces, moving)
     begin = pieces.start[1:]
@@ -186,7 +189,7 @@ def _signals_of(prepared: PreparedScene, inputs: Mapping[str, Any]) -> dict[str,
     for name in inputs:
         if name not in names:
             raise SceneError(f"{source}: {name!r} is not an input of this scene; {_hint(prepared, name)}")
-    return {name: _checked_signal(f"{source}: {name}", signal) for name, signal in inputs.items()}
+    return {name: checked_signal(f"{source}: {name}", signal) for name, signal in inputs.items()}
 
 
 def _pieces_of(
@@ -329,52 +332,13 @@ def inputs_text(inputs: Iterable[str]) -> str:
     return f"it has {', '.join(shown)}, and {how} make all that there can be"
 
 
-def _checked_signal(what: str, signal: Any) -> Any:
-    """Return an input over time as a finite number, a function, or a pair of arrays (T,).
-
-    Refuse other values.
-    """
-    if callable(signal):
-        return signal
-    match signal:
-        case tuple([times, values]) | list([times, values]):
-            return _samples(what, _numbers(times), _numbers(values))
-    number = _numbers(signal)
-    if number is None or number.shape or not np.isfinite(number):
-        raise SceneError(
-            f"{what} = {signal!r} must be a finite number, a function of the time, or a pair (times, values)"
-        )
-    return float(number)
-
-
-def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    if times is None or values is None or times.ndim != 1 or times.shape != values.shape or not times.size:
-        shapes = " and ".join("no numbers" if part is None else str(part.shape) for part in (times, values))
-        raise SceneError(f"{what}: times and values must be numbers of one shape (T,), T > 0, not {shapes}")
-    for name, part in (("times", times), ("values", values)):
-        for k in np.flatnonzero(~np.isfinite(part)):
-            raise SceneError(f"{what}: {name}[{k}] = {part[k]} must be a finite number")
-    for k in np.flatnonzero(np.diff(times) <= 0.0):
-        raise SceneError(f"{what}: times[{k + 1}] = {times[k + 1]} must be > times[{k}] = {times[k]} [s]")
-    return times, values
-
-
-def _numbers(value: Any) -> np.ndarray | None:
-    """Return a value as an array of real numbers; None if this is not possible."""
-    try:
-        array = np.asarray(value)
-    except ValueError:  # the value has rows of different lengths
-        return None
-    return array.astype(float) if array.dtype.kind in "iuf" else None
-
-
 def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
     """Return a signal's values at several times, shape (T,); ``linear`` joins samples, else they are held.
 
     A held sample acts from ``same`` [s] before its time on, until the next one acts.
     """
     if callable(signal):
-        return np.array([_called(what, signal, time) for time in times.tolist()])
+        return np.array([called_at(what, signal, time) for time in times.tolist()])
     if isinstance(signal, float):
         return np.full(len(times), signal)
     at, values = signal
@@ -382,18 +346,3 @@ def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, sa
         return np.asarray(np.interp(times, at, values))
     latest = np.searchsorted(at, times + same, side="right") - 1
     return np.asarray(values[np.maximum(latest, 0)])
-
-
-def _called(what: str, function: Callable[[float], Any], time: float) -> float:
-    try:
-        value = function(time)
-    except Exception as error:
-        raise SceneError(
-            f"{what}: the function raised {type(error).__name__} at t = {time:.9g} s: {error}"
-        ) from error
-    if isinstance(value, float) and math.isfinite(value):
-        return float(value)
-    number = _numbers(value)
-    if number is None or number.shape or not np.isfinite(number):
-        raise SceneError(f"{what}: the function returned {value!r} at t = {time:.9g} s, not a finite number")
-    return float(number)

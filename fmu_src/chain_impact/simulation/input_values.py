@@ -1,0 +1,66 @@
+"""The values of inputs over time, checked: numbers, functions and samples that a caller gives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from chain_impact.scene.reading import SceneError
+
+
+def checked_signal(what: str, signal: Any) -> Any:
+    """Return an input over time as a finite number, a function, or a pair of arrays (T,).
+
+    Refuse other values.
+    """
+    if callable(signal):
+        return signal
+    match signal:
+        case tuple([times, values]) | list([times, values]):
+            return _samples(what, _numbers(times), _numbers(values))
+    number = _numbers(signal)
+    if number is None or number.shape or not np.isfinite(number):
+        raise SceneError(
+            f"{what} = {signal!r} must be a finite number, a function of the time, or a pair (times, values)"
+        )
+    return float(number)
+
+
+def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    if times is None or values is None or times.ndim != 1 or times.shape != values.shape or not times.size:
+        shapes = " and ".join("no numbers" if part is None else str(part.shape) for part in (times, values))
+        raise SceneError(f"{what}: times and values must be numbers of one shape (T,), T > 0, not {shapes}")
+    for name, part in (("times", times), ("values", values)):
+        for k in np.flatnonzero(~np.isfinite(part)):
+            raise SceneError(f"{what}: {name}[{k}] = {part[k]} must be a finite number")
+    for k in np.flatnonzero(np.diff(times) <= 0.0):
+        raise SceneError(f"{what}: times[{k + 1}] = {times[k + 1]} must be > times[{k}] = {times[k]} [s]")
+    return times, values
+
+
+def called_at(what: str, function: Callable[[float], Any], time: float) -> float:
+    """Return the value of a function of the time [s]; refuse values that are no finite numbers."""
+    try:
+        value = function(time)
+    except Exception as error:
+        raise SceneError(
+            f"{what}: the function raised {type(error).__name__} at t = {time:.9g} s: {error}"
+        ) from error
+    if isinstance(value, float) and math.isfinite(value):
+        return float(value)
+    number = _numbers(value)
+    if number is None or number.shape or not np.isfinite(number):
+        raise SceneError(f"{what}: the function returned {value!r} at t = {time:.9g} s, not a finite number")
+    return float(number)
+
+
+def _numbers(value: Any) -> np.ndarray | None:
+    """Return a value as an array of real numbers; None if this is not possible."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # the value has rows of different lengths
+        return None
+    return array.astype(float) if array.dtype.kind in "iuf" else None

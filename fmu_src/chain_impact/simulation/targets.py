@@ -1,0 +1,52 @@
+"""Warnings of targets of servos that change while their dampers pull towards rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from chain_impact.scene.names import name_parts
+from chain_impact.scene.signals import TARGET_RATE, family
+from chain_impact.simulation.pieces import Pieces
+from chain_impact.variables.prepared import PreparedScene
+
+# [1] largest number of changes of a target that is held between them: a list of positions to go to, one after
+# the other; a target with more changes is a motion, whose velocity is not 0
+MOST_POSITIONS = 20
+
+
+def still_dampers(prepared: PreparedScene, names: Sequence[str], pieces: Pieces) -> list[str]:
+    """Return a sentence for each target that changes over time while its target velocity stays 0.
+
+    Args:
+        prepared: the scene.
+        names: the names of the inputs that the caller gives, in the order of the columns of ``pieces``.
+        pieces: the inputs over time.
+    """
+    texts = []
+    for m, name in enumerate(names):
+        target, *rate = family(name)
+        if target != name or not rate or not rate[0].endswith(TARGET_RATE):
+            continue
+        known = rate[0] in names or rate[0] in prepared.signals_by_input
+        if not known and _damping(prepared, name) > 0.0 and _is_motion(pieces.powers[:, :, m]):
+            texts.append(
+                f"{name} changes over time, and {rate[0]} stays 0, so the damper brakes the motion: "
+                f"give both, or {rate[0]} = 0 if it shall brake"
+            )
+    return texts
+
+
+def _damping(prepared: PreparedScene, name: str) -> float:
+    """Return the damping of the drive whose target has a name, [N·m·s/rad] or [N·s/m]."""
+    chain, number = prepared.scene.chain, name_parts(name).n
+    if number:
+        return chain.links[number - 1].joint_damping
+    return chain.slider.damping if chain.slider else 0.0
+
+
+def _is_motion(powers: np.ndarray) -> bool:
+    """Return whether a target, given by its coefficients in P pieces, shape (P, K), is a motion."""
+    changes = np.count_nonzero(np.diff(powers[:, 0]))
+    return bool(powers[:, 1:].any() or changes > MOST_POSITIONS)
