@@ -119,6 +119,62 @@ def test_bars_of_other_sizes_have_scales_of_their_own(result):
         assert np.ptp([0.0, *bars]) > 0.9 * np.ptp(axes.get_xlim())
 
 
+def test_the_picture_has_bars_of_parameters_that_are_zero(result):
+    ranking = result.ranking("peak_force")
+    of_value, at_zero = by_step(ranking.effects)
+    page = replace(ranking, effects=(*(5 * of_value), *(5 * at_zero))).plot()
+    assert [len(axes.patches) for axes in page.axes] == [12, 4]
+    few = replace(ranking, effects=(*of_value[:2], *(5 * at_zero))).plot()
+    assert [len(axes.patches) for axes in few.axes] == [2, 14]
+
+
+def test_a_second_run_checks_each_effect_of_the_picture(result):
+    scene, ranking = (
+        result.scene,
+        result.ranking("peak_force", ["link[2].mass", "contact.stiffness", "joint[1].torque"]),
+    )
+    runs = {}
+
+    def run(name, value):
+        runs[name] = value
+        if name == "contact.stiffness":
+            return None
+        given = {name: value} if name.startswith("joint") else {}
+        return simulate(scene if given else scene.with_values({name: value}), inputs=given)
+
+    checked = ranking.checked(run)
+    assert runs == {"link[2].mass": 0.6 + 0.006, "contact.stiffness": 1e7 + 1e5, "joint[1].torque": 0.01}
+    for effect in checked.effects:
+        assert not effect.differs
+        if effect.parameter == "contact.stiffness":
+            assert np.isnan(effect.simulated)
+        else:
+            assert effect.simulated == pytest.approx(effect.change, rel=0.1)
+            assert effect.simulated != effect.change
+    assert "confirm the 2 effects" in repr(checked)
+
+
+def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
+    ranking = result.ranking("peak_force", ["link[2].mass", "joint[1].torque"])
+    other = simulate(result.scene.with_values({"initial.angular_velocity[1]": -1.0}))
+    change = other.impacts["peak_force"].max() - ranking.value
+    checked = ranking.checked(lambda name, value: other)
+    assert {effect.simulated for effect in checked.effects} == {change}
+    assert all(effect.differs for effect in checked.effects)
+    assert f"{change:+.3g}" in repr(checked)
+    share = signed(100.0 * change / ranking.value).replace("-", "−")
+    assert all(share in text.get_text() for axes in checked.plot().axes for text in axes.texts)
+
+
+@pytest.mark.parametrize("quantity", ["joint_force", "impact[1].duration", "point[2].x", "max_penetration"])
+def test_a_second_run_has_the_same_quantity(result, quantity):
+    ranking = result.ranking(quantity, "link[2].mass")
+    assert ranking.value_in(result) == ranking.value
+    free = simulate(result.scene, stop_time=0.1)
+    if quantity.startswith("impact"):
+        assert np.isnan(ranking.value_in(free))
+
+
 def test_a_share_is_written_with_two_digits():
     assert [signed(share) for share in (0.4, -4.0, 12.0, 0.084, 520.0)] == [
         "+0.40",

@@ -281,10 +281,7 @@ def report(
     elif canvas:
         shown = recording if sensitivities or fault else source.with_rows(recording)
         draw(canvas, shown, has_derivatives=bool(sensitivities))
-    parts = summary(recording)
-    if ranking:
-        show([next(parts), *tabulated(ranking.parts()), ""])
-    show(parts)
+    show(tabulated(ranking.parts()) if ranking else summary(recording))
     if tighter:
         say(f"check    {difference_text(tighter.differences(recording))}")
     if sensitivities and not ranking:

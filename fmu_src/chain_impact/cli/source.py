@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 
 from chain_impact.cli.completers import is_fmu
@@ -17,8 +18,11 @@ from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.recording import Recording
 from chain_impact.results.ranking import Ranking
+from chain_impact.scene.names import input_key
+from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.tables import Solver
+from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import record_scene, value_of, with_settings
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
@@ -97,7 +101,8 @@ class Source:
         scene = self.scene()
         rows = {"simulation.step_size": scene.simulation.stop_time}
         with progress() as advance:
-            return record_scene(scene, rows, advance, parameters or ["*"]).ranking(what, parameters or "*")
+            result = record_scene(scene, rows, advance, parameters or ["*"])
+        return result.ranking(what, parameters or "*").checked(partial(_changed, scene))
 
     def units(self) -> Mapping[str, str]:
         """Return name → unit of each variable of an FMU; "" for none."""
@@ -133,3 +138,13 @@ class Source:
     def differences(self, recording: Recording) -> Differences:
         """Return the differences between a recording and a run of this source, a result of ``tighter``."""
         return differences(recording, self.record())
+
+
+def _changed(scene: Scene, name: str, value: float) -> Recording | None:
+    """Return a run of a scene with another value of a parameter or input; None if the run is not possible."""
+    inputs = {name: value} if input_key(name) else {}
+    try:
+        scene = scene if inputs else scene.with_values({name: value})
+        return simulate(scene, inputs=inputs, output_step=scene.simulation.stop_time)
+    except (SceneError, SimulationError):
+        return None

@@ -22,6 +22,11 @@ PART = 0.01
 if its value is 0, times its unit."""
 
 
+def step_of(value: float) -> float:
+    """Return a small change of a parameter with a value: 1 % of the value, or 0.01 if the value is 0."""
+    return PART * (value or 1.0)
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Sensitivities:
     """Derivatives of outputs and of impacts with respect to P parameters or inputs.
@@ -154,7 +159,7 @@ class Sensitivities:
 
     def step(self, parameter: str) -> float:
         """Return a small change of a parameter, in its unit: 1 % of its value, or 0.01 if the value is 0."""
-        return PART * (self.parameters[parameter] or 1.0)
+        return step_of(self.parameters[parameter])
 
     def step_text(self, parameter: str) -> str:
         """Return the change that ``step`` gives, in words: "1 %", or "0.01 m/s"."""

@@ -2,39 +2,36 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import os
-import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import PART, Sensitivities, slopes_of_impacts
+from chain_impact.recording.sensitivity import PART, Sensitivities, step_of
 from chain_impact.recording.summary import digits
 from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed
-from chain_impact.scene.names import name_parts
-from chain_impact.scene.reading import SceneError, names_matching
-from chain_impact.scene.similar_names import nearest
+from chain_impact.results.quantity import quantity_named
+from chain_impact.scene.reading import names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
-from chain_impact.variables.impact_units import impact_units
-from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from chain_impact.pictures.sizes import Size
 
-DURATION = "duration"  # the duration of an impact [s], from its onset to its end
-OF_FMU = {"time": "onset", "speed": "impact_speed"}
-"""Name of a quantity in the FMU's ``impact[j]`` → its column in ``Result.impacts``, if the names differ."""
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """The parameters that change the unit, and so the meaning, of a stiffness."""
 # [1] an effect that is larger, relative to the quantity, holds for smaller changes only: the text says so
 LARGE_SHARE = 0.2
-# [1] an effect that is at most this, relative to the quantity's size (see _Found), is round-off and counts as
-# none
+# [1] largest difference between an effect to first order and the change in a second run, relative to the
+# larger one; with a larger difference, the text gives both
+FIRST_ORDER = 0.25
+# [1] an effect that is at most this, relative to ``Quantity.size``, is round-off and counts as none
 LEAST_EFFECT = 1e-12
 NAMED_STEPS = 2  # the largest number of different steps that the heading of a block of bars lists
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
@@ -52,6 +49,7 @@ class Effect(NamedTuple):
         step: the change of the parameter in words: "1 %", or "0.01 N·m" if its value is 0.
         change: the change of the quantity by this step, to first order, in the unit of the quantity.
         derivative: the derivative of the quantity with respect to the parameter.
+        simulated: the change of the quantity in a second run with this step; NaN without such a run.
     """
 
     parameter: str
@@ -60,6 +58,12 @@ class Effect(NamedTuple):
     step: str
     change: float
     derivative: float
+    simulated: float = math.nan
+
+    @property
+    def differs(self) -> bool:
+        """Whether a second run shows that the change of the quantity is not of first order."""
+        return abs(self.simulated - self.change) > FIRST_ORDER * max(abs(self.simulated), abs(self.change))
 
     @property
     def told(self) -> str:
@@ -100,6 +104,7 @@ class Ranking:
         limits: sentences, as ``Result.sensitivity_limits``.
         left_out: exponents of contact laws that are not ranked, because they were not named in full: a
             change of the exponent changes the unit, and so the meaning, of the stiffness.
+        value_in: a function that returns the value of the quantity in another run of the scene.
     """
 
     source: str
@@ -112,6 +117,7 @@ class Ranking:
     unknown: tuple[str, ...]
     limits: tuple[str, ...]
     left_out: tuple[str, ...] = ()
+    value_in: Callable[[Recording], float] = field(compare=False, kw_only=True)
 
     def __repr__(self) -> str:
         """Return the effects as a table."""
@@ -141,9 +147,12 @@ class Ranking:
             yield f"without effect: {', '.join(self.without)}"
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
-        if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects):
+        checked = [effect for effect in self.effects if math.isfinite(effect.simulated)]
+        if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects if effect not in checked):
             large = f"effects of more than {100.0 * LARGE_SHARE:g} %"
             yield f"{large} hold for smaller changes only: check them by another run"
+        if checked:
+            yield from self._check(checked)
         for name in self.left_out:
             yield f"{name} is left out: it changes the unit of the stiffness"
         yield from (f"limit    {limit}" for limit in self.limits)
@@ -165,6 +174,35 @@ class Ranking:
             yield TextTable(
                 ("parameter", "value", f"effect, {unit}" if unit else "effect", "in %", "derivative"), rows
             )
+
+    def _check(self, checked: Sequence[Effect]) -> Iterator[str | TextTable]:
+        """Yield a sentence on the effects that second runs have checked, and a table of those that differ."""
+        drawn, limit = plural(len(checked), "effect"), f"{100.0 * FIRST_ORDER:g} %"
+        other = [effect for effect in checked if effect.differs]
+        if not other:
+            yield f"check    runs with the new values confirm the {drawn} of the picture within {limit}"
+            return
+        yield f"check    of the {drawn} of the picture, {len(other)} differ by more than {limit} from a run:"
+        unit = in_brackets(unit_text(self.unit))
+        rows = [(each.parameter, f"{each.change:+.3g}", f"{each.simulated:+.3g}") for each in other]
+        yield TextTable(("parameter", f"effect{unit}", f"in a run{unit}"), rows)
+
+    def checked(self, run: Callable[[str, float], Recording | None]) -> Ranking:
+        """Return this ranking with the effects that ``plot`` draws checked by a second run each.
+
+        A change of 1 % can lead to other impacts, or be too large for a change to first order.
+
+        Args:
+            run: a function that simulates the scene with one parameter changed; its arguments are the name of
+                the parameter and the new value. It returns None if the scene cannot have this value.
+        """
+        found = {}
+        for effect in itertools.chain(*self._blocks()):
+            recording = run(effect.parameter, effect.value + step_of(effect.value))
+            if recording is not None:
+                found[effect.parameter] = self.value_in(recording) - self.value
+        effects = (e._replace(simulated=found.get(e.parameter, math.nan)) for e in self.effects)
+        return replace(self, effects=tuple(effects))
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
         """Draw the largest effects as horizontal bars: to the right if the quantity grows with the parameter.
@@ -209,8 +247,13 @@ class Ranking:
         )
 
     def _blocks(self) -> list[list[Effect]]:
-        """Return the first MOST_BARS effects in one or two lists: those of 1 %, and those of fixed steps."""
-        return list(filter(None, by_step(self.effects[:MOST_BARS])))
+        """Return the MOST_BARS largest effects in one or two lists: those of 1 %, and those of fixed steps.
+
+        The second list has a quarter of MOST_BARS, more if the first leaves room, or all if they are fewer.
+        """
+        of_value, at_zero = by_step(self.effects)
+        at_zero = at_zero[: max(MOST_BARS - len(of_value), MOST_BARS // 4)]
+        return list(filter(None, (of_value[: MOST_BARS - len(at_zero)], at_zero)))
 
     def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:
         """Return the arguments of ``pictures.Bars`` for effects; their unit has a prefix that suits ``size``.
@@ -219,11 +262,17 @@ class Ranking:
         """
         factor, unit = readable(size, self.unit)
         values = [factor * effect.change for effect in effects]
+
+        def told(change: float) -> str:
+            return f"{signed(100.0 * change / abs(self.value))} %" if self.value else signed(factor * change)
+
         texts = [
-            f"{signed(100.0 * self.share(effect))} %" if self.value else signed(value)
-            for effect, value in zip(effects, values, strict=True)
+            f"{told(effect.change)} (run: {told(effect.simulated)})"
+            if effect.differs
+            else told(effect.change)
+            for effect in effects
         ]
-        label = f"change of {self.quantity}{in_brackets(unit)}"
+        label = f"change{in_brackets(unit)}"
         steps = list(dict.fromkeys(effect.step for effect in effects))
         words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{PART:g} in SI units"
         title = f"+ {words} of the value" if effects[0].value else f"+ {words}, as the value is 0"
@@ -254,9 +303,9 @@ def ranking_of(
         SceneError: when the quantity does not exist, or the run does not have the quantity.
         UnknownNameError: when the recording has no derivatives for one of the parameters.
     """
-    value, unit, where, slopes, size = _quantity(recording, sensitivities, quantity)
+    found = quantity_named(recording, sensitivities, quantity)
     names, units = list(sensitivities.parameters), sensitivities.units
-    changes = slopes * np.array([sensitivities.step(name) for name in names])
+    changes = found.slopes * np.array([sensitivities.step(name) for name in names])
     wanted = [parameters] if isinstance(parameters, str) else parameters
     what = "not among simulate(sensitivities=[…])"
     like = {
@@ -267,7 +316,7 @@ def ranking_of(
     left_out = tuple(name for name in EXPONENTS if name in like and name not in wanted)
     chosen = np.array([name in like and name not in left_out for name in names])
     finite = np.isfinite(changes) & chosen
-    nothing = finite & (np.abs(changes) <= LEAST_EFFECT * size)
+    nothing = finite & (np.abs(changes) <= LEAST_EFFECT * found.size)
     at_zero = np.array([sensitivities.parameters[name] == 0.0 for name in names])
     order = [k for k in np.lexsort((-np.abs(np.where(finite, changes, 0.0)), at_zero)) if finite[k]]
     effects = tuple(
@@ -277,7 +326,7 @@ def ranking_of(
             units[names[k]].removeprefix("1"),
             sensitivities.step_text(names[k]),
             float(changes[k]),
-            float(slopes[k]),
+            float(found.slopes[k]),
         )
         for k in order
         if not nothing[k]
@@ -286,99 +335,13 @@ def ranking_of(
     return Ranking(
         recording.name,
         quantity,
-        value,
-        unit,
-        where,
+        found.value,
+        found.unit,
+        found.where,
         effects,
         without,
         unknown,
         tuple(sensitivities.limits),
         left_out,
-    )
-
-
-_Found = tuple[float, str, str, np.ndarray, float]
-"""What is ranked: the quantity's value, its unit, words for where it occurs, its derivatives, shape (P,), and
-its size, relative to which LEAST_EFFECT holds."""
-
-
-def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
-    if peak := PEAKS.get(name):
-        return _largest(recording, sensitivities, name, peak.field, at_stops=peak.at_stops)
-    if name == JOINT_FORCE:
-        return _joint_force(recording, sensitivities)
-    owner, number, _, quantity = name_parts(name)
-    if owner == "impact" and "[" in name:
-        return _of_impact(recording, sensitivities, number, OF_FMU.get(quantity, quantity))
-    if name not in sensitivities.columns:
-        quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
-        of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)
-        near = of_peak if of_peak in quantities else nearest(name, quantities)
-        hint = f"the nearest is {near}" if near else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
-        if missing := recording.output_hint(of_peak):
-            hint = f"the nearest is {of_peak}, and {missing}"
-        raise SceneError(
-            f"{recording.name}: {name} is not a quantity that can be ranked; {hint}, or impact[n].…"
-        )
-    return _of_output(recording, sensitivities, name)
-
-
-def _largest(
-    recording: Recording, sensitivities: Sensitivities, name: str, field: str, *, at_stops: bool
-) -> _Found:
-    """Return the largest value of a column among all impacts at walls or (``at_stops``) at joint stops."""
-    values = np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
-    if not np.nanmax(values, initial=0.0) > 0.0:
-        surface = "a stop of a joint" if at_stops else "a wall"
-        hits = np.flatnonzero(np.isfinite(values)) + 1
-        impulses = f" but by impulses: rank impact[{hits[0]}].impulse" if len(hits) else ""
-        raise SceneError(f"{recording.name}: {name} is 0: nothing presses against {surface}{impulses}")
-    return _of_impact(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
-
-
-def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> _Found:
-    """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
-    impacts, slopes = recording.impacts, sensitivities.impact_slopes
-    if not 1 <= number <= len(impacts):
-        few = plural(len(impacts), "impact")
-        raise SceneError(f"{recording.name}: impact[{number}].{field} does not exist; the run has {few}")
-    if field not in slopes and field != DURATION:
-        fields = ", ".join((*slopes, DURATION))
-        raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
-    impact = impacts[number - 1]
-    value, slope = impact[field], slopes_of_impacts(sensitivities, field)
-    units = impact_units(stop=recording.is_stop(impact["wall"]))
-    wall = recording.wall_names[impact["wall"]]
-    where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
-    return float(value), units[field], where, slope[number - 1], abs(float(value))
-
-
-def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:
-    """Return the largest force in any joint during the run, with its derivatives."""
-    names = [
-        name
-        for name in sensitivities.columns
-        if (of := name_parts(name)).owner == "joint" and of.quantity == "peak_force"
-    ]
-    if not names:
-        raise SceneError(
-            f"{recording.name}: joint_force needs the forces in joints: outputs.loads must be true, and "
-            "output=…, if it is given, must have joint[*].peak_force"
-        )
-    name = max(names, key=lambda column: recording.columns[column][-1])
-    value, unit, _, slope, size = _of_output(recording, sensitivities, name)
-    return value, unit, f"joint[{name_parts(name).n}], the largest of the run", slope, size
-
-
-def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
-    """Return the value of an output at the end of the run, with its derivatives."""
-    values = recording.columns[name]
-    size = max(abs(float(values[-1])), float(np.ptp(values)))
-    where = f"at the end, t = {recording.time[-1]:g} s"
-    return (
-        float(values[-1]),
-        sensitivities.units[name],
-        where,
-        sensitivities.slopes[-1, sensitivities.columns[name]],
-        size,
+        value_in=found.value_in,
     )

@@ -1,0 +1,147 @@
+"""The quantities of a run by which parameters can be ranked: a value, with its place and its derivatives."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.sensitivity import Sensitivities, slopes_of_impacts
+from chain_impact.recording.text import plural
+from chain_impact.scene.names import name_parts
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.similar_names import nearest
+from chain_impact.variables.impact_units import impact_units
+from chain_impact.variables.indices import JOINT_FORCE, PEAKS
+
+DURATION = "duration"  # the duration of an impact [s], from its onset to its end
+OF_FMU = {"time": "onset", "speed": "impact_speed"}
+"""Name of a quantity in the FMU's ``impact[j]`` → its column in ``Result.impacts``, if the names differ."""
+
+
+class Quantity(NamedTuple):
+    """A quantity of a run.
+
+    Attributes:
+        value: the value, in the ``unit``.
+        unit: the unit.
+        where: words for the impact, the joint or the time of the value.
+        slopes: the derivatives of the value with respect to the P parameters of the run, shape (P,).
+        size: the size relative to which a change is round-off, in the ``unit``.
+        value_in: a function that returns the value in another run of the scene, NaN if that run has none.
+    """
+
+    value: float
+    unit: str
+    where: str
+    slopes: np.ndarray
+    size: float
+    value_in: Callable[[Recording], float]
+
+
+def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str) -> Quantity:
+    """Return the quantity with a name, as in ``Result.ranking``.
+
+    Raises:
+        SceneError: when the quantity does not exist, or the run does not have the quantity.
+    """
+    if peak := PEAKS.get(name):
+        return _largest(recording, sensitivities, name, peak.field, at_stops=peak.at_stops)
+    if name == JOINT_FORCE:
+        return _joint_force(recording, sensitivities)
+    owner, number, _, quantity = name_parts(name)
+    if owner == "impact" and "[" in name:
+        return _of_impact(recording, sensitivities, number, OF_FMU.get(quantity, quantity))
+    if name not in sensitivities.columns:
+        quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
+        of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)
+        near = of_peak if of_peak in quantities else nearest(name, quantities)
+        hint = f"the nearest is {near}" if near else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
+        if missing := recording.output_hint(of_peak):
+            hint = f"the nearest is {of_peak}, and {missing}"
+        raise SceneError(
+            f"{recording.name}: {name} is not a quantity that can be ranked; {hint}, or impact[n].…"
+        )
+    return _of_output(recording, sensitivities, name)
+
+
+def _largest(
+    recording: Recording, sensitivities: Sensitivities, name: str, field: str, *, at_stops: bool
+) -> Quantity:
+    """Return the largest value of a column among all impacts at walls or (``at_stops``) at joint stops."""
+    values = _at(recording, field, at_stops=at_stops)
+    if not np.nanmax(values, initial=0.0) > 0.0:
+        surface = "a stop of a joint" if at_stops else "a wall"
+        hits = np.flatnonzero(np.isfinite(values)) + 1
+        impulses = f" but by impulses: rank impact[{hits[0]}].impulse" if len(hits) else ""
+        raise SceneError(f"{recording.name}: {name} is 0: nothing presses against {surface}{impulses}")
+    found = _of_impact(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
+    return found._replace(value_in=partial(_largest_in, field=field, at_stops=at_stops))
+
+
+def _at(recording: Recording, field: str, *, at_stops: bool) -> np.ndarray:
+    """Return a column of the impacts, NaN for those not at stops or, without ``at_stops``, not at walls."""
+    return np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
+
+
+def _largest_in(recording: Recording, field: str, *, at_stops: bool) -> float:
+    return float(np.nanmax(_at(recording, field, at_stops=at_stops), initial=0.0))
+
+
+def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> Quantity:
+    """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
+    impacts, slopes = recording.impacts, sensitivities.impact_slopes
+    if not 1 <= number <= len(impacts):
+        few = plural(len(impacts), "impact")
+        raise SceneError(f"{recording.name}: impact[{number}].{field} does not exist; the run has {few}")
+    if field not in slopes and field != DURATION:
+        fields = ", ".join((*slopes, DURATION))
+        raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
+    impact = impacts[number - 1]
+    value, slope = impact[field], slopes_of_impacts(sensitivities, field)
+    units = impact_units(stop=recording.is_stop(impact["wall"]))
+    wall = recording.wall_names[impact["wall"]]
+    where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
+    again = partial(_impact_in, number=number, field=field)
+    return Quantity(float(value), units[field], where, slope[number - 1], abs(float(value)), again)
+
+
+def _impact_in(recording: Recording, number: int, field: str) -> float:
+    return float(recording.impacts[field][number - 1]) if number <= len(recording.impacts) else math.nan
+
+
+def _joint_force(recording: Recording, sensitivities: Sensitivities) -> Quantity:
+    """Return the largest force in any joint during the run, with its derivatives."""
+    names = [
+        name
+        for name in sensitivities.columns
+        if (of := name_parts(name)).owner == "joint" and of.quantity == "peak_force"
+    ]
+    if not names:
+        raise SceneError(
+            f"{recording.name}: joint_force needs the forces in joints: outputs.loads must be true, and "
+            "output=…, if it is given, must have joint[*].peak_force"
+        )
+    name = max(names, key=lambda column: recording.columns[column][-1])
+    where = f"joint[{name_parts(name).n}], the largest of the run"
+    found = _of_output(recording, sensitivities, name)
+    return found._replace(where=where, value_in=partial(_largest_end_in, names=names))
+
+
+def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> Quantity:
+    """Return the value of an output at the end of the run, with its derivatives."""
+    values = recording.columns[name]
+    size = max(abs(float(values[-1])), float(np.ptp(values)))
+    where = f"at the end, t = {recording.time[-1]:g} s"
+    slopes = sensitivities.slopes[-1, sensitivities.columns[name]]
+    again = partial(_largest_end_in, names=[name])
+    return Quantity(float(values[-1]), sensitivities.units[name], where, slopes, size, again)
+
+
+def _largest_end_in(recording: Recording, names: Sequence[str]) -> float:
+    return float(max(recording.columns[name][-1] for name in names))
