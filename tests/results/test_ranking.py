@@ -129,11 +129,8 @@ def test_the_picture_has_bars_of_parameters_that_are_zero(result):
 
 
 def test_a_second_run_checks_each_effect_of_the_picture(result):
-    scene, ranking = (
-        result.scene,
-        result.ranking("peak_force", ["link[2].mass", "contact.stiffness", "joint[1].torque"]),
-    )
-    runs = {}
+    ranking = result.ranking("peak_force", ["link[2].mass", "contact.stiffness", "joint[1].torque"])
+    scene, runs = result.scene, {}
 
     def run(name, value):
         runs[name] = value
