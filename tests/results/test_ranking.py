@@ -1,6 +1,6 @@
 """The ranking of parameters by their effect on a quantity."""
 
-# Tests: pictures/bars.py
+# Tests: pictures/bars.py, results/quantity.py
 
 from dataclasses import replace
 
@@ -148,7 +148,7 @@ def test_a_second_run_checks_each_effect_of_the_picture(result):
         else:
             assert effect.simulated == pytest.approx(effect.change, rel=0.1)
             assert effect.simulated != effect.change
-    assert "confirm the 2 effects" in repr(checked)
+    assert "confirm 2 effects" in repr(checked)
 
 
 def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):

@@ -1,6 +1,6 @@
 """Inputs of ``simulate`` over time: against the equations of motion, against each other, and refusals."""
 
-# Tests: simulation/motions.py
+# Tests: simulation/motions.py, simulation/input_values.py
 
 import math
 

@@ -177,12 +177,12 @@ class Ranking:
 
     def _check(self, checked: Sequence[Effect]) -> Iterator[str | TextTable]:
         """Yield a sentence on the effects that second runs have checked, and a table of those that differ."""
-        drawn, limit = plural(len(checked), "effect"), f"{100.0 * FIRST_ORDER:g} %"
+        found, limit = plural(len(checked), "effect"), f"{100.0 * FIRST_ORDER:g} %"
         other = [effect for effect in checked if effect.differs]
         if not other:
-            yield f"check    runs with the new values confirm the {drawn} of the picture within {limit}"
+            yield f"check    runs with the new values confirm {found} within {limit}"
             return
-        yield f"check    of the {drawn} of the picture, {len(other)} differ by more than {limit} from a run:"
+        yield f"check    runs with the new values: {len(other)} of {found} differ by more than {limit}"
         unit = in_brackets(unit_text(self.unit))
         rows = [(each.parameter, f"{each.change:+.3g}", f"{each.simulated:+.3g}") for each in other]
         yield TextTable(("parameter", f"effect{unit}", f"in a run{unit}"), rows)
