@@ -219,9 +219,9 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, impedance with which a contact with a force law resists a projection; else 0
         ("resistance", REAL, (count,)),
-        # N, near a fold: force of the constraint from its forces at times before and after (ode/folds.py)
+        # N, near a fold: force of the constraint, found from its forces at times before and after
         ("refined", REAL, (count,)),
-        # N, near a fold: sum of these forces with the weights DIFFERENCE, small if the force is smooth
+        # N, near a fold: sum of these with the weights DIFFERENCE (ode/folds.py), small if they are smooth
         ("uneven", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
         # sampled, packed
