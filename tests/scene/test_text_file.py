@@ -1,5 +1,8 @@
 """Text files from other programs: encodings, decimal commas, separators; scenes and tables alike."""
 
+import itertools
+
+import numpy as np
 import pytest
 
 from chain_impact import SceneWarning, cli as command_line, load_scene, parse_scene
@@ -128,15 +131,30 @@ def test_on_the_command_line(capsys):
 # --- separators --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("mark", "name"), [(";", "semicolons"), ("\t", "tabs")])
+@pytest.mark.parametrize("mark", [";", "\t"])
 @pytest.mark.parametrize("point", [".", ","])
-@pytest.mark.parametrize("reader", ["recording", "measurements"])
-def test_a_table_with_other_separators_is_refused(reader, mark, name, point, tmp_path):
-    read, _, form = READERS[reader]
+def test_a_table_with_other_separators_is_read_as_one_with_commas(mark, point, tmp_path):
+    rows = "\n".join([TABLE.splitlines()[0], "0,0,1,1,1", "", "1.5e-1,-.25,0.95,1,0.95"])
+    usual, other = tmp_path / "usual.csv", tmp_path / "other.csv"
+    usual.write_text(rows)
+    head, *lines = rows.replace(",", mark).splitlines()
+    other.write_text("\r\n".join([head, *(line.replace(".", point) for line in lines)]))
+    columns, same = (read_csv(path, {}).columns for path in (usual, other))
+    assert columns.keys() == same.keys()
+    for name, column in columns.items():
+        np.testing.assert_array_equal(same[name], column)
+    table, again = read_table(usual), read_table(other)
+    assert (again.names, again.lines) == (table.names, table.lines)
+    for row, name in itertools.product(range(2), table.names):
+        assert again.number(row, name) == table.number(row, name)
+
+
+@pytest.mark.parametrize("name", ["recording", "measurements"])
+def test_decimal_points_and_commas_in_one_table_are_refused(name, tmp_path):
+    read, text, form = READERS[name]
     path = tmp_path / "table.csv"
-    path.write_text(TABLE.replace(",", mark).replace(".", point))
-    needed = "must be separated by commas, with decimal points in the numbers"
-    reason = f"the columns are separated by {name}; {needed}"
+    path.write_text(text.replace(",", ";") + "0,2;1;1;1;1,234\n")
+    reason = "its numbers have decimal points and decimal commas; must have one of them"
     assert refusal(read, path) == f"{path}: {form.format(reason)}"
 
 

@@ -15,7 +15,7 @@ from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.text_file import check_separator, likely_time, text_of
+from chain_impact.scene.text_file import comma_separated, likely_time, text_of
 
 NEEDED_COLUMNS = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
@@ -78,8 +78,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
 def _columns(path: Path) -> dict[str, np.ndarray]:
     """Return the columns of a table of numbers, by their names."""
     try:
-        head, *text = text_of(path).splitlines() or [""]
-        check_separator(head)
+        head, *text = comma_separated(text_of(path)).splitlines() or [""]
         names = [name.strip().strip('"') for name in head.split(",")]
         if "time" not in names and {"onset", "wall"} <= {*names}:
             raise ValueError("it is a list of impacts, not a motion; `simulate --csv` writes a motion")

@@ -14,7 +14,7 @@ import numpy as np
 
 from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, decimal_comma, value_text
-from chain_impact.scene.text_file import check_separator, likely_time, text_of
+from chain_impact.scene.text_file import comma_separated, likely_time, text_of
 
 TableSource = str | Path | Mapping[str, Sequence[Any] | np.ndarray]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
@@ -112,6 +112,8 @@ def read_table(source: TableSource) -> Table:
         rows = [list(row) for row in zip(*columns.values(), strict=True)]
         return _checked("data", tuple(columns), rows, [f"row {k}" for k in range(len(rows))])
     path = Path(source)
+    if path.suffix == ".toml":
+        raise SceneError(f"{path}: it is a scene, must be a table of data, in CSV or Parquet")
     if path.suffix == ".parquet":
         arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
         try:
@@ -122,8 +124,7 @@ def read_table(source: TableSource) -> Table:
         rows = [list(row) for row in zip(*cells, strict=True)]
         return _checked(str(path), tuple(whole.column_names), rows, [f"row {k}" for k in range(len(rows))])
     try:
-        text = text_of(path)
-        check_separator(text.partition("\n")[0])
+        text = comma_separated(text_of(path))
         reader = csv.reader(io.StringIO(text, newline=""))
         names = tuple(name.strip() for name in next(reader, []))
         numbered = [(f"line {reader.line_num}", row) for row in reader if any(map(str.strip, row))]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import itertools
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -9,7 +12,8 @@ from pathlib import Path
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # first bytes of a file in UTF-16
 ZIP = b"PK\x03\x04"  # first bytes of a ZIP file, such as an FMU or a spreadsheet
 COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)")
-SEPARATORS = {";": "semicolons", "\t": "tabs"}
+SEPARATORS = ";", "\t"  # what can separate the cells of a table in place of commas
+DECIMALS = re.compile(r"[+-]?\d*([.,])\d+(?:[eE][+-]?\d+)?")  # a number with a decimal mark
 
 
 def text_of(path: Path) -> str:
@@ -62,15 +66,29 @@ TIMES = ("t", "time", "times", "timestamp", "zeit", "temps", "tiempo", "time_s",
 SECONDS = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 
-def check_separator(head: str) -> None:
-    """Refuse a table whose head line shows that the columns are not separated by commas.
+def comma_separated(text: str) -> str:
+    """Return the text of a table with commas between the cells and decimal points in the numbers.
+
+    A table with semicolons or tabs between the cells, which may have decimal commas, is rewritten, line by
+    line; any other text is returned unchanged.
 
     Raises:
-        ValueError: when another character separates the columns.
+        ValueError: when the numbers of such a table have decimal points and decimal commas.
     """
     # names in quotes may have any separator, and blanks around commas do not count
-    bare = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", head))
-    for mark, name in SEPARATORS.items():
-        if mark in bare and bare.count(mark) >= bare.count(","):
-            needed = "must be separated by commas, with decimal points in the numbers"
-            raise ValueError(f"the columns are separated by {name}; {needed}")
+    head = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", text.partition("\n")[0]))
+    mark = next((mark for mark in SEPARATORS if mark in head and head.count(mark) >= head.count(",")), None)
+    if mark is None:
+        return text
+    names, *rows = csv.reader(io.StringIO(text, newline=""), delimiter=mark)
+    marks = {found[1] for cell in itertools.chain(*rows) if (found := DECIMALS.fullmatch(cell.strip()))}
+    if len(marks) > 1:
+        raise ValueError("its numbers have decimal points and decimal commas; must have one of them")
+    rewritten = io.StringIO()
+    decimals = [[DECIMALS.sub(_with_point, cell.strip()) for cell in row] for row in rows]
+    csv.writer(rewritten, lineterminator="\n").writerows([names, *decimals])
+    return rewritten.getvalue()
+
+
+def _with_point(number: re.Match[str]) -> str:
+    return number[0].replace(",", ".")
