@@ -183,7 +183,7 @@ class SceneFacts(dict[str, Any]):
 
     @cached_property
     def _links(self) -> tuple[Link, ...]:
-        """The links, with None for each key in ``_OFF_KEYS`` that has its default: rules see no value."""
+        """The links as rules see them: a key in ``_OFF_KEYS`` that the file does not give is None."""
         missing: dict[int, dict[str, Any]] = {}
         for path in self._off:
             match path:
@@ -193,9 +193,10 @@ class SceneFacts(dict[str, Any]):
         return tuple(replace(link, **missing.get(i, {})) for i, link in enumerate(links))
 
     def _members(self, row: Members) -> list[dict[str, Any]]:
-        """Return the members of the list ``row``, each as a table with the values of ``row.values``.
+        """Return the members of the list ``row``, each as a table from the names in ``row.values`` to values.
 
-        There is one for each member of the list ``row.over`` for which the rule ``row.has`` is true.
+        The members are those of the list ``row.over`` for which the rule ``row.has`` is true. Each value is
+        computed by its rule in ``row.values``.
         """
         found = list[dict[str, Any]]()
         for order, of_member in enumerate(of_members(members_in(row.over, self.value_of), self.value_of)):

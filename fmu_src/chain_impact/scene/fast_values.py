@@ -24,7 +24,8 @@ from chain_impact.scene.tables import Contact, Initial, Simulation, Solver
 
 SceneTable = TypeVar("SceneTable")
 LARGEST_NUMBER = sys.float_info.max
-# number of links up to which the fast path applies; ``with_values`` reads a longer chain as a whole
+# number of links, from the base, whose values the fast path can change; for a value of another link,
+# ``with_values`` reads the whole scene
 LINKS = 64
 _TABLES: dict[DataPath, Any] = {
     ("contact",): Contact,
@@ -75,9 +76,9 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath,
 def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
     """Return the scene with one number or choice changed.
 
-    The result is None if ``with_values`` must read the whole scene: if the path is empty (no value
-    in ``_numbers``) or leads nowhere, the value is not allowed, the present value is derived, or other values
-    must be checked, too.
+    The result is None if ``with_values`` must read the whole scene. This is so if the path is empty, because
+    ``_numbers`` lacks the name; if the path leads nowhere; if the new value is not allowed; if the present
+    value is derived; or if other values must change or be checked, too.
     """
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):
@@ -88,7 +89,7 @@ def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given
 
 
 def _value(given: Any, rule: Mapping[str, Any]) -> Any:
-    """Return a finite number as a float, or a text where the rule has choices; None for another value."""
+    """Return a finite number as a float, or any text if the rule has choices; None for another value."""
     if rule["choices"]:
         return given if isinstance(given, str) else None
     if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST_NUMBER:
@@ -119,8 +120,8 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
 
 def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
     """Return whether other values of the scene depend on a number, or must be checked together with it."""
-    # a motion that a signal's table gives ends at rest if the table ends before the stop time, so its
-    # last polynomial depends on this time
+    # a table may move a base or a wall; if the table ends before the stop time, this motion ends at rest,
+    # so its last polynomial depends on the stop time
     if path == ("simulation", "stop_time"):
         return any(signal.samples for signal in scene.signals.values())
     return path[0] == "contact" and (value == 0.0 or ("stops", *path[1:]) in scene.derived_paths)

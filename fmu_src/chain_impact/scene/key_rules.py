@@ -68,8 +68,9 @@ class Derived:
         of_box: the other rule for a link that is a box, if there is one.
         or_key: the key of the same table that can be given in place of this key, if there is one.
         with_stops: the constant default in a scene with stops of joints, if there is one.
-        off: the constant default of a value, if a scene that does not give the value lacks what it describes,
-            such as dry friction: for rules (rules.py) the value is then missing, but a given 0 is not.
+        off: the constant default of a value that describes a part which the scene has only if the value is
+            given, such as dry friction. For rules (rules.py), a value that is not given is missing; a given 0
+            is not.
     """
 
     text: str
@@ -112,7 +113,7 @@ def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpac
 def simple_default(rule: Mapping[str, Any]) -> Any:
     """Return the default that the metadata ``rule`` have.
 
-    A `Derived` with ``off`` is replaced by the constant ``off``.
+    A `Derived` with ``off`` is replaced by the constant ``off``; any other default is returned unchanged.
     """
     default = rule["default"]
     return default if not isinstance(default, Derived) or default.off is None else default.off

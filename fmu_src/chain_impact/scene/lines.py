@@ -56,9 +56,10 @@ def line_of(text: str, path: DataPath) -> int | None:
 
 
 def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
-    """Return the path of the table whose head has the keys ``steps``, with indices before its last key.
+    """Return the path of the table whose head has the keys ``steps``.
 
-    A head has no indices: it belongs to the last entry so far of each list, whose index is in ``counts``.
+    A head has no indices. If one of its keys, except the last one, names a list, the head belongs to the last
+    entry of this list so far, whose index in ``counts`` follows the key in the path.
     """
     path: DataPath = ()
     for step in steps[:-1]:

@@ -109,7 +109,7 @@ def fmu_name(name: str) -> str:
 def other_names(name: str) -> set[str]:
     """Return the other names that a message may have for the value ``name``.
 
-    They are its name in the FMU and, for a value of [stops], its key in the file.
+    They are its name in the FMU and, for a value of [stops], its key in the file, except ``name`` itself.
     """
     of_fmu = fmu_name(name)
     in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu

@@ -160,8 +160,8 @@ def find_names(name: str, names: Iterable[str]) -> list[str]:
     if "*" not in name:
         return []
     first, *parts, last = map(re.escape, name.split("*"))
-    # Each part of the text between two ``*`` is fixed at the first position where it occurs (an atomic
-    # group), so that the time of a search does not grow with the number of possible matches.
+    # For each part of ``name`` between two ``*``, only its first occurrence is tried (an atomic group).
+    # Trying all combinations of occurrences would take very long for some names.
     like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
     return [spelling for spelling in names if like.fullmatch(spelling)]
 
@@ -315,9 +315,10 @@ class Reader:
         return f"{self.label((*path, name))} {sentence('unknown', keys=', '.join(here))}"
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
-        """Return advice on a table, ``value``, in place of a list of tables: to which tables its keys belong.
+        """Return advice on a table ``value`` where a list of tables must be: where its wrong keys belong.
 
-        Keys that the tables of the list, of type ``item``, can have themselves get no advice.
+        A wrong key is a key that no table of the list, of type ``item``, can have, but another table can. The
+        advice names this other table.
         """
         moved = [
             self._keys()[key]

@@ -83,10 +83,10 @@ class Rule(NamedTuple):
         condition: the rule (rules.py) that is true for a refused value; its names are keys and facts.
         least: a rule for the least allowed number; the number becomes the word ``least`` of the sentence, the
             rule's text the word ``bound``.
-        of: the tables to which the key belongs: "" the whole file, "link" each link, "law" [contact], each
-            table in [contact.wall], and [stops]. For a missing coefficient of friction or value of [stops],
-            the rule uses the value of [contact]. ``law`` in a rule is the contact law of the table; a user's
-            law has no properties in rules.
+        of: the tables to which the key belongs: "" is the whole file; "link" is each link; "law" is
+            [contact], each table in [contact.wall], and [stops]. With "law", the rule uses the value of
+            [contact] for a missing coefficient of friction and a missing value of [stops], and the name
+            ``law`` is the contact law of the table; a user's law has no properties in rules.
         in_kernel: whether the kernel checks the same rule at the start of a run. A page then does not check
             it when its user changes one value, because the next change may be of the other value.
     """

@@ -11,9 +11,9 @@ A rule is written like an expression of Python. From strong to weak, its parts a
 - ``==``, ``!=``, ``<``, ``>``, ``<=``, ``>=``, ``in``
 - ``not``, then ``and``, then ``or``
 
-A value holds if it is neither missing nor 0 nor empty; a list holds if one of its entries holds, and counts
-as its length where a number is needed. The members of tables by name are these tables. A sum or a product
-with a missing value is missing, and a comparison with a missing value does not hold.
+A value holds if it is neither missing nor 0 nor empty. A list holds if one of its entries holds. Where a
+number is needed, a list counts as its length. The members of tables by name are these tables. A sum or a
+product with a missing value is missing, and a comparison with a missing value does not hold.
 
 ``tree`` parses a rule. pages/browser/scene/rules.js evaluates the tree as ``_function_of`` does.
 """
@@ -186,7 +186,7 @@ def _of_members(
     """Return the value of ``any(list, rule)`` or ``sum(list, rule)``, as ``sign`` says.
 
     The value of ``any`` is whether the rule is true for a member of the list, that of ``sum`` the sum of the
-    rule's number over all members.
+    rule's number over all members; None if one of these numbers is missing.
     """
     values = _for_members(of, names, _members(members(value_of)), value_of)
     if sign == "any":
@@ -228,7 +228,8 @@ def of_members(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:
 def value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
     """Return the value of a name in a rule for a member of a list; ``order`` is the member's index.
 
-    A name that is no value of the member has its value in the whole scene, from ``value_of``.
+    ``value_of`` gives the values of the whole scene. It is used for a name that is no value of the member; if
+    the member is a table of the scene's file, only for names with a dot.
     """
     if name == "order":
         return order
@@ -250,7 +251,7 @@ def _is_so(value: Any) -> bool:
 
 
 def value_at(table: Any, key: str) -> Any:
-    """Return the value of a dotted key in a table; None if a table on the path is missing."""
+    """Return the value of a dotted key in a table; None if it, or a table on its path, has no value."""
     for name in key.split("."):
         table = None if table is None else getattr(table, name)
     return table

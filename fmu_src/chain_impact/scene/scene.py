@@ -255,9 +255,9 @@ def _without_no_points(link: Any) -> Any:
 
 
 def _holds(table: Any) -> bool:
-    """Return False for a table whose values are all None, True for any other table or object.
+    """Return False for a table that is empty or has only None, True for any other table or object.
 
-    The values of tables inside the table are not examined.
+    A table inside the table counts as a value, whatever it contains.
     """
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
@@ -364,8 +364,9 @@ def _leaves(
 ) -> Iterator[tuple[DataPath, Any]]:
     """Yield the path and the value of every single value.
 
-    Each entry of a list of numbers with a unit is a single value; a list without a unit is one as a whole. Of
-    a list ``value`` the first ``apart`` entries are left out: corners, which follow from the size of a box.
+    In a list of numbers with a ``unit``, each entry is a single value; in a list of tables, each value of a
+    table is one. Any other list is a single value as a whole. The first ``apart`` entries of a list ``value``
+    are left out: these are corners, which follow from the size of a box.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):

@@ -40,10 +40,10 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Replace the corners of boxes in the plain data of a scene by the mark ``_APART``.
+    """Replace the corners of boxes by the mark ``_APART``, in ``data``, the plain data of a scene.
 
-    With ``given = True``, the corners stay as ordinary points, and the keys of the box are removed in place
-    of the corners.
+    With ``given = True``, the corners stay, as ordinary points, and the keys ``shape`` and ``height`` of each
+    box are removed.
     """
     for link in data["chain"]["links"]:
         if "shape" not in link:

@@ -118,7 +118,8 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
 
     Returns:
         The start of each polynomial, shape (R,) [s]; the coefficients of the powers of the time since this
-            start, shape (R, P); and the growth of the last integral over one period, 0 without a period.
+            start, shape (R, P); and the growth of the last integral over one period, 0 without a period or
+            an integration.
     """
     assert signal.samples
     at, values = np.array(signal.samples.times), np.array(signal.samples.values(driven))
@@ -134,8 +135,8 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
     ends, gain, periods, begin = np.append(at[1:], at[-1]), 0.0, 0, 0.0
     if period:
         at, ends = at[:-1], at[1:]
-        # the time ``begin`` lies within the table, a whole number of periods (`periods`) before the start of
-        # the run at t = 0
+        # The table repeats, so the input at the start of the run, t = 0, is that of the table at the time
+        # ``begin``: ``periods`` whole periods earlier, or later if ``periods`` is negative.
         periods = math.floor(-at[0] / period)
         begin = -periods * period
     for _ in range(order):
@@ -195,9 +196,9 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
     a, b, c, d = powers[-1] * h ** np.arange(4.0)
     last = d
     if at[-1] < stop:
-        # The spline before the last interval does not depend on the end of the run. So only the coefficients
-        # of u³ in its halves, d and ``last``, are free to give the position of the last row and the velocity
-        # 0 there.
+        # The spline before the last interval must not depend on the end of the run, so a, b and c are fixed.
+        # Free are only the coefficients of u³ in the two halves of the last interval, d and ``last``. They
+        # give the position of the last row, and the velocity 0 there.
         way = values[-1] - a
         d = (3.0 * way - 5.0 * b - 8.0 * c) / 12.0
         last = way - 2.0 * b - 4.0 * c - 7.0 * d

@@ -50,9 +50,9 @@ class _Access(NamedTuple):
 class _Selection:
     """Several variables that a program reads together.
 
-    ``words`` are their indices in the record, and ``whole`` says which of them are integers. ``observed``
-    says whether outputs must be computed first: if a variable is an output, or a parameter that the solver
-    may derive.
+    ``words`` are their indices in the record, and ``whole`` the positions, in ``words``, of the integers.
+    ``observed`` says whether outputs must be computed first: this is so if a variable is an output, or a
+    parameter that the solver may derive.
     """
 
     words: np.ndarray
@@ -123,7 +123,8 @@ class Chain:
         """
         self._ensure_initialized()
         before = self._reals.copy()
-        # `open_contacts` ends the solver's last step at the present time; restoring the record undoes this
+        # `open_contacts` changes the record: it ends the solver's last step at the present time; the copy
+        # ``before`` undoes this
         lasting = self._instance.open_contacts()
         self._reals[:] = before
         return in_order([*self._impacts, lasting], self.scene.wall_names)[1]

@@ -233,7 +233,7 @@ class DifferentiatedInstance(Instance):
 def is_rise(parameter: Variable) -> bool:
     """Return whether a parameter is the rise of a signal.
 
-    Any other parameter without derivatives is a friction of 0.
+    If the motion has no derivative with respect to a parameter, this is a rise of 0 or a friction of 0.
     """
     return parameter.record_path[:2] == ("signal", "rise")
 
