@@ -192,10 +192,10 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether each of two pieces has half the length of the last interval without a polynomial.
+        """Return whether two pieces are each half as long as the last interval without a polynomial.
 
-        For this interval a polynomial has failed, or was not tried (``_is_vain``). Two such pieces are not
-        joined, because one polynomial would probably fail for both together. Only lengths are compared.
+        For this interval a polynomial has failed, or was not tried (``_is_vain``). One polynomial for two
+        such pieces would probably fail, too, so they are not joined. Only lengths are compared, not times.
         """
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]
@@ -285,11 +285,12 @@ class Follower:
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
 
     def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
-        """Return the last time [s] at which the left piece holds, and the first at which the right one holds.
+        """Return the last time [s] known before a jump or kink, and the first time known after it.
 
-        The search ends when the two are closer than ``until``; in the first round of ``_break`` it also ends
-        at a value that belongs to neither piece. If a value belongs to both pieces, its time is returned
-        twice.
+        The left piece has the functions' values before the jump or kink, the right piece after it. The
+        interval between the two times is halved until it is at most ``until`` [s] long. In the first round of
+        ``_break``, the search also ends at a time at which neither piece has the functions' values. If both
+        have them at a time, the search returns this time twice.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
@@ -325,9 +326,10 @@ class Follower:
         return self._fits(np.array([start, end]))[0]
 
     def _foresee(self, start: float, end: float) -> None:
-        """Compute all pieces of an interval in one call, if they certainly become as short as the last one.
+        """Compute all pieces of an interval in one call of the functions, each as long as the last piece.
 
-        They certainly do if ``_is_vain`` rejects the lengths in between.
+        This is done only if longer pieces are certainly not tried: ``_is_vain`` must reject the lengths in
+        between, as far as FAR does not. There are at most 2^TOGETHER pieces.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0

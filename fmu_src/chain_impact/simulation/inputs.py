@@ -110,8 +110,8 @@ class InputCourse:
             if part != MOTION:
                 piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
-        # with ``hold``, motions follow values at communication points, and the kernel itself writes the
-        # settings of their polynomials; all other inputs are constant and need none
+        # steady: with ``hold``, the kernel makes the polynomials of motions from the values at communication
+        # points, and writes their settings itself; all other inputs are constant and need no settings
         steady = motion["interpolates"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or piece["order"]):
             changed = changed or any(piece[name] != value for name, value in settings.items())

@@ -77,7 +77,7 @@ class Channel:
 
 
 def channels_of(prepared: PreparedScene) -> list[Channel]:
-    """Return the channels of the moving base and walls, in the order of the record."""
+    """Return the channels of a moving base, of moving walls and of belts, in the order of the record."""
     names = {variable.record_path: variable.name for variable in prepared.inputs}
     scene, channels = prepared.scene, []
     for j in range(prepared.sizes.channels):
@@ -231,10 +231,10 @@ def refuse_jumps(
 def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
     """Return pieces of motions whose positions and velocities agree exactly where pieces meet.
 
-    At the start of a piece, positions have a small difference s from the piece before; v is the difference of
-    velocities times the duration of the piece. The correction (1 − r)⁸ (s + (8 s + v) r), where r goes from 0
-    to 1 in the piece, removes both. ``columns`` are the indices of the motions. A jump in the speed of a belt
-    stays.
+    Each piece gets the correction (1 − r)⁸ (s + (8 s + v) r), where r goes from 0 to 1 in the piece. At the
+    start it adds s to the position, and v divided by the piece's duration to the velocity; at the end it adds
+    nothing. s and v are such that the start of the piece then agrees with the end of the piece before. v is 0
+    where the speed of a belt jumps, so that this jump stays. ``columns`` are the indices of the motions.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))

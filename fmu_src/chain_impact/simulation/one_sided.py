@@ -1,4 +1,7 @@
-"""Finds knots of signals at t = 0, the start of the run: derivatives by their times are one-sided."""
+"""Finds knots of signals at t = 0, the start of the run.
+
+The derivatives of a motion with respect to the times of such knots are one-sided.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +51,7 @@ def _at_start(d: Any, j: int, segment: int) -> np.ndarray:
 def _watched(name: str) -> list[int]:
     """Return which of VALUE, RATE and SECOND of an input change the chain's accelerations at once.
 
-    The displacement of a wall changes none, unless a point touches the wall.
+    The motion of a wall counts as changing none; that it does if a point touches the wall is not considered.
     """
     if name.startswith("base."):
         return [SECOND]

@@ -31,7 +31,7 @@ class Piece:
         return np.asarray(np.vander(x, DEGREE + 1, increasing=True) @ self.powers)
 
     def series(self, time: float, unit: float) -> np.ndarray:
-        """Return the coefficients of the powers of (t − ``time``)/``unit``, shape (DEGREE + 1, M).
+        """Return the polynomials' coefficients for powers of (t − ``time``)/``unit``, shape (DEGREE + 1, M).
 
         ``time`` and ``unit`` are in [s].
         """

@@ -254,7 +254,8 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
         first = _values_of(result, impact)
         used = contact_at(result.scene, impact)
         earlier, later = result.impacts[:number], result.impacts[number + 1 : number + 2]
-        # an ``end`` of NaN, of a contact that lasts until the end of the run, makes both comparisons False
+        # A contact that lasts until the end of the run has NaN as its ``end`` and duration, and a comparison
+        # with NaN is False: an earlier contact then overlaps, an impact after one that lasts does not.
         overlap = later["onset"] <= impact["onset"] + first["duration"]
         notes += [OVERLAPS] if overlap.any() or not (earlier["end"] <= impact["onset"]).all() else []
     return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
@@ -288,10 +289,11 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
-    """Return ``run`` with the number and the onset of its first impact that ``expected`` does not have.
+    """Return ``run`` with the number and onset of the first impact in which it differs from ``expected``.
 
-    ``expected`` is the result with the reference law. If it has all impacts of the run and more, the next one
-    of ``expected`` counts. A run that ended early and agrees up to its end has no such impact.
+    ``expected`` is the result with the reference law. If the run or ``expected`` has all impacts of the other
+    and more, its next impact counts. A run that agrees in all impacts has no such impact, nor has a run that
+    ended early and agrees up to its end.
     """
     if run.result is None:
         return run

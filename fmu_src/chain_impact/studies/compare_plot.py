@@ -164,7 +164,7 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
 
 
 def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
-    """Add to ``why``, law → reasons, a reason why a law has a colour."""
+    """Add a reason why a law has a colour to ``why``, law → reasons, after a comma if the law has one."""
     why[law] = f"{why[law]}, {reason}" if law in why else reason
 
 
