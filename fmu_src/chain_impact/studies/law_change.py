@@ -38,8 +38,9 @@ def keeps_exponents(law: str, scene: Scene) -> bool:
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
     """Yield path, exponent n and stiffness K of each table with a stiffness that ``contact.model`` uses.
 
-    These are ``contact`` and the tables of walls with their own stiffness, except in a scene with stops in
-    which no point can touch a wall; and ``stops``, unless stops have their own law.
+    The table ``stops`` is yielded if the scene has stops without a law of their own. The table ``contact``,
+    and the tables of walls with a stiffness of their own, are yielded if a point can touch a wall, or if the
+    scene has no stops.
     """
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:

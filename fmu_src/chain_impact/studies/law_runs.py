@@ -40,7 +40,7 @@ class LawRun:
         loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse; None if
             the impact has not ended.
         divergence: number, from 1, of the first impact whose point or wall differs from that of the impact
-            with this number under the reference law; None if none differs.
+            with this number under the reference law, or that only one of the two runs has; None without one.
         divergence_time: onset of the impact with the number ``divergence`` [s].
         note: the reason why the result is missing or incomplete, or a remark.
         result: the simulation, if there is one.

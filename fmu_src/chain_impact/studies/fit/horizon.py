@@ -40,9 +40,9 @@ ROUGH_STEPS, FINE_STEPS = 10, 100
 # the least standard deviation that may be estimated, relative to the size of its column: smaller residuals
 # are the solver's errors, not noise
 LEAST_SIGMA = 1e-8
-# A column with fewer degrees of freedom than this has none; the rest is round-off. The limit can be so small
-# because a column with few degrees of freedom gets a large estimated σ; so it loses weight, determines fewer
-# parameters in the next round, and thereby gets more degrees of freedom.
+# A column's degrees of freedom ν count as 0 below this limit, as round-off. A larger limit is not needed: a
+# small ν gives a large estimated σ, so the column has less weight in the next round, determines fewer
+# parameters, and has a larger ν.
 NO_FREEDOM = 1e-9
 # The search with all data is repeated with newly estimated standard deviations until none of these changes,
 # relatively, by more than SETTLED_SIGMA, but at most MOST_ROUNDS times.

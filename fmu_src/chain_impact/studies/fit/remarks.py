@@ -101,10 +101,10 @@ def unusual(result: Estimates) -> Iterator[str]:
         given &= ~result.columns[name]
     total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
     least = most - len(result.parameters)
-    # With a given σ in every column, χ² has `least` degrees of freedom. Otherwise columns with an estimated σ
-    # may determine some of the parameters, so the number lies between `least` and `most`, which is unknown:
-    # the test for a too large χ² uses `most` and the test for a too small one `least`, so that neither
-    # reports too much.
+    # If σ is given for every column, χ² has `least` degrees of freedom. Otherwise, the columns with an
+    # estimated σ may determine some of the parameters; the degrees of freedom are then unknown, from `least`
+    # to `most`. The test for a too large χ² uses `most`, the test for a too small one `least`: so each
+    # reports only a χ² that is improbable for all these numbers.
     most = most if result.estimated else least
     if least <= 0 or total < SIMULATED * least:
         return

@@ -52,7 +52,7 @@ def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
 
 
 def count_of_best(fit: Estimates) -> int:
-    """Return the number of ranked laws between which the data cannot decide, with the best law."""
+    """Return the number of ranked laws that fit equally well: the best law, and all that ``fits_equally``."""
     return sum(fits_equally(law_fit, fit) for law_fit in fit.ranking)
 
 

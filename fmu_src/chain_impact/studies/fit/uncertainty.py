@@ -102,12 +102,12 @@ def small_sample(
 ) -> SmallSample:
     """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983), with a variance for each column.
 
-    C is the covariance matrix of the parameters. A column c with the derivatives J of its values has the
-    information A_c = J'J/σ², and its residuals have ν_c degrees of freedom. Its part p_c of a parameter's
-    variance is the parameter's diagonal element of C A_c C divided by that of C. The degrees of freedom ν of
-    the parameter's standard error follow from Satterthwaite's formula 1/ν = Σ p_c²/ν_c, and its variance
-    grows by the diagonal element of Σ 4/ν_c C (A_c − A_c C A_c) C. The sums are over the columns with an
-    estimated σ.
+    C is the covariance matrix of the parameters. A column c has the information A_c = J'J/σ², where J are the
+    derivatives of its values, and its residuals have ν_c degrees of freedom. All sums are over the columns
+    with an estimated σ. The variance of a parameter is its diagonal element of C. The correction adds to it
+    the parameter's diagonal element of Σ 4/ν_c C (A_c − A_c C A_c) C. The degrees of freedom ν of the
+    parameter's standard error follow from Satterthwaite's formula, 1/ν = Σ p_c²/ν_c: p_c is the parameter's
+    diagonal element of C A_c C, divided by that of C.
 
     Args:
         slopes: derivatives of the values, shape (M, P).

@@ -70,9 +70,9 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 def size_of(parameter: Parameter, value: float, error: float) -> str:
     """Return words for a standard error, which is given on the scale of the search.
 
-    They are "infinite"; percent of the value, on a logarithmic scale or if 0 is the only bound; a factor, for
-    an error above HUGE on a logarithmic scale; or a number with its unit, also for an error of at least HUGE
-    times the value if 0 is the only bound.
+    An infinite error is "infinite". On a logarithmic scale, an error up to HUGE is in percent of the value, a
+    larger one is a factor. On another scale, an error is a number with its unit; but it is in percent of the
+    value if the lower bound 0 is the only bound and the error is less than HUGE times the value.
     """
     if not math.isfinite(error):
         return "infinite"

@@ -25,8 +25,8 @@ MOST_NUMBERS = 10**8
 MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence with its 30 bits
 MOST_SEEDS = 2**32
-# the least number of columns with results in a sweep's table; there is one Latin hypercube for all runs if a
-# table of all runs, with so few results and the varied values, fits into memory
+# The table of a sweep has at least this number of columns with results. If a table of all runs with these
+# columns and the varied values fits into memory, all runs are samples of one Latin hypercube.
 FEWEST_RESULTS = 16
 CUBE = 2**16  # number of runs in each Latin hypercube if a table of all runs does not fit into memory
 _own = threading.local()
@@ -116,10 +116,10 @@ def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
 
 @functools.lru_cache(maxsize=8)
 def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
-    """Return the number of each sample's cell in the range of each parameter, shape (varied, count).
+    """Return for each parameter the number of the cell in which each sample lies, shape (varied, count).
 
-    The range of each of the ``varied`` parameters is divided into ``count`` cells, numbered from 1; in a
-    Latin hypercube of ``count`` samples each cell has one sample.
+    The range of each of the ``varied`` parameters is divided into ``count`` cells, numbered from 1. Each cell
+    has one of the ``count`` samples of a Latin hypercube, in a random order.
     """
     order = np.tile(np.arange(1, count + 1, dtype=np.int32), (varied, 1))
     generator = _generator(seed, cube, count * varied)

@@ -61,10 +61,10 @@ class Job:
 
     @property
     def rigid(self) -> dict[str, list[DataPath]]:
-        """The columns of peak forces and moments: name → places in the record of an instance.
+        """The columns of peak forces and moments: name → paths in the record, which tell of rigid impacts.
 
-        The first place has a flag, 1 for rigid walls or stops. Each other place has the number of the latest
-        onset at a candidate of these walls or stops, 0 before its first onset.
+        The first path leads to a flag: 1 if the column's walls or stops are rigid. There is one more path for
+        each candidate at them: it leads to the number of the latest onset there, 0 before the first onset.
         """
         joints, found = stop_pairs(self.scene), dict[str, list[DataPath]]()
         for c, pair in enumerate(candidates(self.scene)):
