@@ -4,17 +4,14 @@
 import { find, make } from "../base/dom.js";
 import { durationText, forceText, impulseText, unitsOf } from "../base/format.js";
 import { wallText } from "../player/impact_list.js";
-import { hashOf } from "./export.js";
+import { onGesture } from "./gestures.js";
 
-const GESTURE = 800; // [ms] changes with less time between them count as one change
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
 const [TIP, TIPS_APART] = [15, 16]; // TIP: [pixels] diameter of the dot of a letter; TIPS_APART: least distance between two of them
 const LISTED = 40; // largest number of impacts in the table that compares motions
 
 export class ComparedMotions {
-  #last = -Infinity;
-
   constructor(player, panel, table) {
     this.player = player;
     this.panel = panel;
@@ -25,28 +22,14 @@ export class ComparedMotions {
   }
 
   /**
-   * Listen to changes of parameters from now on: the motion that is shown when a change begins becomes the motion before the change. While
-   * one of the `handles` is dragged, all changes count as one.
+   * Listen to changes of parameters from now on: the motion that is shown when a change begins becomes the motion before the change.
+   * `handles`: those with which the reader drags.
    */
   follow(changes, handles) {
-    let last = { hash: hashOf(changes), dragged: null, scene: changes.scene };
-    changes.onChange(() => {
-      const present = { hash: hashOf(changes), dragged: handles.dragged, scene: changes.scene };
-      const isChange = present.hash !== last.hash || present.scene !== last.scene;
-      if (isChange) this.#change(present.dragged !== null && present.dragged === last.dragged);
-      if (present.scene.name !== this.before?.name) this.before = null; // another scene, not an edited one
-      last = present;
+    onGesture(changes, handles, (isBegin) => {
+      if (isBegin) this.before = this.player.recording ?? null;
+      if (changes.scene.name !== this.before?.name) this.before = null; // another scene, not an edited one
     });
-  }
-
-  /**
-   * Keep the shown motion as the motion before the change. If the change continues the last one (`goesOn`, or within GESTURE), nothing is
-   * kept anew.
-   */
-  #change(goesOn) {
-    const now = performance.now();
-    if (!goesOn && now - this.#last > GESTURE) this.before = this.player.recording ?? null;
-    this.#last = now;
   }
 
   /** Return the recordings that are drawn behind the next motion: the one before the last change, and the pinned ones. */

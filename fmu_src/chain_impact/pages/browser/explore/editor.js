@@ -50,6 +50,13 @@ export class Editor {
     onFiles("drop", ([file]) => file && this.#read(file, () => this.dialog.open || this.dialog.showModal()));
   }
 
+  /** Show the present scene in the open dialog, without refused texts, after the scene has changed elsewhere. */
+  refresh() {
+    this.#refused.clear();
+    if (this.dialog.open) this.#draw();
+    this.#say("");
+  }
+
   /** Open a scene file that the reader has chosen or dropped; if it cannot be opened, call `onFault` and show the reason. */
   async #read(file, onFault = () => {}) {
     const text = await file.text().catch((error) => error);

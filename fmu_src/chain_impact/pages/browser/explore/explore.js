@@ -14,6 +14,7 @@ import { CurveChoice } from "./curve_choice.js";
 import { Editor } from "./editor.js";
 import { connectExport } from "./export_dialog.js";
 import { Handles } from "./handles.js";
+import { UndoHistory } from "./history.js";
 import { GridMap } from "./map/map.js";
 import { OpenScene } from "./open_scene.js";
 import { showParameterList } from "./parameters/parameter_list.js";
@@ -64,7 +65,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
   window.begun.finishLoad();
 });
 const openScene = new OpenScene(changes, choice, kit);
-new Editor(changes, openScene, kit.keys);
+const editor = new Editor(changes, openScene, kit.keys);
 changes.onChange(() => {
   find("reset-all").hidden = changes.count === 0 && !openScene.isEdited;
 });
@@ -72,11 +73,13 @@ const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recor
 player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });
 showParameterList(find("list-of-parameters"), changes);
 const address = new Address(changes, choice, openScene, (fault) => simulation.notify(fault));
+comparedMotions.follow(changes, handles);
+const steps = new UndoHistory(changes, openScene, handles, () => editor.refresh());
 choice.onChange(() => {
   address.updateSoon();
+  steps.keepOutputs();
   simulation.soon();
 });
-comparedMotions.follow(changes, handles);
 
 const ask = (...request) => simulation.engine.ask(...request);
 window.chainImpact = consoleInterface(changes, ask);

@@ -27,6 +27,23 @@ export class OpenScene {
     this.#show(this.origin.scene, this.origin.text);
   }
 
+  /** Return the open scene with the reader's changes and chosen outputs, which `restore` shows again. */
+  get state() {
+    const { origin, text, choice: { names }, changes: { scene, values, inputSteps } } = this;
+    return { origin, text, names, scene, values, inputSteps };
+  }
+
+  /** Show a state again; if it has the present scene, the chosen outputs stay. */
+  restore({ origin, text, names, scene, ...kept }) {
+    this.origin = origin;
+    if (scene === this.changes.scene) {
+      this.changes.replace(kept.values, kept.inputSteps);
+    } else {
+      this.choice.names = names;
+      this.#show(scene, text, kept);
+    }
+  }
+
   get isEdited() {
     return this.changes.scene !== this.origin.scene;
   }

@@ -1,0 +1,95 @@
+"""Undo and redo of changes of parameters, of drags and of edits."""
+
+# Tests: pages/browser/explore/history.js, pages/browser/explore/gestures.js
+
+import pytest
+
+from tests.pages.in_pages import DESK, PHONE, enter, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"
+PRESENT = "chainImpact.parameters['contact.restitution']"
+
+
+def change(page, restitution):
+    page.evaluate(LATER)  # changes at shorter intervals count as one
+    page.evaluate(f"chainImpact.show({{'contact.restitution': {restitution}}})")
+
+
+@pytest.mark.parametrize("modifier", ["Control", "Meta"])
+def test_keys_undo_and_redo_one_change_after_the_other(show, modifier):
+    page = show(hash_="#contact.restitution=0.6")
+    assert page.locator("#undo").is_hidden()
+    change(page, 0.5)
+    change(page, 0.4)
+    seen = []
+    for key in ("z", "z", "z", "Shift+z", "Shift+z", "Shift+z", "z"):
+        page.keyboard.press(f"{modifier}+{key}")
+        seen.append(page.evaluate(PRESENT))
+    assert seen == ["0.5", "0.6", "0.6", "0.5", "0.4", "0.4", "0.5"]
+    change(page, 0.3)
+    page.keyboard.press(f"{modifier}+Shift+z")
+    assert page.evaluate(PRESENT) == "0.3", "a new change leaves nothing to redo"
+    page.get_by_role("button", name="Undo", exact=True).click()
+    assert page.evaluate(PRESENT) == "0.5"
+    page.get_by_role("button", name="Redo", exact=True).click()
+    assert page.evaluate(PRESENT) == "0.3"
+
+
+def test_a_drag_of_a_handle_is_one_change(show):
+    page = show()
+    names = "Object.entries(chainImpact.parameters).filter(([name]) => name.startsWith('initial.')).join()"
+    before = page.evaluate(names)
+    page.get_by_role("button", name="Set the start by hand").click()
+    box = page.locator("[data-grip='joint 2']").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 4):
+        page.mouse.move(x + 10 * step, y + 6 * step)
+        page.evaluate(LATER)
+    page.mouse.up()
+    assert page.evaluate(names) != before
+    page.keyboard.press("Control+z")
+    assert page.evaluate(names) == before
+
+
+def test_an_edit_is_undone_with_what_it_has_removed(show):
+    page = show(hash_="#link[3].mass=0.2")
+    page.get_by_role("button", name="Chart…").click()
+    page.locator("#curves-names").fill("link[3].angle")
+    page.keyboard.press("Enter")
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove link 3").click()
+    until_told(page, "3 links")
+    page.keyboard.press("Control+z")
+    until_told(page, "4 links")
+    assert page.locator("#edit-links tbody tr").count() >= 4, "the editor shows the restored scene"
+    page.keyboard.press("Escape")
+    assert page.evaluate("chainImpact.parameters['link[3].mass']") == "0.2"
+    until(page, "decodeURIComponent(location.hash).includes('curves=link[3].angle')")
+    page.keyboard.press("Control+Shift+z")
+    until_told(page, "3 links")
+
+
+def test_a_field_undoes_what_is_typed_in_it_itself(show):
+    page = show()
+    change(page, 0.5)
+    field = enter(page, "Restitution", "0.4")
+    field.press("Control+z")
+    assert page.evaluate(PRESENT) in {"0.5", "0.7"}
+    value = page.evaluate(PRESENT)
+    field.press_sequentially("1")
+    field.press("Control+z")
+    assert page.evaluate(PRESENT) == value
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_the_buttons_are_where_they_have_room(show, size):
+    page = show(viewport=size)
+    change(page, 0.5)
+    until(page, "!document.getElementById('reset-all').hidden")
+    assert page.locator("#undo").is_visible() == (size is DESK)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
