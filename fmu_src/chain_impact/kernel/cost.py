@@ -11,12 +11,12 @@ COST_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits 
 # A communication step, even a short one, may cost as much as `solver.work_limit` allows for LONGEST_CALL [s]
 # of simulated time.
 LONGEST_CALL = 20.0
-# The product of evaluations and links after which a long call returns, so that its caller can stop the run.
-# An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
+# The cost, in evaluations times N + 1 for N links, after which a long call returns, so that its caller can
+# stop the run. An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_COST = 20_000_000
 # A run ends with a fault after more than MOST_EVENTS × n events in EVENT_WINDOW [s]. n is the number of
-# candidates; if there is friction or a drive with a limit, the number of drives is added. So many events are
-# endless chattering: in a bounce of a microsecond the point rises only 1e-12 m.
+# candidates; if there is dry friction or a drive with a limit, the number of links is added, and 1 for a
+# slider. So many events are endless chattering: in a bounce of a microsecond the point rises only 1e-12 m.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
@@ -76,7 +76,7 @@ def cost_exceeded(d):
 
 
 def cost_of_a_call(d):
-    """Return the cost [evaluations] after which a long call of the kernel returns before it is done.
+    """Return the cost [evaluations] that one call of the kernel may add before it returns, even if not done.
 
     The caller of the kernel can then stop the run, or call the kernel again.
     """

@@ -35,8 +35,8 @@ def set_polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * cosine
             vertical[i] = radius[i] * sine
         return
-    # The angles are copied to ``vertical``: so the compiler knows that no result overwrites an angle that is
-    # still to be read.
+    # For the compiler the results may lie in the memory of y. After the angles are copied to ``vertical``, it
+    # knows that no result overwrites an angle that is still to be read.
     copy_entries(y, first, count, vertical)
     # with the copy, the compiler lets the processor compute several angles of this loop at once
     for i in range(count):
@@ -186,9 +186,10 @@ def note_points_elsewhere(d):
 def move_points(d, link_vectors, change, response):
     """Set ``response`` to the motions of all places that the ``change`` of the coordinates causes.
 
-    The motion Δp of a joint follows from the motion of the joint before and from the rotation Δθ of the link
-    vector L between both: Δp_{i+1} = Δp_i + Δθ_i L⊥. A change of the coordinates' rates gives the changes of
-    velocities in the same way.
+    ``change`` has the entries of the coordinates in y: x and y of the base, then the angles. The motion Δp of
+    a joint follows from the motion of the joint before and from the rotation Δθ of the link vector L between
+    both: Δp_{i+1} = Δp_i + Δθ_i L⊥. A change of the coordinates' rates gives the changes of velocities in the
+    same way.
     """
     n = d.links
     x, y = change[0], change[1]

@@ -34,8 +34,8 @@ def move_channels(d, time):
             half_a = half_a * x + v
             v = v * x + s
             s = s * x + moved.piece[piece.order - k, m]
-        # `added`, `added_rate` and `added_acceleration` are 0; in a tangent instance they have derivatives of
-        # given positions, velocities and accelerations
+        # `added`, `added_rate` and `added_acceleration` are 0; in a tangent instance they have derivatives,
+        # those of the given position, velocity and acceleration of the channel
         moved.position[m] = (
             s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_acceleration[m])
         )
@@ -80,7 +80,10 @@ def motion_bounds(d, m):
 
 
 def fastest_wall(d):
-    """Return the largest present speed [m/s] and acceleration [m/s²] of all moving walls and belts."""
+    """Return the largest present speed [m/s] and acceleration [m/s²] of all moving walls and belts.
+
+    A wall's motion along its normal and the motion of its belt count separately.
+    """
     speed, acceleration = 0.0, 0.0
     for c in range(d.candidates):
         if d.shift.channel[c] >= 0:

@@ -32,9 +32,9 @@ outward arm. For this arm β is the α of the last link of the inward arm, so e,
 to h, H and s of that link. A light link at an end is eliminated before heavier links, because the sum with a
 heavier link would lose digits of the light one.
 
-In an implicit step κ and D may be complex, because they contain the shift s of ode/extended.py. Even then no
-pivoting is needed: the argument of every s is below 61°, so all quadratic forms lie in a sector of less than
-122°, and no pivot vanishes.
+In an implicit step κ and D may be complex, because they contain a complex shift (ode/extended.py). Even then
+no pivoting is needed: the argument of every shift is below 61°, so all quadratic forms lie in a sector of
+less than 122°, and no pivot vanishes.
 """
 
 from chain_impact.kernel.chain.drives import joints_resist
@@ -91,7 +91,7 @@ COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge_ine
 
 
 def no_impedance(d, impedance):
-    """Set to zero the impedances at all places and, in a scene that uses them, in all joints."""
+    """Set the impedances at all places to zero and, if joints may resist, those in all joints, too."""
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
     if d.chain.has_joint_places:
@@ -268,7 +268,7 @@ def solve(d, link_vectors, space, slot, change):
 
 @inlined
 def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
-    """Set in ``change`` the change α of ω_i by the loads while the inner joint and the link before it rest.
+    """Set in ``change`` the part of α that the loads cause: (s + μ)/(H + κ), the α for a = 0 and β = 0.
 
     ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
     impulse t at the inner joint, from those at the outer joint: the arguments bx, by and t.
@@ -285,7 +285,7 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
         t = factors.coupling[slot, i] * s - factors.complement[slot, i] * moment
         s += moment
     change[ANGLES + i] = s * factors.inverse[slot, i]
-    # impulse at the inner joint: b = b' − h (s + μ)/(H + κ)
+    # impulse at the inner joint: b = b' − h (s + μ)/(H + κ); the variable ``s`` contains μ, too
     return bx - factors.gain_x[slot, i] * s, by - factors.gain_y[slot, i] * s, t
 
 

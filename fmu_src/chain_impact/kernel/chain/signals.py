@@ -193,8 +193,8 @@ def travel_of_sines(d):
         if signal.form[j] == SINE and signal.input[j] == CHANNEL:
             i = signal.source[j]
             size = abs(signal.amplitude[i])
-            # the integral of a sine with the amplitude a changes by about a/√|ḟ| while the frequency passes 0
-            # at the rate ḟ
+            # if the frequency f falls to 0 at the rate ḟ, the integral of a sine with the amplitude a changes
+            # by about a/√|ḟ| while f passes 0
             slow = math.sqrt(abs(signal.frequency_rate[i]))
             falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
             for _ in range(signal.integrals[j]):

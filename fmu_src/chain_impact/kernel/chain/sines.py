@@ -37,8 +37,9 @@ RISING = 5  # degree of the polynomial of the smooth ramp from 0 to 1, see ``smo
 # The continued fraction is used up to this |y| = |g|/ω². Where |y| is larger, the phase is within 4 rad, 1/(2
 # NEAR_TURNING_POINT), of its value at the time of frequency 0.
 NEAR_TURNING_POINT = 0.125
-# The largest number of levels of the continued fraction: DEPTH without a rise, DEPTH_OF_RISE in a rise, plus
-# DEEPER times |y|, with y = g/ω². With fewer levels the integral E_2 would lose digits, and in a rise E_7.
+# The largest number of levels of the continued fraction is DEPTH + DEEPER |y| without a rise, and
+# DEPTH_OF_RISE + DEEPER |y| in a rise, with y = g/ω². With fewer levels the integral E_2 would lose digits,
+# and in a rise E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
 FRACTION_ERROR = 1e-17  # levels are added to the continued fraction until its relative error is at most this
 # LARGEST_TURN: if the phase turns at most this [rad] in a rise, the integral is computed by quadrature;

@@ -111,7 +111,7 @@ def clear_link_moments(d, load):
 def move_site_loads(d, link_vectors, load):
     """Replace the force at each site by an equal force at its link's proximal joint and a moment on the link.
 
-    The moments on all links are first set to zero.
+    The moments on all links are first set to zero. Afterwards the entries of the sites in ``load`` are zero.
     """
     clear_link_moments(d, load)
     for s in range(d.sites):

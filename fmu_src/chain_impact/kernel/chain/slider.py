@@ -19,7 +19,7 @@ def along_slider(d, vector_x, vector_y):
 
 
 def slider_position(d, y):
-    """Return the coordinate s [m] of the slider along its line, in the state y."""
+    """Return the coordinate s [m] of the slider in the state y: 0 at the initial position of the base."""
     return along_slider(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
 
 

@@ -130,7 +130,7 @@ def update_to_output_time(d):
 
 
 def update_own_to_output_time(d):
-    """Cut the last step at the communication point, and log the active contacts up to this point.
+    """Do what ``update_to_output_time`` does, but do not call the hook ``on_truncate``.
 
     The cost does not count: the caller, not the motion, demands this cut.
     """

@@ -41,8 +41,8 @@ def first_passage(function, samples, resolution):
 
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
-        samples: function of d that returns the number of samples in the step. A fall between two samples,
-            with a return, is missed.
+        samples: function of d that returns the number of samples in the step. The search misses a function
+            that falls below zero and rises again between two samples.
         resolution: accuracy of the location, in the step's integration variable [s].
 
     Returns:

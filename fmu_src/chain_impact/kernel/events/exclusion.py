@@ -144,7 +144,8 @@ def distance_per_radian(d):
 
     For a point this distance is the length of the stretched chain. For the place of a joint with stops it is
     the change of the joint's angle, at most 2 rad, times the length of the longest link. The second distance
-    is larger if the longest link is longer than all other links together.
+    counts only in a scene with stops in joints; it is larger if the longest link is longer than all other
+    links together.
     """
     if d.chain.has_joint_stops and d.links > 1:
         return max(d.chain.reach, 2.0 * d.chain.longest_link)

@@ -81,7 +81,7 @@ def update_modes(d, jumped):
 
 
 def reinit_modes(d, jumped):
-    """Choose the modes at the end of the last step, after parameters, inputs or the state have been set.
+    """Choose the modes anew (``update_modes``), after parameters, inputs or the state have been set.
 
     Args:
         d: the instance.
