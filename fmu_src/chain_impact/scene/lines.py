@@ -11,7 +11,7 @@ from chain_impact.scene.text_file import comma_in
 from chain_impact.scene.unit_text import number_hint
 
 LISTS_OF_TABLES = ("chain.links", "walls")
-"""The tables that a file may have several times, each under the head ``[[…]]``."""
+"""Tables of which a file may have several, each under the head ``[[…]]``; hints know these only."""
 _KEY_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_KEY_NAME}(?:\s*\.\s*{_KEY_NAME})*"
 _HEAD = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]\]?")

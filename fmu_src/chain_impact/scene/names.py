@@ -232,7 +232,7 @@ VALUE_WITHOUT_DRIVE = {
 
 
 def without_drive(name: str) -> str | None:
-    """Return the parameter whose value an input has while nothing drives it; None if the input then is 0."""
+    """Return the parameter of an input in VALUE_WITHOUT_DRIVE; None for an input that has none there."""
     for template, parameter in VALUE_WITHOUT_DRIVE.items():
         if is_like(name, template):
             return parameter.format(n=re.sub("[^0-9]", "", name))

@@ -86,7 +86,7 @@ class SceneWarning(UserWarning):
 
 
 class UnknownNameError(SceneError, KeyError):
-    """Raised for a name that does not exist; the message gives a hint, or the most similar name."""
+    """Raised for a name that does not exist; the message gives a hint, such as the most similar name."""
 
     # UnknownNameError shows its message as it is; the method of KeyError would add quotes.
     __str__ = Exception.__str__

@@ -1,8 +1,9 @@
 """The scene file: a chain, its box and its start, read from TOML into frozen dataclasses.
 
-The dataclass fields, here, in tables.py and in chain_tables.py, define all keys of a scene. The metadata of a
-field have unit, description, range and default; the validation, the scene reference in the docs and the
-parameters of the FMU follow from these metadata. All values are in SI units, angles in radians from +x.
+The fields of the dataclasses in contents.py, tables.py, chain_tables.py and signal.py define all keys of a
+scene. The metadata of a field have unit, description, range and default; the validation, the scene reference
+in the docs and the parameters of the FMU follow from these metadata. All values are in SI units, angles in
+radians.
 """
 
 import functools

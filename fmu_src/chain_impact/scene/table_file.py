@@ -57,7 +57,7 @@ class Table:
     def cell(self, row: int, name: str) -> Any:
         """Return a cell without surrounding spaces.
 
-        The result is None if the cell is empty or the column does not exist.
+        The result is None if the column does not exist, or if the cell is empty or has a text of EMPTY.
         """
         if name not in self.names:
             return None

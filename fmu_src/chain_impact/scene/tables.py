@@ -1,4 +1,4 @@
-"""The tables of a scene file, except the chain: dataclasses whose fields are the keys of the tables.
+"""The tables of a scene file, except [chain] and [signals]: dataclasses whose fields are the tables' keys.
 
 The metadata of each field have unit, description, range and default; see scene.py.
 """

@@ -44,8 +44,8 @@ Given = Mapping[str, InputSource] | TableSource
 Interpolation = Literal["follow", "hold", "linear", "spline"]
 """How an input acts between its samples, or between calls of its function: see ``simulate``."""
 INTERPOLATIONS = ("follow", "hold", "linear", "spline")
-# [1] the allowed error of a followed input, relative to its largest value, is FINER times the solver's
-# tolerance
+# [1] the allowed error of a followed input that is no motion, relative to its largest value, is FINER times
+# the solver's tolerance
 FINER = 1e-3
 # [1] a sample and a communication point count as one time if they are closer than this times the stop time
 SAME_TIME = 1e-12

@@ -104,8 +104,8 @@ def simulate(
         progress: called with the finished fraction, 0 to 1, if given.
 
     Warns:
-        SceneWarning: when a point goes farther beyond a wall than the length of the shortest link, or when
-            inputs give a motion that contradicts itself.
+        SceneWarning: when a point goes farther beyond a wall than the length of the shortest link, or a ball
+            than its radius; or when inputs give a motion that contradicts itself.
 
     Raises:
         SceneError: when one of the arguments is outside its range, or the result would be too large.

@@ -31,7 +31,7 @@ class Parameter:
     Attributes:
         name: the name of the FMU's parameter or input.
         unit: the unit of the value.
-        start: value in the scene; for an input, its value while nothing drives it.
+        start: value in the scene; for an input, its value from ``value_at_start``.
         low, high: bounds of the value; infinite if there is no bound.
         logarithmic: whether the coordinate is the logarithm, as for every parameter that must be > 0.
         run: index of the data set to which the value belongs; None if all data sets share it.
