@@ -115,6 +115,12 @@ def motion_of(recording):
     return next(axes for axes in _MOTIONS[id(recording)][1].axes if axes.get_label() == "motion")
 
 
+def impacts_of(recording):
+    """Return the axes with all impacts over the time of the run, also of a recording with a single impact."""
+    found = [axes for axes in drawn(recording)[1:] if axes.get_label() == "impacts"]
+    return found[0] if found else recording.plot(panels="impacts").axes[0]
+
+
 def texts(axes):
     """Return the texts inside the axes."""
     return [text.get_text() for text in axes.texts]

@@ -31,3 +31,8 @@ def test_a_contact_is_marked_at_its_onset_if_no_row_has_its_peak():
     recording = recorded("elastic_floor")
     sparse = recording.at(np.flatnonzero(recording.columns["contact[0].y_min.force"] < 10.0))
     np.testing.assert_array_equal(impacts_at_peaks(sparse)["onset"], recording.impacts["onset"])
+
+
+def test_an_impulse_is_marked_at_its_onset():
+    recording = recorded("kneed_leg")  # its joint stays at the stop after the impulse, with a force
+    np.testing.assert_array_equal(impacts_at_peaks(recording)["onset"], recording.impacts["onset"])

@@ -17,7 +17,7 @@ from chain_impact.pictures.over_time import ENERGIES, VISIBLE_ELASTIC, energy_cu
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from chain_impact.scene.models import model_names
-from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
+from tests.pictures.pictures import MODELS, drawn, hit, impacts_of, recorded, swing, texts
 
 
 def strengths(recording):
@@ -38,7 +38,7 @@ def strengths(recording):
 def test_every_impact_is_in_the_picture(model):
     recording = recorded(model)
     panels = {axes.get_label(): axes for axes in drawn(recording)[1:]}
-    energy, speeds = panels["energy"], panels["impacts"]
+    energy, speeds = panels["energy"], impacts_of(recording)
     lines = [path for item in speeds.collections for path in item.get_segments()]
     stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
     expected = sorted(zip(impacts_at_peaks(recording)["onset"], strengths(recording), strict=True))
@@ -51,7 +51,7 @@ def test_every_impact_is_in_the_picture(model):
 @pytest.mark.parametrize("model", MODELS)
 def test_a_number_stands_near_its_impact_and_counts_in_time(model):
     recording = recorded(model)
-    (speeds,) = (axes for axes in drawn(recording)[1:] if axes.get_label() == "impacts")
+    speeds = impacts_of(recording)
     for text in speeds.texts:
         row = int(re.split("[,–:]", text.get_text())[0]) - 1
         assert text.xy == (impacts_at_peaks(recording)["onset"][row], strengths(recording)[row])
@@ -87,10 +87,11 @@ def test_every_kth_of_many_evenly_spaced_impacts_is_numbered():
 
 
 def test_measured_quantities_name_their_units():
-    _, motion, clock, energy, speeds = drawn(recorded("pinned_arm"))
+    _, motion, clock, energy, force = drawn(recorded("pinned_arm"))
     names = [motion.get_xlabel(), motion.get_ylabel(), clock.get_xlabel(), energy.get_ylabel()]
     assert [re.findall(r"\[(.*)\]", name) for name in names] == [["m"], ["m"], ["s"], ["J"]]
-    assert speeds.get_ylabel().replace("\n", " ") == "peak force [kN]"
+    assert impacts_of(recorded("pinned_arm")).get_ylabel().replace("\n", " ") == "peak force [kN]"
+    assert (force.get_ylabel(), force.get_xlabel().partition(";")[0][-4:]) == ("force [kN]", "[ms]")
 
 
 @pytest.mark.full("takes long")

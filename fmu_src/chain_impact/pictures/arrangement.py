@@ -52,7 +52,15 @@ LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 0.9, 0
 
 
 def is_over_time(recording: Recording, name: str) -> bool:
-    """Return whether the panel ``name`` has an axis of time: all but a motion in the plane."""
+    """Return whether the panel ``name`` has the common axis of time.
+
+    A motion in the plane does not have it, nor a single impact over its own time.
+    """
+    return name != "impact" and is_in_column(recording, name)
+
+
+def is_in_column(recording: Recording, name: str) -> bool:
+    """Return whether the panel ``name`` stands among the panels over time: all but a motion in the plane."""
     return name != "motion" or line_of_motion(recording) is not None
 
 
@@ -89,7 +97,7 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     If a motion in the plane is shown beside or above them, the height of the axis that shows the colours of
     time comes last. ``shown`` has the names of all panels.
     """
-    timed = [name for name in shown if is_over_time(recording, name)]
+    timed = [name for name in shown if is_in_column(recording, name)]
     known = {"motion": ALONG_LINE, "friction": RUBBING}
     if len(recording.impacts) <= FEW_IMPACTS:
         known["impacts"] = LOW_IMPACTS
@@ -108,7 +116,7 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
     the other panels.
     """
     width = figure_size(size)[0] if size else FULL
-    timed = [name for name in shown if is_over_time(recording, name)]
+    timed = [name for name in shown if is_in_column(recording, name)]
     ratio = broadness(recording)
     if not timed or "motion" not in shown:
         return FIGURE_SIZE
@@ -128,7 +136,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
 
     If a motion in the plane is shown with panels over time, "time" is the axis of its colours below them.
     """
-    timed = [name for name in shown if is_over_time(recording, name)]
+    timed = [name for name in shown if is_in_column(recording, name)]
     width, has_motion = figure.get_figwidth(), len(timed) < len(shown)
     ratio = broadness(recording) if has_motion else 1.0
     heights = heights_of(recording, shown)
@@ -153,11 +161,14 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
 def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
     """Return new axes with a common axis of time, in the last cells of a grid, in the order of ``names``.
 
-    The axes "time" are made first, so that all other axes come later among the figure's axes.
+    A single impact has its own axis of time.
+
+    The axes "time" are made first, and those of a single impact last, among the figure's axes.
     """
     axes: dict[str, Axes] = {}
-    for name in sorted(names, key="time".__ne__):
-        shared, cell = next(iter(axes.values()), None), grid[names.index(name) - len(names), 0]
+    for name in sorted(names, key=lambda name: (name != "time", name == "impact")):
+        cell, own = grid[names.index(name) - len(names), 0], name == "impact"
+        shared = None if own else next((axes[other] for other in axes if other != "impact"), None)
         axes[name] = figure.add_subplot(cell, sharex=shared, label=name)
     return axes
 

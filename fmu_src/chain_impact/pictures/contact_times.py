@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 
@@ -27,19 +28,27 @@ def contact_ends(recording: Recording) -> np.ndarray:
     return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
 
 
+def has_impulses(law: str) -> bool:
+    """Return whether a contact law acts by impulses; False for a law of a user and an unknown law."""
+    return law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive
+
+
 def impacts_at_peaks(recording: Recording) -> np.ndarray:
     """Return the table of impacts with the time of the largest force as ``onset``, where the rows tell it.
 
-    The onset stays if the force is largest so soon after it that this is not seen (SEEN_CONTACT), or if no
-    row has the peak force.
+    The onset stays if the force is largest so soon after it that this is not seen (SEEN_CONTACT), if no row
+    has the peak force, and under a law that acts by impulses.
     """
     impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * np.ptp(recording.time)
+    law = recording.parameters.get("contact.model", "")
     forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
     ends = contact_ends(recording)
     for impact, end in zip(impacts, ends, strict=True):
         force = forces.get((int(impact["point"]), recording.wall_names[impact["wall"]]))
         first, last = np.searchsorted(time, [impact["onset"], end])
-        if force is None or end - impact["onset"] <= least or first == last:
+        of_impact = (recording.is_stop(impact["wall"]) and recording.stop_law) or law
+        is_short = end - impact["onset"] <= least or first == last
+        if force is None or is_short or has_impulses(of_impact):
             continue
         during = force[first:last]
         row = first + (during >= FIRST * during.max()).argmax()

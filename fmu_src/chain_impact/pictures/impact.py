@@ -15,6 +15,7 @@ from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import hit
+from chain_impact.pictures.one_impact import shown_contact
 from chain_impact.pictures.style import (
     BLUE,
     GREEN,
@@ -28,17 +29,10 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.recording.course import Course
 from chain_impact.recording.impacts import lasts
-from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed, speed_unit
 
 IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
-PEAK = 0.95  # a force counts as having reached its peak at this part of its largest value
-# the least time for which a long contact is shown, relative to the time until the peak force
-AFTER_PEAK = 4.0
-# A contact is long if it lasts more than MUCH_LONGER times as long as its impact. Then only the impact is
-# shown; ``shown_time`` tells how long it takes.
-MUCH_LONGER = 2.0
 SHOWN_BEFORE = 0.03  # for a long contact, the time shown before the onset, relative to that after it
 LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
 LABEL_ROOM = 0.2  # the room for the largest value above and below a curve, relative to its range
@@ -62,7 +56,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     else:
         grid = figure.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
         loop = figure.add_subplot(grid[3, 0], label="loop")
-    shown = shown_time(impact, course)
+    shown = shown_contact(impact, course.time, course.force)
     time_factor, time_unit = prefixed(shown, "s")
     timed: list[Axes] = []
     most: list[tuple[Axes, Label]] = []
@@ -102,22 +96,6 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     ink = Ink(figure)
     for axes, label in most:
         place_labels(axes, [label], ink, lines=True, fontsize="small")
-
-
-def shown_time(impact: np.void, course: Course) -> float:
-    """Return the time after the onset [s] for which a contact is shown; 0 for an impulse.
-
-    This is the duration of the contact or, if it is long (MUCH_LONGER), the time of its impact: the longer of
-    LONGEST_IMPACT times penetration / impact speed, and AFTER_PEAK times the time until the peak force.
-    """
-    if not len(course.time):
-        return 0.0
-    lasting = float(np.ptp(course.time))
-    speed = max(impact["impact_speed"], SLOWEST)
-    first = np.argmax(course.force >= PEAK * course.force.max())
-    peak = float(course.time[first] - course.time[0])
-    near = max(LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, AFTER_PEAK * peak)
-    return near if lasting > MUCH_LONGER * near else lasting
 
 
 def duration_text(impact: np.void, course: Course) -> str:

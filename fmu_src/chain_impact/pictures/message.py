@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.contact_times import impacts_at_peaks
+from chain_impact.pictures.contact_times import has_impulses, impacts_at_peaks
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.names import brief_hit, what_touches
 from chain_impact.pictures.style import force_text, headline, is_narrow, raised
@@ -215,11 +215,6 @@ def of_contacts(recording: Recording) -> list[str]:
 def uses_restitution(law: str) -> bool:
     """Return whether a contact law uses the restitution e; True for a law of a user and an unknown law."""
     return law not in CONTACT_LAWS or CONTACT_LAWS[law].formula != "0"
-
-
-def has_impulses(law: str) -> bool:
-    """Return whether a contact law acts by impulses; False for a law of a user and an unknown law."""
-    return law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive
 
 
 def friction(name: str, value: Any) -> str:

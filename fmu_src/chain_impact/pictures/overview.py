@@ -20,6 +20,7 @@ from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.motion import draw_motion, number_rings
 from chain_impact.pictures.names import full_names
+from chain_impact.pictures.one_impact import draw_one_impact, is_alone, number_one_impact
 from chain_impact.pictures.over_time import draw_clock, draw_energy, draw_stick_slip, label_time
 from chain_impact.pictures.room import is_flat
 from chain_impact.pictures.sizes import Size
@@ -53,12 +54,13 @@ def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
 
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_place,
+    "impact": draw_one_impact,
     "energy": draw_energy,
     "impacts": draw_impacts,
     "friction": draw_stick_slip,
 }
 """The panels of a picture: name → function that draws the panel."""
-NUMBERS = {"motion": number_places, "impacts": number_impacts}
+NUMBERS = {"motion": number_places, "impact": number_one_impact, "impacts": number_impacts}
 """Name of a panel → function that writes the numbers of impacts into it, after the layout is final.
 
 The functions return the numbers without room, as text.
@@ -189,7 +191,8 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
 def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
     """Return the names of the panels to draw, in the order of PANELS.
 
-    They are ``panels`` or, if this is empty, all panels for which the recording has data.
+    They are ``panels`` or, if this is empty, all panels for which the recording has data. Then a single
+    impact has the panel "impact" if its force over time is known, else "impacts".
 
     Raises:
         ValueError: when a panel does not exist.
@@ -199,9 +202,11 @@ def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
             raise ValueError(
                 f"panels = {list(panels)!r}: {name!r} is not a panel; must be of {', '.join(PANELS)}"
             )
+    one = not panels and is_alone(recording)
     counts = {
+        "impact": one,
         "energy": len(recording.energies),
-        "impacts": len(recording.impacts),
+        "impacts": 0 if one else len(recording.impacts),
         "friction": len(recording.stick_slip),
     }
     return [name for name in PANELS if (name in panels if panels else counts.get(name, 1))]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.recording.course import Rerun, course_of
+from chain_impact.recording.course import Course, Rerun, course_of
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.passing import passing
@@ -80,8 +80,8 @@ class Pictured(Recording):
             size: width and height [inches]; with the height None, the contents determine the height. A slim
                 motion stands beside the other panels, a broad one above them; a ball on a straight line is
                 drawn over time.
-            panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all panels for
-                which the result has data.
+            panels: some of ``motion``, ``impact``, the force of the hardest impact over its time, ``energy``,
+                ``impacts`` and ``friction``; by default all panels for which the result has data.
             curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:
                 ``["contact[*].y_min.force", "point[4].y"]``. Each unit has a panel. The run is repeated with
                 more rows within impacts.
@@ -174,16 +174,30 @@ class Pictured(Recording):
 
         if not 1 <= number <= len(self.impacts):
             raise ValueError(f"{self.name}: number = {number!r} must be {impact_numbers(len(self.impacts))}")
-        impact = self.impacts[number - 1]
-        stop = float(self.time[-1])
-        near = float(impact_ends(self.impacts, stop)[number - 1] - impact["onset"])
-        course = course_of(self.prepared, self.rerun, impact, until=stop, near=near)
+        impact, course = self.impacts[number - 1], self.course_of_impact(number)
         if ax is None:
             fill = partial(pictures.fill_impact, recording=self, number=number, course=course)
             return pictures.draw_figure(fill, path, size, pictures.IMPACT_SIZE)
         pictures.check_alone(path, size)
         pictures.fill_loop_axes(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
         return ax
+
+    def course_of_impact(self, number: int) -> Course:
+        """Return force, penetration and speed over time of an impact, by its number from 1 (``plot_impact``).
+
+        Raises:
+            ValueError: when the run cannot be repeated.
+        """
+        if number not in self._courses:
+            impact, stop = self.impacts[number - 1], float(self.time[-1])
+            near = float(impact_ends(self.impacts, stop)[number - 1] - impact["onset"])
+            self._courses[number] = course_of(self.prepared, self.rerun, impact, until=stop, near=near)
+        return self._courses[number]
+
+    @cached_property
+    def _courses(self) -> dict[int, Course]:
+        """The courses of impacts that are known so far, by the numbers of the impacts."""
+        return {}
 
     def plot_sensitivities(
         self,

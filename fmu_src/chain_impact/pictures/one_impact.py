@@ -1,0 +1,115 @@
+"""The panel with the force of one impact over time: its peak and its duration."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.impact_marks import HEADROOM
+from chain_impact.pictures.labels import Ink, Label, place_labels
+from chain_impact.pictures.message import peaks
+from chain_impact.pictures.style import INK, PEAK_COLOUR, force_text, give_ticks
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import prefixed
+from chain_impact.variables.impact_units import unit_at
+
+PEAK = 0.95  # a force counts as having reached its peak at this part of its largest value
+# the least time for which a long contact is shown, relative to the time until the peak force
+AFTER_PEAK = 4.0
+# A contact is long if it lasts more than MUCH_LONGER times as long as its impact. Then only the impact is
+# shown; ``shown_contact`` tells how long it takes.
+MUCH_LONGER = 2.0
+LEAST_ROWS = 20  # the least number of rows within a contact whose force is drawn from the rows
+OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
+
+
+def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float:
+    """Return the time after the onset [s] for which a contact is shown; 0 for an impulse.
+
+    This is the duration of the contact or, if it is long (MUCH_LONGER), the time of its impact: the longer of
+    LONGEST_IMPACT times penetration / impact speed, and AFTER_PEAK times the time until the peak force.
+
+    ``time`` [s] and ``force`` are those of the contact, shape (S,).
+    """
+    if not len(time):
+        return 0.0
+    lasting = float(np.ptp(time))
+    speed = max(impact["impact_speed"], SLOWEST)
+    peak = float(time[np.argmax(force >= PEAK * force.max())] - time[0])
+    near = max(LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, AFTER_PEAK * peak)
+    return near if lasting > MUCH_LONGER * near else lasting
+
+
+def is_alone(recording: Recording) -> bool:
+    """Return whether a recording has a single impact, whose force over time is known."""
+    return len(recording.impacts) == 1 and course_of_hardest(recording) is not None
+
+
+def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray] | None:
+    """Return the impact with the largest force: its row, and its times [s] and forces, each of shape (S,).
+
+    They come from a repeated run or, if it cannot be repeated, from at least LEAST_ROWS rows. The result is
+    None if they are not known, or if there are only impulses.
+    """
+    hardest = next((peak for peak in peaks(recording) if peak.words != "largest impulse"), None)
+    if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
+        return None
+    row, impact = hardest.row, recording.impacts[hardest.row]
+    result: Any = recording
+    if getattr(recording, "rerun", None) is not None:  # it is a ``Result`` that can repeat its run
+        course = result.course_of_impact(row + 1)
+        return (row, course.time, course.force) if len(course.time) else None
+    end = recording.time[-1] if lasts(impact) else impact["end"]
+    inside = (recording.time >= impact["onset"]) & (recording.time <= end)
+    place = int(impact["point"]), recording.wall_names[impact["wall"]]
+    forces = (touch.force for touch in recording.touches if (touch.point, touch.wall) == place)
+    force = next(forces, None)
+    known = force is not None and np.count_nonzero(inside) >= LEAST_ROWS
+    return (row, recording.time[inside], force[inside]) if known and force is not None else None
+
+
+def draw_one_impact(axes: Axes, recording: Recording) -> None:
+    """Draw the force of the hardest impact over the time after its onset, with its duration in the label."""
+    found = course_of_hardest(recording)
+    if found is None:
+        axes.text(0.5, 0.5, "no force over time is known", transform=axes.transAxes, ha="center", color=INK)
+        return
+    row, time, force = found
+    impact = recording.impacts[row]
+    factor, unit = prefixed(shown_contact(impact, time, force), "s")
+    along, up, force_unit = curve_of(recording, found)
+    axes.fill_between(along, up, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0)
+    axes.plot(along, up, color=PEAK_COLOUR, linewidth=1.4)
+    shown = factor * shown_contact(impact, time, force)
+    axes.set(xlim=(-0.03 * shown, 1.03 * shown), ylim=(0.0, HEADROOM * float(up.max())))
+    lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(float(np.ptp(time)), 's')}"
+    axes.set_xlabel(f"impact {row + 1}: time after the onset [{unit}]; {lasting}")
+    axes.set_ylabel(f"{'moment' if recording.is_stop(impact['wall']) else 'force'} [{force_unit}]")
+    give_ticks(axes)
+
+
+def curve_of(
+    recording: Recording, course: tuple[int, np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Return the curve of a result of ``course_of_hardest`` in the units of its axes, and its unit."""
+    row, time, force = course
+    impact = recording.impacts[row]
+    factor, _ = prefixed(shown_contact(impact, time, force), "s")
+    scale, unit = prefixed(float(force.max()), unit_at("peak_force", stop=recording.is_stop(impact["wall"])))
+    return factor * (time - impact["onset"]), scale * force, unit
+
+
+def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> str:
+    """Write the peak at the curve of ``draw_one_impact``; the result, the impacts without a number, is ""."""
+    if found := course_of_hardest(recording):
+        along, up, _ = curve_of(recording, found)
+        top, peak = int(up.argmax()), recording.impacts["peak_force"][found[0]]
+        unit = unit_at("peak_force", stop=recording.is_stop(recording.impacts["wall"][found[0]]))
+        place = float(along[top]), float(up[top])
+        label = Label(force_text(float(peak), unit), place, look={"color": PEAK_COLOUR})
+        place_labels(axes, [label], ink, lines=True, fontsize="small")
+    return ""
