@@ -235,9 +235,10 @@ def smallest_body(scene: Scene) -> tuple[float, str]:
     A free chain of one link that touches only at its centre of mass is a ball: the length of its link has no
     meaning, and a ball without a radius counts as infinitely large, so that it is never the reason of a hint.
     """
-    link, points = min(scene.chain.links, key=lambda item: item.length), scene.touching_points
+    link = min(scene.chain.links, key=lambda item: item.length)
     ends = {0.0: 0, link.length: 1}
     centre = ends.get(link.center_of_mass) if link.center_of_mass_offset == 0.0 else None
-    if scene.chain.base == "free" and len(scene.chain.links) == 1 and points == (centre,):
+    is_free_link = scene.chain.base == "free" and len(scene.chain.links) == 1
+    if is_free_link and scene.touching_points == (centre,):
         return scene.contact.radius or np.inf, "the radius of the ball"
     return link.length, "the length of the shortest link"

@@ -164,7 +164,7 @@ class Result(Pictured):
     @cached_property
     def wall_names(self) -> tuple[str, ...]:
         """The names of the walls and stops, in the order of their numbers, as in ``impacts``."""
-        return self.scene.wall_names
+        return self.prepared.wall_names
 
     @cached_property
     def point_names(self) -> Mapping[int, str]:

@@ -132,7 +132,7 @@ def simulate(
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
     rows = WordRows(len(course.times), wanted, of_state=indices.of_state and not differentiated)
     done, impacts = instance.run(course, rows, progress or silent)
-    order, sorted_impacts = in_order([*impacts, instance.open_contacts()], prepared.scene.wall_names)
+    order, sorted_impacts = in_order([*impacts, instance.open_contacts()], prepared.wall_names)
     every = not course.paths or course.asked.all()
     asked = slice(done) if every else np.flatnonzero(course.asked[:done])
     numbers = rows.numbers[asked]

@@ -7,9 +7,10 @@ changed numbers are written again (filling.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from functools import cached_property, wraps
+from operator import attrgetter, is_
 from typing import Any, TypeVar
 
 import numpy as np
@@ -46,13 +47,15 @@ entry."""
 MOST_CACHED = 16
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
 """The tables of a scene whose numbers can be written to a record again without the other tables."""
-_OTHERS = [
-    entry.name
-    for entry in fields(Scene)
-    if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
-]
-"""The other parts of a scene, except texts: two scenes that differ in one of them share nothing. [simulation]
-is no such part, because it matters only to scenes with signals."""
+_others = attrgetter(
+    *(
+        entry.name
+        for entry in fields(Scene)
+        if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
+    )
+)
+"""Function that reads the other parts of a scene, except texts: two scenes that differ in one of them share
+nothing. [simulation] is no such part, because it matters only to scenes with signals."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:
@@ -69,11 +72,12 @@ def _decisive(table: type, path: DataPath) -> list[str]:
     return [key.name for key in keys(table) if key.name not in numbers]
 
 
-_OF_CONTACT = _decisive(Contact, ("contact",))
-_OF_LINK = _decisive(Link, ("chain", "links", AT))
-_OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
-"""The keys of [contact], of a link and of a slider that decide the layout of the record or which variables
-exist. The angle of a slider is one of them, because it decides which walls the points can reach."""
+_of_contact = attrgetter(*_decisive(Contact, ("contact",)))
+_of_link = attrgetter(*_decisive(Link, ("chain", "links", AT)))
+_of_slider = attrgetter(*_decisive(Slider, ("chain", "slider")), "angle")
+"""Functions that read those values of [contact], of a link and of a slider that decide the layout of the
+record or which variables exist. The angle of a slider is one of them, because it decides which walls the
+points can reach."""
 
 
 def common_of(scene: Scene) -> Common:
@@ -117,11 +121,11 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     """
     if before is scene:
         return []
-    if any(getattr(before, name) is not getattr(scene, name) for name in _OTHERS):
+    if not all(map(is_, _others(before), _others(scene))):
         return None
     if scene.signals and before.simulation is not scene.simulation:
         return None
-    if _differ(before.contact, scene.contact, _OF_CONTACT) or _chains_differ(before.chain, scene.chain):
+    if _differ(before.contact, scene.contact, _of_contact) or _chains_differ(before.chain, scene.chain):
         return None
     return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
 
@@ -133,9 +137,11 @@ def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
     if first.base != second.base or len(first.links) != len(second.links):
         return True
     pairs = zip(first.links, second.links, strict=True)
-    return any(_differ(*pair, _OF_LINK) for pair in pairs) or _differ(first.slider, second.slider, _OF_SLIDER)
+    return any(_differ(*pair, _of_link) for pair in pairs) or _differ(first.slider, second.slider, _of_slider)
 
 
-def _differ(first: Any, second: Any, names: Sequence[str]) -> bool:
-    """Return whether two tables differ in the value of any of the keys ``names``."""
-    return first is not second and any(getattr(first, name) != getattr(second, name) for name in names)
+def _differ(first: Any, second: Any, decisive: Callable[[Any], tuple[Any, ...]]) -> bool:
+    """Return whether two tables, or None and a table, differ in the values that ``decisive`` reads."""
+    if first is second:
+        return False
+    return first is None or second is None or decisive(first) != decisive(second)

@@ -78,6 +78,11 @@ class PreparedScene:
         return [(candidate["n"], candidate["wall"]) for candidate in self.structure.lists["candidates"]]
 
     @in_common
+    def wall_names(self) -> tuple[str, ...]:
+        """The names of the walls, see ``Contents.wall_names``."""
+        return self.scene.wall_names
+
+    @in_common
     def sizes(self) -> Counts:
         """The counts that decide the layout of the record, such as the number of links."""
         return self.structure.counts
