@@ -38,10 +38,9 @@ from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stall
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
 from chain_impact.kernel.rows.limits import find_limited_forces
 
-# An element at rest with the mode "slides" may accelerate against its direction of sliding by this much,
-# because of errors, relative to the sum of the largest acceleration, gravity and one link length per second
-# squared; twice the largest acceleration of a sticking element is added. A larger acceleration makes the mode
-# inconsistent.
+# The acceleration against its direction of sliding that counts as an error, for an element at rest with the
+# mode "slides". It is relative to the sum of the largest acceleration, gravity and one link length per second
+# squared; ``acceleration_error`` adds a second part. A larger acceleration makes the mode inconsistent.
 ACCELERATION_ERROR = 1e-9
 # An element that sticks or has just stopped may have this speed, relative to a link length per second, as an
 # error at a loose tolerance; a faster element slides.

@@ -53,7 +53,7 @@ LEAVING_TIME = 0.01
 
 
 def end_if_point_left(d, c):
-    """End the contact of candidate c if its point has left the wall, or leaves it very soon.
+    """End the contact of candidate c if its point does not move inward, and is outside or gets out very soon.
 
     The located end of a contact has an error within the tolerance, so the point may still move inward or need
     a long time to get out. Then the contact does not end.

@@ -333,8 +333,9 @@ def end_unstopped_contacts(d):
 def release_gap(d, c, far):
     """Return the clearance [m] that the point of candidate c gets when its wall releases it.
 
-    ``far`` [m] is the result of ``largest_coordinate``. The clearance of a joint's stop follows from angles,
-    whose round-off does not grow with the distance from the origin.
+    ``far`` [m] is the result of ``largest_coordinate``. At a joint's stop the size of its angles
+    (``coordinates_size``) is used in place of ``far``, because the round-off of angles does not grow with the
+    distance from the origin.
     """
     size = coordinates_size(d, c, d.step.state_end) if at_joint_stop(d, c) else far
     return max(RELEASE_GAP * d.chain.longest_link, RELEASE_OF_COORDINATES * size)

@@ -369,7 +369,7 @@ def is_past_limit(d, _c):
 
 
 def drive_margin(d, _c, theta):
-    """Return ``mode_margin`` [N·m], the least margin of a drive to its mode's end, at θ of the last step."""
+    """Return ``mode_margin`` [N·m], also for a slider: a drive's least margin to its mode's end, at θ."""
     locate_at(d, theta)
     ensure_inputs(d, d.scratch.y)
     return mode_margin(d, d.scratch.y)

@@ -189,7 +189,7 @@ def given_friction(d, c):
 
 
 def law_exponent(d, c):
-    """Return the exponent n of the law of candidate c."""
+    """Return the exponent n that the scene gives: for stops in joints, or for all other candidates."""
     return d.stops.exponent if at_joint_stop(d, c) else d.contact.exponent
 
 

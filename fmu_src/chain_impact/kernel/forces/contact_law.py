@@ -44,12 +44,12 @@ class ContactLaw:
 
     @property
     def in_family(self) -> bool:
-        """Whether the law belongs to the Hunt–Crossley family."""
+        """Whether the law belongs to the Hunt–Crossley family, with p = n and d = λ K/v₀."""
         return self.rate_exponent is None and not self.impulsive
 
     @property
     def force(self) -> str:
-        """The formula of the force as text, without the cut at 0."""
+        """The formula of the force as text, without the cut at 0; "impulses" for a rigid wall."""
         if self.impulsive:
             return "impulses"
         if self.rate_exponent is None:
@@ -60,7 +60,7 @@ class ContactLaw:
 
     @property
     def damping(self) -> str:
-        """The relation of the damping d to the factor f, as text."""
+        """The damping d in terms of the law's factor f (λ in the family), as text; "–" for a rigid wall."""
         power = self.mass_power
         return "–" if self.impulsive else DAMPINGS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
 

@@ -249,7 +249,7 @@ def work_of_impulses(d):
 
 
 def momentum(d, vectors):
-    """Return the sum of each mass times the vector at its centre of mass, Σ m v_C.
+    """Return Σ m v_C, x and y: the sum over the links of mass times the vector at the centre of mass.
 
     ``vectors`` are velocities, changes of velocities, or accelerations of the points.
     """
@@ -323,8 +323,9 @@ def least_impulse(d):
 def tolerated_momentum(d, speed):
     """Return the largest impulse [N·s] that counts as zero for the chain.
 
-    It is the chain's mass times a sum: the speed after a fall by LEAST_RISE, and the tolerated error of the
-    largest speed, ``speed`` [m/s].
+    It is the chain's mass times a sum: the speed after a fall by LEAST_RISE link lengths, and the tolerance
+    times a speed. The fall is with gravity plus one link length per s²; the speed is the largest speed,
+    ``speed`` [m/s], plus one link length per second.
     """
     size = d.chain.longest_link
     mass = d.chain.energy_scale / (size * size)
