@@ -31,7 +31,7 @@ def on_observe_trial(_d):
 def on_truncate(_d):
     """Do nothing; a run calls this hook when the last step has been cut at the communication point.
 
-    The active contacts are then logged up to this point.
+    At this moment the log already has the active contacts up to this point.
     """
 
 

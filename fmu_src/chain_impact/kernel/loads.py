@@ -191,7 +191,10 @@ def add_wall_load(d, c):
 
 
 def fill_load_impulses(d):
-    """Fill the outputs of impulses in joints at the communication point, for the located points."""
+    """Fill the outputs of the joints' impulses from the run's start to the communication point.
+
+    The points must be located at the communication point.
+    """
     out, transmitted = d.output, d.transmitted
     x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.time - transmitted.start_time
     link_momenta(d, x, y)
@@ -252,8 +255,8 @@ def update_load_peaks(d):
 def search_step(d):
     """Set ``transmitted.largest_square`` of each joint to its largest |f|² [N²] in the last step.
 
-    If |f|² of the joint in the step stays below both its stored peak and the largest |f|² of every active
-    contact, the value is only the least of these stored maxima: none of them changes then.
+    The value is at least the least of the stored maxima, the joint's peak and the largest |f|² of each active
+    contact: a smaller |f|² would change none of them.
     """
     transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):

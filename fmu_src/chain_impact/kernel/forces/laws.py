@@ -29,7 +29,7 @@ from chain_impact.kernel.mathematics.logarithms import log, log1p
 def lossless_depth(energy: float, stiffness: float, exponent: float) -> float:
     """Return the penetration δ [m] at which the force K δⁿ has stored the energy E [J]: K δⁿ⁺¹/(n+1) = E.
 
-    At a stop the stiffness is in N·m/radⁿ and the penetration in rad.
+    At a stop in a joint the stiffness is in N·m/radⁿ and the penetration in rad.
     """
     depth: float = (energy * (exponent + 1.0) / stiffness) ** (1.0 / (exponent + 1.0))
     return depth
@@ -160,7 +160,7 @@ def ye(e):
     allows_zero=False,
 )
 def flores(e):
-    """For soft materials too: the damping grows without bound as e → 0."""
+    """Meant for soft materials, too, but inaccurate for low e."""
     return 1.6 * (1.0 - e) / e
 
 

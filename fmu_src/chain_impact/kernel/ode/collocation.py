@@ -116,7 +116,7 @@ def factorize(d, h):
 
 
 def solve(d, h, size):
-    """Replace the right-hand sides in ``implicit.parts`` by the solutions of the systems for a size h."""
+    """Replace ``implicit.parts``, right-hand sides of ``size`` entries, by the solutions for size h."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
     for pair in range(PAIRS):
@@ -224,7 +224,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Predict the stages by a polynomial through nodes of the last step, whose degree depends on h."""
+    """Predict the stages by a polynomial of degree 5, 4, 3 or 1 through nodes of the last step; h decides."""
     implicit = d.implicit
     span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0

@@ -105,7 +105,7 @@ def begin_trial(d, h):
 
 
 def set_outcome(d, error, cost_factor):
-    """Set the outcome of the tried step from its error.
+    """Set the outcome of the tried step from its error; store what ``next_size_factor`` needs.
 
     Args:
         d: the instance.
@@ -145,7 +145,7 @@ def scale_next_size(d, ratio):
 
 
 def store_flight_size(d):
-    """Store the proposed step size, for the flight that follows after the contacts that begin now."""
+    """Store the proposed step size, a size for flight, for ``propose_flight_size``."""
     d.step.flight_size = d.step.next_size
 
 
@@ -202,9 +202,8 @@ def contact_time_scale(d, c):
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + ratio, -exponent)
 
 
-# The largest error of a penetration that a step may have, relative to the penetration, however loose the
-# tolerance is. With more than some hundredths, a point that comes to rest would bounce again, and outputs
-# would show spurious forces.
+# A tolerance up to this value allows no larger error of a penetration, relative to the penetration. With more
+# than some hundredths, a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
 # POSITION_ROUND_OFF: the round-off of a position, relative to the largest coordinate or to an angle times the
 # longest link. POSITION_ROUND_OFF_AT_REST: a larger value for contacts that have lasted longer than
@@ -388,8 +387,8 @@ def penetration_scale(d, c):
 
     An error Δδ of the penetration soon causes an error of about ω Δδ in the speed, with ω ≈ v₀/δ*, the impact
     speed divided by the expected penetration. So Δδ may be as large as the tolerated error of a speed,
-    divided by ω. The scale is the penetration, but at least δ*, for a fast impact, and larger for a slow
-    impact. However loose the tolerance is, the tolerated error never exceeds 1 % of max(δ, δ*).
+    divided by ω. The scale is the larger of the penetration δ and δ*; if v₀ is below s, one longest link per
+    second, it is s/v₀ times as large, but not so large that the tolerated error exceeds 1 % of max(δ, δ*).
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)
