@@ -155,8 +155,8 @@ def observe_trial(d):
     store_output_state(d)
     status = reinit(d)
     if status == OK:
-        # rigid walls correct the state at the start of a step; the outputs show the state before this
-        # correction
+        # ``reinit`` lets rigid walls correct the state, as at the start of a step; the outputs show the state
+        # before this correction
         return_to_stored_state(d)
         refill_motion(d)
         hooks.on_observe_trial(d)

@@ -338,7 +338,7 @@ def derive_ramp(d, i, k, shape):
 
 
 def integrate(d, j, time):
-    """Replace the polynomials of signal j such that the signal becomes its integral, 0 at a ``time`` [s].
+    """Replace the polynomials of signal j by their integrals; the whole signal becomes 0 at a ``time`` [s].
 
     ``sine_at`` adds the integral of a sine; the polynomials' constants keep the sum continuous at knots.
     """

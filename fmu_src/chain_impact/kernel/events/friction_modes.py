@@ -96,9 +96,9 @@ def reinit_modes(d, jumped):
 def set_slack(d, e):
     """Set the slack of element e: the speed [m/s] against its direction of sliding that counts as an error.
 
-    The slack is the tolerance times a link length per second for an element at rest in the mode "slides"
-    whose mode is unchanged or inconsistent with the forces: other forces may hold the element, and errors
-    decide whether it moves. In any other case the slack is 0.
+    The slack is the tolerance times a link length per second for an element at rest whose mode is unchanged
+    or inconsistent with the forces: in the mode "slides" other forces may hold the element, and errors decide
+    whether it moves. In any other case the slack is 0. While an element sticks, its slack has no effect.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = (
@@ -191,7 +191,7 @@ def any_force_over_limit(d):
 
 
 def slide_at_limits(d):
-    """Let the sticking elements slide whose forces, found within the limits of friction, are at a limit.
+    """Let those sticking elements slide whose forces by ``find_limited_forces`` are at their limits.
 
     If there is none, let the elements slide whose constraint forces exceed their limits.
     """

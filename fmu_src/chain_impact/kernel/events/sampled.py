@@ -204,10 +204,10 @@ find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACTS, reso
 
 
 def check_pull(d, _c):
-    """Return whether a rigid wall has pulled in a stage of the last step, which then needs a search.
+    """Return whether to search the last step for a release, because a rigid wall has pulled in a stage.
 
-    If a wall has pulled by more than ``plausible_pull``, the function rejects the step and returns False,
-    unless the step is very short.
+    If a wall has pulled by more than ``plausible_pull``, and the step is longer than LEAST_REJECTED_STEP, the
+    function rejects the step and returns False.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -331,7 +331,7 @@ def element_margin(d, e, theta):
 
 
 def margin_is_halved(d):
-    """Return whether the repeated step at least halves the margin of one or more modes marked to end.
+    """Return whether the repeated step at least halves the margin of any mode that is marked to end.
 
     The margin at the end of the step (``element_margin``) is compared with that at its start. The dense
     output of a long implicit step has errors, and may show an end of a mode that a shorter step does not

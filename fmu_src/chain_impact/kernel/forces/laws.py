@@ -316,7 +316,7 @@ def wall_friction(sliding, static, own_sliding, own_static):
     ``sliding`` and ``static`` are common to all walls, ``own_sliding`` and ``own_static`` belong to the wall;
     a negative value means that the wall has no such coefficient. A static coefficient of 0 means that it
     equals the sliding coefficient. A wall that has only a sliding coefficient of its own has the static
-    coefficient 0, not the common one.
+    coefficient 0, not the common one, so both coefficients are equal.
     """
     if own_sliding >= 0.0:
         sliding, static = own_sliding, 0.0
