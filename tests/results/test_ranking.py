@@ -251,3 +251,11 @@ def test_effects_that_cannot_be_trusted_are_unknown(result):
     assert ranking.effects == ranking.without == ()
     assert ranking.unknown == tuple(found.parameters)
     assert "not known: contact.stiffness" in repr(ranking)
+
+
+def test_a_moving_base_has_its_initial_position_as_value():
+    scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True, "initial.x": 0.1})
+    result = simulate(scene, 0.6, sensitivities=["base.x", "initial.x"])
+    assert result.sensitivities.parameters == {"base.x": 0.1, "initial.x": 0.1}
+    of_input, of_start = result.ranking("peak_force").effects
+    assert of_input.change == pytest.approx(of_start.change, rel=1e-9)

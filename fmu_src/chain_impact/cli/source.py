@@ -6,6 +6,7 @@ tolerance.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
@@ -19,7 +20,7 @@ from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.recording import Recording
 from chain_impact.results.ranking import Ranking
 from chain_impact.scene.names import input_key
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.reading import SceneError, SceneWarning
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.tables import Solver
 from chain_impact.simulation.instance import SimulationError
@@ -144,7 +145,10 @@ def _changed(scene: Scene, name: str, value: float) -> Recording | None:
     """Return a run of a scene with another value of a parameter or input; None if the run is not possible."""
     inputs = {name: value} if input_key(name) else {}
     try:
-        scene = scene if inputs else scene.with_values({name: value})
-        return simulate(scene, inputs=inputs, output_step=scene.simulation.stop_time)
+        with warnings.catch_warnings():
+            # the user has seen the warnings of the scene, and the other value is not the user's
+            warnings.simplefilter("ignore", SceneWarning)
+            scene = scene if inputs else scene.with_values({name: value})
+            return simulate(scene, inputs=inputs, output_step=scene.simulation.stop_time)
     except (SceneError, SimulationError):
         return None

@@ -227,6 +227,7 @@ def sensitivity_name(output: str, parameter: str) -> str:
 VALUE_WITHOUT_DRIVE = {
     "joint[{n}].target_angle": "link[{n}].joint_rest_angle",
     "slider.target_position": "slider.rest_position",
+    **{f"base.{axis}": f"initial.{axis}" for axis in AXES},
 }
 """Input → the parameter whose value the input has while nothing drives it; {n} stands for a number."""
 
