@@ -2,7 +2,8 @@
 
 # Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_drawing.js
 # Tests: pages/browser/explore/map/map_scales.js, pages/browser/explore/map/map_rows.js
-# Tests: pages/browser/explore/map/map_outputs.js, pages/browser/explore/map/ranking.js
+# Tests: pages/browser/explore/map/map_outputs.js, pages/browser/explore/map/map_files.js
+# Tests: pages/browser/explore/map/ranking.js
 
 import math
 import re

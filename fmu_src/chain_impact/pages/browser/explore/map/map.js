@@ -3,13 +3,13 @@
 import { find } from "../../base/dom.js";
 import { numberText, readable, withMinus } from "../../base/format.js";
 import { shownIn } from "../../scene/angles.js";
-import { pictureOf, save } from "../export.js";
 import { presentUnit } from "../parameters/parameter_fields.js";
 import { mainParametersOf, wordsFor } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
+import { connectFiles } from "./map_files.js";
 import { mainOutput, outputIn, outputsOf, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
-import { completed, rowOrder } from "./map_rows.js";
+import { completed, rowOrder, valuesAt } from "./map_rows.js";
 import { areaOf, axisScale, isLogarithmic, quantityOf, rangeOf, scaledTo } from "./map_scales.js";
 import { Ranking } from "./ranking.js";
 
@@ -31,6 +31,7 @@ export class GridMap {
   #engines = []; // the workers that are in use
   #touched; // the run that a finger has touched once
   #chosen; // the run that the arrow keys have reached
+  #isLeft = false; // whether the reader has left the map for one of its runs
   #refuses = false; // whether the dialog's text tells that the fields' values are refused
 
   /** Make the map; `begin` is a function that starts an engine (a worker with a kernel). */
@@ -45,11 +46,10 @@ export class GridMap {
     find("map-open").addEventListener("click", () => this.open());
     this.#fill();
     changes.onOpen(() => this.#fill());
-    find("map-run").addEventListener("click", () => this.run());
+    find("map-run").addEventListener("click", () => (this.#isRunning ? this.#stop() : this.run()));
     this.inputs.flat().forEach((field) => field.addEventListener("change", () => this.#preview()));
     this.output.addEventListener("change", () => (this.shown ? this.#recolour() : this.#preview()));
-    find("map-csv").addEventListener("click", () => save(new Blob([this.#table()], { type: "text/csv" }), `${changes.scene.name}-map.csv`));
-    find("map-png").addEventListener("click", () => this.#picture());
+    connectFiles(this);
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
     this.dialog.addEventListener("close", () => this.#stop());
     const choose = (name) => {
@@ -63,17 +63,33 @@ export class GridMap {
   }
 
   /**
-   * Show the dialog. A map with all its points stays as the reader has left it; otherwise, ranges that the reader has not changed are
-   * around the present values.
+   * Show the dialog. A map with all its points, or from which the present run is, stays as the reader has left it; otherwise, ranges that
+   * the reader has not changed are around the present values.
    */
   open() {
-    const isKept = this.shown?.points === POINTS;
+    const isKept = this.shown?.points === POINTS || this.#isLeft;
+    this.#leave(false);
     this.inputs.forEach(([, from, to], k) => {
       if (!isKept && [from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
     });
     this.dialog.showModal();
     if (this.shown) this.#drawScales();
     this.#preview();
+  }
+
+  /** Note whether the reader has left the map for one of its runs: then the button that opens the map tells the way back. */
+  #leave(isLeft) {
+    this.#isLeft = isLeft;
+    find("map-back").hidden = !isLeft;
+  }
+
+  /** Return whether runs of a map with all its points are under way. */
+  get #isRunning() {
+    return this.#engines.length > 0 && this.shown?.points === POINTS;
+  }
+
+  #showState() {
+    find("map-run").textContent = this.#isRunning ? "Stop" : `Simulate ${POINTS} × ${POINTS} runs`;
   }
 
   /** Show, from few runs, a preview of the map that the button would compute, unless all runs of the shown map are those of its fields. */
@@ -101,6 +117,7 @@ export class GridMap {
    */
   #fill() {
     this.#stop();
+    this.#leave(false);
     this.#refuse(false);
     this.shown = undefined;
     this.drawing.clear();
@@ -164,9 +181,9 @@ export class GridMap {
     this.shown = shown;
     Object.assign(this.canvas, { width: points, height: points });
     this.#draw();
-    const began = performance.now();
+    shown.began = performance.now();
     shown.fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
-    shown.seconds = (performance.now() - began) / 1000;
+    shown.seconds = (performance.now() - shown.began) / 1000;
     if (shown !== this.shown) return;
     this.#stop();
     this.#tell();
@@ -238,6 +255,7 @@ export class GridMap {
       }
     };
     this.#engines = this.#startEngines();
+    this.#showState();
     if (!this.#refuses) this.#say(`0 of ${points} rows`);
     await Promise.all(this.#engines.map(work));
   }
@@ -250,11 +268,12 @@ export class GridMap {
   #stop() {
     this.#engines.forEach((engine) => engine.end());
     this.#engines = [];
+    this.#showState();
   }
 
   /** Store the outputs of a row of runs from the kernel's results (`rows`), or the reason for a run that failed or is refused. */
   #store(rows, row) {
-    const { outputs, runs, faults, points } = this.shown;
+    const { outputs, runs, faults, points, began } = this.shown;
     for (let column = 0; column < points; column += 1) {
       const index = row * points + column;
       const { status, values } = runIn(outputs, rows, (column * rows.length) / points);
@@ -263,20 +282,15 @@ export class GridMap {
       runs[index] = fault ? null : values;
     }
     this.shown.rows += 1;
-    if (!this.#refuses) this.#say(`${this.shown.rows} of ${points} rows`);
+    const left = ((performance.now() - began) * (points / this.shown.rows - 1)) / 1000;
+    if (!this.#refuses) this.#say(`${this.shown.rows} of ${points} rows, about ${Math.ceil(left)} s left`);
     this.#draw();
-  }
-
-  /** Return the values of the two parameters in a run. */
-  #valuesAt(index) {
-    const { names, axes, points } = this.shown;
-    return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
   }
 
   /** Return why the scene refuses the values of a run; "" if it allows them. */
   #refusalOf(index) {
     try {
-      this.changes.with(this.#valuesAt(index), this.shown.values);
+      this.changes.with(valuesAt(this.shown, index), this.shown.values);
       return "";
     } catch (error) {
       return error.message;
@@ -310,22 +324,6 @@ export class GridMap {
     return !Object.keys(this.changes.inputSteps).length && others(this.shown.values) === others(this.changes.values);
   }
 
-  /** Return the runs as CSV, with a column for each of the two parameters and for the output. */
-  #table() {
-    const { names, output, results } = this.shown;
-    const lines = Array.from(results, (value, index) => [...Object.values(this.#valuesAt(index)), value ?? ""].join(","));
-    return [[...names, output.name].join(","), ...lines, ""].join("\r\n");
-  }
-
-  async #picture() {
-    const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = this.canvas;
-    const picture = await pictureOf(find("map-scales"), getComputedStyle(this.dialog).backgroundColor, (context) => {
-      context.imageSmoothingEnabled = false;
-      context.drawImage(this.canvas, ...[left, top, width, height].map((length) => 2 * length));
-    });
-    save(picture, `${this.changes.scene.name}-map.png`);
-  }
-
   /** Return the index of the run at a pointer's position; undefined if it is not simulated yet. */
   #runAt({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
@@ -357,7 +355,7 @@ export class GridMap {
   #describe(index) {
     if (this.shown?.results[index] === undefined) return;
     const { faults, output, scale, results: { [index]: value } } = this.shown;
-    const at = this.#valuesAt(index);
+    const at = valuesAt(this.shown, index);
     const parameters = Object.entries(at).map(([name, given]) => this.#valueText(name, given, { ...this.shown.values, ...at }));
     const { factor, text } = scaledTo(output, scale);
     const number = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text].filter(Boolean).join("\u202f");
@@ -388,7 +386,8 @@ export class GridMap {
     if (this.shown.results[index] === undefined) return;
     try {
       // the inputs get no steps, because the runs of a map have constant inputs
-      this.changes.replace(this.changes.with(this.#valuesAt(index), this.shown.values), {});
+      this.changes.replace(this.changes.with(valuesAt(this.shown, index), this.shown.values), {});
+      this.#leave(true);
       this.dialog.close();
     } catch (error) {
       this.#say(`${error.message}.`, true);

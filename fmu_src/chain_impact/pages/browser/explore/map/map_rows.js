@@ -29,3 +29,8 @@ function coarseAt(coarse, ...shares) {
   const [column, row] = shares.map((share) => Math.round(share * (coarse.points - 1)));
   return coarse.results[row * coarse.points + column];
 }
+
+/** Return the values of the two parameters of a map in one of its runs. */
+export function valuesAt({ names, axes, points }, index) {
+  return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
+}

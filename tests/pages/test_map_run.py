@@ -1,0 +1,67 @@
+"""Maps while they run and after a run is opened: stopping, the time left, their size, the way back."""
+
+# Tests: pages/browser/explore/map/map.js
+
+import re
+
+from tests.pages.in_pages import DESK, until
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+LARGE = {"width": 1920, "height": 1080}
+PREVIEW = "A preview of 9 × 9 runs."
+
+
+def open_map(page):
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text(PREVIEW).wait_for()
+
+
+def test_a_button_stops_a_map_whose_rest_is_told_in_seconds(show):
+    page = show(hash_="#simulation.stop_time=20")
+    page.get_by_role("button", name="Map…").click()
+    button = page.locator("#map-run")
+    button.click()
+    assert button.inner_text() == "Stop"
+    until(page, r"/^\d+ of 41 rows, about \d+ s left$/.test(document.getElementById('map-text').textContent)")
+    button.click()
+    until(page, "document.getElementById('map-text').textContent.startsWith('Stopped after')")
+    assert button.inner_text() == "Simulate 41 × 41 runs"
+    while len(page.workers) > 1:
+        page.wait_for_timeout(50)
+
+
+def test_a_run_leaves_the_way_back_to_its_map(show):
+    page = show("rod_drop", {"simulation.stop_time": 0.3})
+    open_map(page)
+    page.locator("#map-x-to").fill("0.9")
+    page.locator("#map-x-from").fill("0.3")
+    page.locator("#map-x-from").blur()
+    page.locator("#map-text").get_by_text(PREVIEW).wait_for()
+    fields = page.locator(".map-axes input")
+    read = "fields => fields.map(({ value }) => value)"
+    ranges = fields.evaluate_all(read)
+    box = page.locator("#map-canvas").bounding_box()
+    page.locator("#map-canvas").click(position={"x": 5, "y": 5})
+    back = page.get_by_role("button", name=re.compile("Back to Map"))
+    assert box["width"] > 0
+    back.click()
+    assert page.locator("#map").is_visible()
+    assert fields.evaluate_all(read) == ranges, "the ranges are not around the run that was opened"
+    page.keyboard.press("Escape")
+    assert back.count() == 0
+
+
+def test_a_map_grows_with_the_window(show):
+    page, sizes = show(), []
+    for size in (DESK, LARGE):
+        page.set_viewport_size(size)
+        open_map(page)
+        box = page.locator("#map-canvas").bounding_box()
+        sizes.append((box["width"], box["height"]))
+        dialog = page.locator("#map")
+        assert dialog.evaluate("one => one.scrollHeight <= one.clientHeight")
+        page.keyboard.press("Escape")
+    assert sizes[0][1] > 250.0
+    assert sizes[1][0] > 850.0
+    assert sizes[1][1] > 500.0
