@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.message import conditions, has_contact, message, peaks
+from chain_impact.pictures.message import conditions, has_contact, load_text, message, peaks
 from chain_impact.pictures.style import PEAK_COLOUR
 from chain_impact.scene.scene import with_values
 from tests.helpers.scenes.stops import knee
@@ -159,3 +159,18 @@ def test_a_small_loss_is_told_and_round_off_is_not(lost, told):
     total = np.linspace(1.0, 1.0 - lost, 50)
     recording.columns.update({"energy.total": total, "energy.dissipated": 1.0 - total})
     assert message(recording) == f"Swing: 1 impact in 2 s{told}"
+
+
+def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
+    scene = with_values(load_scene("pinned_arm"), {("outputs", "loads"): True})
+    result = simulate(scene)
+    page = result.plot()
+    peaks_of = {n: result[f"joint[{n}].peak_force"] for n in (1, 2)}
+    joint = max(peaks_of, key=lambda n: peaks_of[n][-1])
+    time = result.time[peaks_of[joint].argmax()]
+    (told,) = re.findall(r"joint (\d) bears up to ([\d.]+) k?N, at ([\d.]+) s", load_text(result))
+    assert (int(told[0]), float(told[2])) == (joint, pytest.approx(time, rel=1e-2))
+    assert any(load_text(result) in text.get_text() for text in page.texts)
+    motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    assert any(told[1] in text.get_text() for text in motion.texts)
+    assert load_text(recorded("pinned_arm")) == ""

@@ -19,7 +19,7 @@ from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.contact_times import contact_ends
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_labels import Number, write_numbers
-from chain_impact.pictures.message import hit
+from chain_impact.pictures.message import hardness, hit
 from chain_impact.pictures.names import brief_hit, short_names
 from chain_impact.pictures.over_time import (
     ENERGIES,
@@ -31,14 +31,7 @@ from chain_impact.pictures.over_time import (
 )
 from chain_impact.pictures.room import draw_pin, draw_room, moves
 from chain_impact.pictures.scale_bar import draw_scale_bar
-from chain_impact.pictures.style import (
-    INK,
-    LOAD,
-    OUTSIDE_COLOUR,
-    PALE,
-    STYLE,
-    force_text,
-)
+from chain_impact.pictures.style import INK, LOAD, OUTSIDE_COLOUR, PALE, STYLE, force_text
 from chain_impact.pictures.trace import trace_of
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
@@ -57,7 +50,7 @@ ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 # position and size of the axes: left, bottom, width and height, relative to the size of the figure
 SCENE, ENERGY = (0.02, 0.09, 0.6, 0.79), (0.69, 0.12, 0.29, 0.6)
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
-CLOCK, RATE, CAPTION = (0.69, 0.94), (0.69, 0.88), (0.69, 0.835)
+CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.838)
 CAPTION_FRAMES = 40  # how many frames the caption of an impact stays after the impact; 2 s in a gif
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
@@ -280,7 +273,8 @@ class Film:
         if number and self.tells_energies:
             count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
             whole, brief = short_names(recording, hit(recording, impact)), brief_hit(recording, impact)
-            texts = [f"{count}: {whole}", f"{count}: {brief}", brief]
+            hard = hardness(recording, number - 1)
+            texts = [f"{text}\n{hard}" for text in (f"{count}: {whole}", f"{count}: {brief}", brief)]
         for text in texts:
             self.caption.set_text(text)
             if self.caption.get_window_extent().x1 <= CAPTION_END * self.scene.figure.bbox.x1:

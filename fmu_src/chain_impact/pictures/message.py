@@ -88,7 +88,7 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
     shown = place(recording, most[0].row) if short and most and not title else ""
-    results = [*first, *told[bool(shown) :]]
+    results = [*first, *told[bool(shown) :], load_text(recording)]
     if short and not title:
         results += [*([counted(recording)] if most else []), dissipated(recording)]
     known = conditions(recording, *results, touches=has_contact(recording))
@@ -116,6 +116,13 @@ def peak_of(recording: Recording, row: int) -> list[Peak]:
     """Return a list with the ``Peak`` of the impact in a row; an empty list if its value is not known."""
     words, unit, values = strengths(recording, is_stop=bool(recording.at_stops[row]))
     return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
+
+
+def hardness(recording: Recording, row: int) -> str:
+    """Return words for how hard the impact in a row is: "peak force 12.6 kN, with 2.92 m/s"."""
+    impact = recording.impacts[row]
+    speed = f"with {impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
+    return ", ".join([*(f"{peak.words} {peak.value}" for peak in peak_of(recording, row)), speed])
 
 
 def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
@@ -158,6 +165,39 @@ def place(recording: Recording, row: int) -> str:
     at = f"{factor * impact['onset']:.4g} {unit}"
     later = f", peak at {factor * peak:.4g} {unit}" if peak > impact["onset"] else ""
     return f"impact {row + 1}: {brief_hit(recording, impact)} at {at} with {speed}{later}"
+
+
+class Load(NamedTuple):
+    """The largest force in a joint: the joint's number, the force as text, and the row of the recording."""
+
+    joint: int
+    value: str
+    row: int
+
+
+def largest_load(recording: Recording) -> Load | None:
+    """Return the largest force in any joint; None if the forces in joints are not known.
+
+    The force includes times between rows if ``joint[i].peak_force`` is known; the row is the first one that
+    has it.
+    """
+    found: list[tuple[float, int, int]] = []
+    for joint, force in recording.loads.items():
+        peaks = recording.columns.get(f"joint[{joint}].peak_force", np.hypot(*force.T))
+        found.append((float(peaks.max()), joint, int(peaks.argmax())))
+    if not found or not max(found)[0] > 0.0:
+        return None
+    largest, joint, row = max(found)
+    return Load(joint, force_text(largest, "N"), row)
+
+
+def load_text(recording: Recording) -> str:
+    """Return words for the largest force in a joint: "joint 2 bears up to 621 N, at 0.5 s"; "" if unknown."""
+    load = largest_load(recording)
+    if load is None:
+        return ""
+    factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
+    return f"joint {load.joint} bears up to {load.value}, at {factor * recording.time[load.row]:.3g} {unit}"
 
 
 def has_contact(recording: Recording) -> bool:

@@ -16,7 +16,7 @@ from chain_impact.pictures.body import draw_bodies, draw_rail
 from chain_impact.pictures.contact_times import impacts_at_peaks
 from chain_impact.pictures.labels import Ink, Label, listed, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.message import peaks
+from chain_impact.pictures.message import largest_load, peaks
 from chain_impact.pictures.moving import draw_moving
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import BAND, View, draw_walls, is_flat, seen_size, view_of
@@ -327,8 +327,8 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts beyond the walls, beside their rings, where ``ink`` is free.
 
-    The fastest impacts come first. Returns the numbers without room as text, or how many they are; "" if all
-    have room.
+    The fastest impacts come first, and last the largest force in a joint, if it is known. Returns the numbers
+    without room as text, or how many they are; "" if all have room.
     """
     hits_at, labels, impacts = rings(axes, recording), [], impacts_at_peaks(recording)
     for spot, hits in hits_at.items():
@@ -337,6 +337,10 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
         whole = numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY)
         labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
+    if load := largest_load(recording):
+        joint = tuple(recording.points[load.row, load.joint - 1].tolist())
+        named = Label(f"joint {load.joint}: {load.value}", joint, short=load.value)
+        place_labels(axes, [named], ink, lines=True, fontsize="small", color=LOAD)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
     return listed_or_counted([hit + 1 for hits in missing for hit in hits], len(recording.impacts))
 

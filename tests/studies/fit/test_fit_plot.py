@@ -3,6 +3,7 @@
 # Tests: studies/fit/plot.py
 
 import itertools
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 from chain_impact import fit, load_scene, simulate
 from chain_impact.studies.fit.estimates import LawEstimates
-from chain_impact.studies.fit.plot import MOST_DOTS, running_means
+from chain_impact.studies.fit.plot import MOST_DOTS, MOST_IN_TITLE, running_means
 from chain_impact.studies.fit.report import heading
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
@@ -66,9 +67,17 @@ def test_panels_have_rooms_of_their_own(count):
 
 def test_the_headline_has_what_was_found(found):
     page = found.plot()
-    assert page.get_suptitle() == heading(found, ": ")
-    told = "\n".join(text.get_text() for text in page.texts)
-    assert all(name in told for name in FREE)
+    title = page.get_suptitle().replace("\n", " ")
+    for name in [*found.values][:MOST_IN_TITLE]:
+        value, error = re.search(rf"{re.escape(name)} (\S+).*? ± (\S+)", title).groups()
+        assert float(value) == pytest.approx(found.values[name], abs=found.standard_errors[name])
+        assert float(error) > 0.0
+    told = "\n".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert all(name in title + told for name in FREE)
+    rms, most = re.search(r"rms residual (\S+) σ\s.*?correlation (\S+) of", told).groups()
+    assert float(rms) == pytest.approx(np.sqrt(np.mean((found.residuals / found.sigma) ** 2)), rel=1e-2)
+    pairs = found.correlation[~np.eye(len(FREE), dtype=bool)]
+    assert abs(float(most.replace("−", "-"))) == pytest.approx(np.abs(pairs).max(), abs=0.01)
     assert told.replace("\n", " ").count("grey lines: impacts of the model") == 1
 
 

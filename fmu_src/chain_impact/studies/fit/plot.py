@@ -33,20 +33,22 @@ from chain_impact.pictures.style import (
     VERMILLION,
     headline,
     is_narrow,
+    raised,
     styled,
 )
 from chain_impact.recording.text import number, plural
 from chain_impact.results.result import Result
-from chain_impact.scene.unit_text import in_brackets
+from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
-from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, rounded
+from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, misfit, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene
 
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
+MOST_IN_TITLE = 2  # largest number of parameters in the headline
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
 CURVE_POINTS = 1500  # number of equal steps of time of the run from which the model's curve is drawn
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
@@ -104,7 +106,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
     alone = len(names) - 1 if len(names) % across else None
     cells = [grid[k // across, :] if k == alone else grid[k // across, k % across] for k in range(len(names))]
     has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
-    more = []
+    more = [f"rms residual {number(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
     if len(names) < len(fit.columns):
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
@@ -115,7 +117,11 @@ def fill(figure: Figure, fit: Estimates) -> None:
         more.append("line through Δ: its running mean")
     if any(has_lines):
         more.append("grey lines: impacts of the model")
-    headline(figure, heading(fit, ": "), SEPARATOR.join([*_estimate_texts(fit), *more]))
+    told = _estimate_texts(fit)
+    kept = 1 if is_narrow(figure) else MOST_IN_TITLE
+    size = heading(fit, ": ").partition(": ")[2]
+    title = f"{fit.scene.name}: {', '.join(told[:kept])}"
+    headline(figure, title, SEPARATOR.join(filter(None, [*told[kept:], *more, size])))
     settle(figure)
 
 
@@ -153,6 +159,17 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
         axes.set_xscale("symlog", linthresh=HARDLY)
         axes.set_xlim(0.0, 2.0 * most)
     settle(figure)
+
+
+def strongest_correlation(fit: Estimates) -> str:
+    """Return words for the largest absolute correlation of two estimates; "" if there are not two."""
+    pairs = np.triu(np.nan_to_num(fit.correlation), 1)
+    if not pairs.any():
+        return ""
+    i, j = np.unravel_index(int(np.abs(pairs).argmax()), pairs.shape)
+    first, second = (list(fit.values)[k] for k in (i, j))
+    value = f"{pairs[i, j]:.2f}".replace("-", "−")
+    return f"correlation {value} of {first} and {second}"
 
 
 def _model(fit: Estimates, k: int) -> Result:
@@ -291,4 +308,6 @@ def _estimate_text(fit: Estimates, label: str) -> str:
     """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013"."""
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
-    return f"{label} {rounded(value, error)} ± {size_of(parameter, value, error / parameter.slope(value))}"
+    size = size_of(parameter, value, error / parameter.slope(value))
+    found = with_unit(rounded(value, error), of_scene(parameter.unit, fit.scene))
+    return f"{label} {raised(found)} ± {size}"
