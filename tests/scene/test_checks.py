@@ -164,3 +164,19 @@ def test_initial_angles_of_joints_take_the_place_of_those_of_links():
 
 def test_models_give_no_hints():
     assert {name: found for name in model_names() if (found := hints(load_scene(name)))} == {}
+
+
+def test_a_start_in_a_wall_asks_whether_a_length_is_in_mm():
+    text = """
+    name = "Rod"
+    [[chain.links]]
+    length = 400.0
+    mass = 1.2
+    [box]
+    x_max = 1.0
+    [initial]
+    angles = [0.3]
+    """
+    assert refusal(parse_scene, text, "rod.toml").endswith(
+        "must be outside; link[1].length = 400 m is long for link[1].mass = 1.2 kg: is it in mm?"
+    )

@@ -190,9 +190,8 @@ def check_start(scene: Contents) -> None:
                 beyond = name not in WALLS and all(
                     wall.clearance(*at) < 0.0 for *at, _ in candidates.values()
                 )
-                asked = (
-                    "; all points are inside: turn its normal?" if beyond and not angle_hints(scene) else ""
-                )
+                turned = ["all points are inside: turn its normal?"] * (beyond and not angle_hints(scene))
+                asked = "".join(f"; {question}" for question in [*turned, *size_hints(scene)])
                 raise SceneError(f"initial: {subject} the wall {name}; must be outside{asked}")
 
 
