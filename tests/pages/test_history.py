@@ -93,3 +93,14 @@ def test_the_buttons_are_where_they_have_room(show, size):
     until(page, "!document.getElementById('reset-all').hidden")
     assert page.locator("#undo").is_visible() == (size is DESK)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_value_with_which_no_run_starts_is_marked_until_it_is_undone(show):
+    page = show()
+    enter(page, "Restitution", "0")
+    row = page.locator(".main-parameter").filter(has=page.get_by_role("slider", name="Restitution"))
+    row.locator(".refusal").get_by_text("No motion: ").wait_for()
+    assert row.locator("input:invalid").count() == 1
+    page.keyboard.press("Control+z")
+    row.locator(".refusal").get_by_text("No motion: ").wait_for(state="detached")
+    assert row.locator("input:invalid").count() == 0

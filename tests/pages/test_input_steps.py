@@ -67,6 +67,9 @@ def test_a_slider_moved_during_playback_is_held_from_then_on(show, tmp_path, cap
             value
         )
         assert float(page.get_by_role("textbox", name=SLIDER).first.input_value()) == pytest.approx(value)
+        row = page.locator(".main-parameter").filter(has=page.get_by_role("slider", name=f"{ITS_WORDS}, N·m"))
+        since = f"Held since {steps[-1][0]:.4g} s." if time > steps[0][0] else ""
+        assert row.locator(".sentence").inner_text() == since
 
     page.get_by_role("button", name="Export…").click()
     path = tmp_path / "held.toml"
@@ -177,7 +180,7 @@ def test_a_slider_dragged_back_to_its_value_follows_the_motion_again(show):
     page.get_by_role("button", name="Pause").click()
     assert slider.evaluate("slider => slider.value / slider.max") > 0.7
     page.locator("#scrub").fill("0.01")
-    until(page, f"document.querySelector('input[aria-label=\"{ITS_WORDS}\"][type=range]').value === '200'")
+    until(page, f"document.querySelector('input[aria-label^=\"{ITS_WORDS}\"][type=range]').value === '200'")
 
 
 def test_a_map_and_its_runs_keep_inputs_at_their_starts(show):

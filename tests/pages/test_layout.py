@@ -65,13 +65,13 @@ def test_the_forces_in_joints_are_within_the_list_of_impacts(show, size):
 
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
 def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewport):
-    """The list of impacts is at the lower edge of a wide screen, whatever is above."""
+    """The list of impacts follows the contact force on a wide screen, and comes last on a phone."""
     page = show("cart_pole", hash_="#curves=point[1].y", viewport=viewport)
     until(page, "document.querySelectorAll('#outputs-over-time dt').length > 0")
     cards = page.locator("aside > section:not(#list)").evaluate_all(
         "cards => cards.map((card) => [card.querySelector('h2').id, card.getBoundingClientRect().top])"
     )
-    assert [name for name, _ in cards] == ["contact-title", "outputs-title", "energy-title", "inputs-title"]
+    assert [name for name, _ in cards] == ["contact-title", "outputs-title", "inputs-title", "energy-title"]
     assert cards == sorted(cards, key=lambda card: card[1])
 
 
@@ -113,6 +113,23 @@ def test_charts_and_impacts_have_room_in_a_low_window(show, kind):
     assert rows >= 3
     assert page.locator("#impacts tbody tr").count() > 3
     assert left < 24 + 8, "there is room for one more row"
+
+
+@pytest.mark.parametrize("card", ["inputs", "outputs"])
+def test_chosen_charts_lie_beside_five_impacts_not_below_them(show, card):
+    hash_ = {"inputs": "#joint[2].torque@=0.5:8.64", "outputs": "#curves=point[2].y"}
+    page = show("pinned_arm" if card == "inputs" else "", hash_=hash_[card])
+    if card == "outputs":
+        page.get_by_role("button", name="Pin").click()
+    page.locator(f"#{card}-over-time canvas").wait_for()
+    names = ("aside", "#list", f"#{card}-card", "#impacts")
+    column, list_, chart, rows = (page.locator(name).bounding_box() for name in names)
+    assert rows["height"] >= 20 + 5 * 24
+    assert list_["y"] + list_["height"] <= chart["y"]
+    assert chart["y"] + chart["height"] <= column["y"] + column["height"]
+    page.locator("#energies").scroll_into_view_if_needed()
+    energies, list_ = (page.locator(name).bounding_box() for name in ("#energies", "#list"))
+    assert list_["y"] + list_["height"] <= energies["y"], "the column scrolls as one"
 
 
 CUT_CHARTS = function_of("layout", "cutCharts")

@@ -4,14 +4,18 @@ import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { shortText, valueText } from "../../scene/angles.js";
 
-const FAILS = "No motion: "; // the first words on a value with which a run fails, which the page has taken
+/** Take the mark of a refused or failing value from a field. */
+function release(field) {
+  field.setCustomValidity("");
+  delete field.dataset.fails;
+}
 
 /**
  * Call the function `change`; if it throws an error, because it refuses the field's value, mark the field, and show the reason in its row.
  */
 export function attempt(field, change) {
   try {
-    field.setCustomValidity("");
+    release(field);
     change();
   } catch (error) {
     field.setCustomValidity(error.message);
@@ -31,7 +35,8 @@ export function refusal() {
 /** Mark the fields of a parameter with whose value a run fails, until a parameter changes; `reason`: why it fails. */
 export function markFailing(name, reason) {
   document.querySelectorAll(`#parameters [data-parameter="${name}"]`).forEach((field) => {
-    field.setCustomValidity(FAILS + reason);
+    field.setCustomValidity(reason);
+    field.dataset.fails = "true"; // the page has taken the value, unlike a refused one
     explain(field.closest(".main-parameter, .parameter"));
   });
 }
@@ -40,7 +45,7 @@ export function markFailing(name, reason) {
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   const reason = refused?.validationMessage ?? "";
-  const told = reason && readable(`${reason.startsWith(FAILS) ? "" : "Not taken: "}${reason}.`);
+  const told = reason && readable(`${refused.dataset.fails ? "No motion" : "Not taken"}: ${reason}.`);
   // in the sentence, the unit of a stiffness is as it is beside the field, with the present exponent
   row.querySelector(".refusal").textContent = told.replace(/(?<=\[)[^\]]*\^exponent(?=\])/, row.querySelector("small")?.textContent);
 }
@@ -77,7 +82,7 @@ export function valueField(changes, parameter) {
   ["focus", "blur"].forEach((event) => field.addEventListener(event, () => field.checkValidity() && write()));
   field.addEventListener("keydown", ({ key }) => key === "Escape" && attempt(field, () => write()));
   const refresh = () => {
-    if (!isActive() || items.length || field.validationMessage.startsWith(FAILS)) field.setCustomValidity("");
+    if (!isActive() || items.length || field.dataset.fails) release(field);
     if (field.checkValidity()) write(changes.valueOf(name));
   };
   return { field, write, refresh };

@@ -78,11 +78,11 @@ function mainParameter(changes, entry, now) {
   field.id = `main-${name}`;
   label.htmlFor = field.id;
   field.setAttribute("aria-label", `${entry.label}, ${name}`); // the label contains the words that are seen, and the name in the scene
-  const { element, follow, show } = parameter.items.length
+  const { element, since, follow, show } = parameter.items.length
     ? choiceSentence(changes, parameter)
     : slider(changes, entry, { field, write, now, unit: text });
   row.classList.toggle("choice-parameter", parameter.items.length > 0);
-  row.append(element, refusal());
+  row.append(element, ...(since ? [since] : []), refusal());
   return { name, row, follow, refresh: () => {
     refresh();
     show();
@@ -111,16 +111,23 @@ function choiceSentence(changes, { name, items }) {
   } };
 }
 
+/** Return words for the time from which on an input has its value at a time [s]; "" if the reader has not changed it before. */
+function sinceText({ inputSteps }, name, time) {
+  const [from] = (inputSteps[name] ?? []).findLast(([start]) => start <= time) ?? [];
+  return from === undefined ? "" : `Held since ${numberText(Number(from.toPrecision(4)))} s.`;
+}
+
 /**
- * Return the slider of a parameter, and two functions: `follow` sets slider and field to the value at the present time; `show`, for use
- * after a change, also removes the mark of a refused value.
+ * Return the slider of a parameter; for an input also `since`, an element that tells from when on its value holds; and two functions:
+ * `follow` sets slider and field to the value at the present time; `show`, for use after a change, also removes the mark of a refused
+ * value.
  */
 function slider(changes, entry, { field, write, now, unit }) {
   const { name } = entry;
   const { toPosition, toValue } = scaleOf(entry, changes.starts[name]);
   const element = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
   let isDragged = false;
-  element.setAttribute("aria-label", entry.label);
+  const since = entry.isInput && make("p", { className: "sentence" });
   element.addEventListener("input", () => {
     const value = rounded(toValue(element.value / STEPS));
     const { isPlaying, time } = now();
@@ -139,9 +146,11 @@ function slider(changes, entry, { field, write, now, unit }) {
     if (document.activeElement !== field && field.checkValidity()) write(value);
     if (name in changes.inputSteps ? !isDragged : document.activeElement !== element) element.value = String(STEPS * toPosition(value));
     element.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
+    element.setAttribute("aria-label", [entry.label, unit()].filter(Boolean).join(", "));
+    if (since) since.textContent = sinceText(changes, name, now().time);
     element.setAttribute("aria-valuetext", `${numberText(value)} ${unit()}`);
   };
-  return { element, follow, show: () => {
+  return { element, since, follow, show: () => {
     element.setCustomValidity("");
     follow();
   } };
