@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.recording.text import number
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.histograms import edges_of
@@ -28,7 +29,7 @@ KINDS = {
     "one choice": ({"contact.model": list(CONTACT_LAWS)}, {}),
     "number and ten choices": ({"contact.restitution": "0.1:0.8:5", "contact.model": TEN}, {}),
     "number and all choices": ({"contact.restitution": "0:0.8:5", "contact.model": list(CONTACT_LAWS)}, {}),
-    "two numbers": ({"contact.restitution": "0.4,0.0,0.8", "contact.stiffness": "1e6:1e9:4:log"}, {}),
+    "two numbers": ({"contact.restitution": "0.4,0.0,0.8,0.6", "contact.stiffness": "1e6:1e9:4:log"}, {}),
     "two choices": ({"contact.model": "flores,hertz", "solver.method": "auto,explicit"}, {}),
     "one value": ({"contact.restitution": [0.5]}, {}),
     "no run that did not fail": ({"contact.restitution": [0.0], "contact.model": ["flores", "ye"]}, {}),
@@ -148,15 +149,15 @@ def test_stops_of_a_slider_have_panels_for_their_forces():
 
 
 def test_maps_are_the_columns_with_ordered_axes():
-    vary = {"contact.stiffness": "1e9,1e7", "contact.restitution": "0.4,0.0,0.8"}
+    vary = {"contact.stiffness": "1e9,5e8,1e8,1e7", "contact.restitution": "0.4,0.0,0.8,0.6"}
     found = sweep(SCENE, vary)
     panel = drawn(found).axes[0]
     (mesh,) = panel.collections
     shown = mesh.get_array()
     assert panel.get_xscale() == "linear"
-    force = 1e-3 * found["peak_force"].reshape(2, 3)
+    force = 1e-3 * found["peak_force"].reshape(4, 4)
     # restitutions upward in ascending order, stiffnesses to the right
-    assert np.array_equal(shown[[1, 2]], force[::-1][:, [0, 2]].T)
+    assert np.array_equal(shown[[1, 2, 3]], force[::-1][:, [0, 3, 2]].T)
     assert shown.mask[0].all()
     assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
 
@@ -164,7 +165,7 @@ def test_maps_are_the_columns_with_ordered_axes():
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(("width", "across"), [(4.7, 1), (7.5, 1), (10.8, 3)])
 def test_three_maps_leave_no_gap(width, across):
-    vary = {"contact.restitution": "0.4,0.8", "contact.stiffness": "1e6,1e8"}
+    vary = {"contact.restitution": "0.5:0.8:4", "contact.stiffness": "1e6:1e8:4:log"}
     page = sweep(SCENE, vary).plot(
         panels=["peak_force", "impact.count", "max_penetration"], size=(width, None)
     )
@@ -175,7 +176,7 @@ def test_three_maps_leave_no_gap(width, across):
 @pytest.mark.full("takes long")
 def test_colours_suit_wide_ranges_and_counts():
     """The peak force grows by three decades with the stiffness; the number of impacts is whole."""
-    vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.8"}
+    vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.5,0.6,0.8"}
     page = sweep(SCENE, vary).plot(panels=["peak_force", "impact.count"])
     force, impacts = (axes.collections[0] for axes in page.axes if axes.get_xlabel())
     assert [type(one.norm).__name__ for one in (force, impacts)] == ["LogNorm", "BoundaryNorm"]
@@ -184,7 +185,7 @@ def test_colours_suit_wide_ranges_and_counts():
 
 
 def test_a_bar_of_few_decades_has_the_same_numbers_on_a_dark_ground():
-    found = sweep(SCENE, {"contact.restitution": "0.4,0.8", "contact.stiffness": "1e6:1e9:4:log"})
+    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.stiffness": "1e6:1e9:4:log"})
     numbers = []
     for style in ("default", "dark_background"):
         with mpl.style.context(style):
@@ -257,7 +258,7 @@ def test_the_colours_differ_and_can_be_seen_on_white():
 def test_at_most_ten_colours():
     assert len(set(COLOURS)) == len(COLOURS) == 10
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})
-    colours = {line.get_color() for line in drawn(found).axes[0].lines}
+    colours = {line.get_color() for line in drawn(found).axes[0].lines if line.get_label()[:1] != "_"}
     assert len(colours) == 10
     more = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": list(CONTACT_LAWS)})
     assert drawn(more).axes[0].collections  # a map
@@ -286,9 +287,29 @@ def test_too_many_parameters_are_refused(tmp_path):
         found.plot(tmp_path / "out.png")
 
 
+def test_two_numbers_of_which_one_has_few_values_are_lines():
+    found = sweep(SCENE, {"contact.stiffness": "1e7,1e8", "contact.restitution": "0.4:0.8:4"})
+    page = drawn(found)
+    lines = {line.get_label(): line.get_xydata() for line in page.axes[0].lines}
+    for value in (1e7, 1e8):
+        rows = found["contact.stiffness"] == value
+        expected = np.stack([found["contact.restitution"], 1e-3 * found["peak_force"]], axis=1)[rows]
+        np.testing.assert_allclose(lines[number(value)], expected)
+
+
+@pytest.mark.parametrize("count", [2, 4])
+def test_the_value_of_the_scene_is_marked(count):
+    found = sweep(SCENE, {"contact.stiffness": f"1e7:1e9:{count}:log", "contact.restitution": "0.4:0.8:4"})
+    page = drawn(found)
+    (mark,) = (line for line in page.axes[0].lines if line.get_marker() == "P")
+    assert mark.get_xdata()[0] == SCENE.values["contact.restitution" if count == 2 else "contact.stiffness"]
+    told = " ".join(text.get_text().replace("\n", " ") for text in page.texts)
+    assert f"{number(mark.get_xdata()[0])} in the scene (+)" in told
+
+
 def test_samples_of_one_number_are_points():
     found = sweep(SCENE, {"contact.restitution": "0.3:0.9"}, samples=5)
-    (line,) = drawn(found).axes[0].lines
+    line, _ = drawn(found).axes[0].lines  # and the mark of the scene's own value
     assert line.get_linestyle() == "None"
     assert np.array_equal(line.get_xdata(), np.sort(found["contact.restitution"]))
 

@@ -31,6 +31,9 @@ MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
 WIDE_RANGE = 1e3
 # on a logarithmic axis of few decades, each power of ten has a label, and so have these multiples of it
 FEW_TICKS = (2.0, 5.0)
+SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
+SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
+"""The mark of the scene's own value, with matplotlib's names."""
 NEVER = "no run has a finite value"
 
 
@@ -64,6 +67,9 @@ def draw_maps(
         for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):
             if scale.names:
                 axis.set_ticks(range(len(scale.names)), scale.names)
+        across, up = own_value(runs, first), own_value(runs, second)
+        if across is not None and up is not None:
+            axes.plot([across], [up], **SCENE_MARK)
         axes.set(xlabel=label_of(runs, first), ylabel=label_of(runs, second))
         if x.names:
             axes.tick_params(axis="x", rotation=90)
@@ -169,6 +175,14 @@ def is_logarithmic(variation: Variation) -> bool:
     """Return whether a parameter's axis is logarithmic: its values are spaced so, or have a WIDE_RANGE."""
     low, high = variation.values.min(), variation.values.max()
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
+
+
+def own_value(runs: Runs, variation: Variation) -> float | None:
+    """Return the scene's own value of a varied number; None for a choice, or beyond the varied values."""
+    value = runs.scene.values.get(variation.name)
+    if variation.choices or not isinstance(value, int | float):
+        return None
+    return float(value) if variation.values.min() <= value <= variation.values.max() else None
 
 
 def label_of(runs: Runs, variation: Variation) -> str:

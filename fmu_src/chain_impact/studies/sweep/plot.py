@@ -1,9 +1,9 @@
 """The picture of a sweep: its main results over the varied parameters.
 
-One varied number gives lines, two numbers a map, one choice dots. A choice beside a number, such as the
-contact law, gives a line for each of up to ten choices; with more than ten choices, these become the rows of
-a map. Runs that failed are crosses, or grey in a map. Samples of one number are points; samples of a choice
-or of several parameters give a histogram of each result.
+One varied number gives lines, one choice dots, and two numbers a map, or lines if one of them has few values.
+A choice beside a number, such as the contact law, gives a line for each of up to ten choices; with more than
+ten choices, these become the rows of a map. Runs that failed are crosses, or grey in a map. Samples of one
+number are points; samples of a choice or of several parameters give a histogram of each result.
 """
 
 from __future__ import annotations
@@ -41,11 +41,13 @@ from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import draw_histograms
 from chain_impact.studies.sweep.maps import (
     NEVER,
+    SCENE_MARK,
     WIDE_RANGE,
     draw_maps,
     is_logarithmic,
     label_of,
     number_few_decades,
+    own_value,
     unit_of,
 )
 from chain_impact.studies.sweep.quantities import Quantity, Results, constants, results_of
@@ -56,6 +58,7 @@ COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 # [inch] the width for the names of choices, left of the panels, and the least width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
+MOST_SPLIT = 3  # of two varied numbers, one with at most this number of values has a line for each
 MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
@@ -119,7 +122,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     told = [", ".join(parts[kept:]), *told]
     headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
     # a parameter that is a number comes before a choice, and gets the horizontal axis
-    first, *others = sorted(varying, key=lambda variation: bool(variation.choices))
+    first, *others = in_order(varying, kind)
     across = _across(len(quantities), kind, figure.get_figwidth())
     if kind == DOTS:
         _dots(figure, runs, quantities, first)
@@ -147,6 +150,22 @@ def name_once(figure: Figure) -> None:
         named.add(name)
 
 
+def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
+    """Return the parameters with that of the horizontal axis first: a number, with more values than lines."""
+    return sorted(
+        varying, key=lambda each: (bool(each.choices), kind == CURVES and len(each.values) <= MOST_SPLIT)
+    )
+
+
+def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
+    """Return the parameters whose own value in the scene is marked in the picture (SCENE_MARK)."""
+    kind = kind_of(runs.design)
+    if kind == CURVES:
+        return in_order(varying, kind)[:1]
+    all_known = kind == MAPS and all(own_value(runs, variation) is not None for variation in varying)
+    return varying if all_known else []
+
+
 def kind_of(design: Design) -> str:
     """Return the kind of picture for a design: DOTS, CURVES, MAPS or HISTOGRAMS."""
     varying = varying_in(design)
@@ -155,6 +174,8 @@ def kind_of(design: Design) -> str:
         return HISTOGRAMS if len(varying) > 1 or choices else CURVES
     if len(varying) == 1:
         return DOTS if choices else CURVES
+    if not choices:
+        return CURVES if min(len(variation.values) for variation in varying) <= MOST_SPLIT else MAPS
     return CURVES if len(choices) == 1 and len(choices[0].values) <= len(COLOURS) else MAPS
 
 
@@ -194,11 +215,11 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
             number(end) for end in dict.fromkeys((variation.values.min(), variation.values.max()))
         )
         interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
-        parts.append(
-            f"{len(variation.values)} of {variation.name}"
-            if variation.choices
-            else f"{variation.name} {interval}"
-        )
+        own = own_value(runs, variation)
+        marked = " (+)" if variation in with_marks(runs, varying) else ""
+        told = "" if own is None else f", {number(own)} in the scene{marked}"
+        count = f"{len(variation.values)} of {variation.name}"
+        parts.append(count if variation.choices else f"{variation.name} {interval}{told}")
     return "; ".join(parts)
 
 
@@ -247,7 +268,8 @@ def _curves(
 ) -> None:
     """Draw each quantity over a parameter in a panel, with a cross at the foot for each failed run.
 
-    ``across``: the parameter, a number. ``choice``: a second parameter, each choice of which has a line.
+    ``across``: the parameter, a number. ``choice``: a second parameter, each choice or number of which has a
+    line.
     """
     panels = _panels(figure, len(quantities), _across(len(quantities), CURVES, figure.get_figwidth()))
     values = runs[across.name]
@@ -256,7 +278,8 @@ def _curves(
         for name, colour in zip(choice.shown(choice.values) if choice else [None], COLOURS, strict=False):
             rows = np.flatnonzero(runs[choice.name] == name) if choice else np.arange(len(runs))
             rows = rows[np.argsort(values[rows], kind="stable")]
-            label = f"{name} (failed)" if choice and runs.failed[rows].all() else name
+            text = number(float(name)) if choice and not choice.choices else name
+            label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
             marks: dict[str, Any] = {}
             if runs.design.samples is not None:
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
@@ -271,15 +294,17 @@ def _curves(
             axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
         axes.set_xscale("log" if is_logarithmic(across) else "linear")
         axes.set_xlabel(label_of(runs, across))
+        if (own := own_value(runs, across)) is not None:
+            axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
         give_ticks(axes)
         _dress(axes, quantity, shown)
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
         if is_narrow(figure):
-            name = Line2D([], [], linestyle="", label=f"{choice.name}:")
+            name = Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:")
             legend_at_foot(figure, [name, *handles])
         else:
-            figure.legend(handles, labels, loc="outside right center", title=choice.name)
+            figure.legend(handles, labels, loc="outside right center", title=label_of(runs, choice))
 
 
 def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
