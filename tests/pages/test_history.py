@@ -42,6 +42,7 @@ def test_a_drag_of_a_handle_is_one_change(show):
     names = "Object.entries(chainImpact.parameters).filter(([name]) => name.startsWith('initial.')).join()"
     before = page.evaluate(names)
     page.get_by_role("button", name="Set the start by hand").click()
+    assert page.get_by_role("button", name="Set the start by hand", pressed=True).count() == 1
     box = page.locator("[data-grip='joint 2']").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
@@ -51,6 +52,8 @@ def test_a_drag_of_a_handle_is_one_change(show):
         page.evaluate(LATER)
     page.mouse.up()
     assert page.evaluate(names) != before
+    page.keyboard.press("End")
+    page.get_by_role("button", name="Set the start by hand", pressed=False).wait_for()
     page.keyboard.press("Control+z")
     assert page.evaluate(names) == before
 

@@ -245,7 +245,7 @@ def test_impacts_stay_in_sight_below_chosen_curves(show):
 def test_the_line_on_an_impact_is_whole_before_the_impact_and_in_it(show, model, viewport):
     page = show(model, viewport=viewport)
     for onset in simulate(model).impacts["onset"][:5]:
-        for ahead, words in ((1e-3, " is next: "), (-1e-4, " m/s, ")):
+        for ahead, words in ((1e-3, "Next is impact "), (-1e-4, " m/s, ")):
             go_to(page, onset - ahead)
             assert words in page.inner_text("#caption").replace("\u202f", " ")
             assert not page.evaluate(IS_CUT_OFF, "caption"), page.inner_text("#caption")

@@ -30,7 +30,8 @@ const changes = new Changes(describe(kit, complete(file, kit), command));
 const player = new Player(1);
 const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
-player.layers.push(comparedMotions, handles);
+const showByHand = () => find("by-hand").setAttribute("aria-pressed", handles.areShown);
+player.layers.push(comparedMotions, handles, { draw: showByHand });
 
 /**
  * Return the parts of the next motion with two views: `ownView` contains this motion alone, `view` also the compared motions of scenes with

@@ -164,5 +164,5 @@ export function impactText({ impacts }, contact, time) {
   const isNext = onset > time;
   const [force, speed] = [peakText(contact), approachText(contact)];
   const parts = [force === "–" ? "" : `${force}, `, isNext ? "" : `${speed}, `, `${contact.what} at ${wallText(contact)}`];
-  return `Impact ${number} of ${impacts.length}${isNext ? " is next" : ""}: ${parts.join("")}`;
+  return `${isNext ? "Next is impact" : "Impact"} ${number} of ${impacts.length}: ${parts.join("")}`;
 }
