@@ -170,6 +170,8 @@ def test_the_panels_show_loops_and_energy(comparison):
     }
     for law in (min(ends, key=ends.get), max(ends, key=ends.get)):
         assert law in told[-1]
+    thin = [line.get_xydata() for line in loops.lines if line.get_color() == GREY]
+    assert len(thin) == len([law for law in ends if comparison[law].loop.size])
     (band,) = energy.collections
     least, most = band.get_datalim(energy.transData).intervaly
     last = [comparison[law].result.energy["total"][-1] for law in ends if comparison[law].result]

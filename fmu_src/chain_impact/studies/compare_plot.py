@@ -54,6 +54,7 @@ IMPULSE: dict[str, Any] = {"color": INK, "linestyle": ":", "linewidth": 1.2, "zo
 BEFORE_FIRST = 0.1  # the time shown before the first impact, relative to the time shown after it
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400
+HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
@@ -255,7 +256,7 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False)
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
-    """Fill the area between the least and the largest force of all loops at each penetration.
+    """Draw thin loops, and fill the area between the least and the largest force at each penetration.
 
     A loop has the penetrations and the forces in the first impact with one law, shape (2, K).
     """
@@ -264,6 +265,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
     depths = np.linspace(0.0, max(loop[0].max() for loop in loops), BAND_POINTS)
     branches = []
     for depth, force in loops:
+        axes.plot(depth, force, color=GREY, linewidth=HAIRLINE)
         turn = int(depth.argmax())
         for part in (slice(0, turn + 1), slice(turn, None)):
             order = np.argsort(depth[part], kind="stable")

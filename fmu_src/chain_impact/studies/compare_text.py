@@ -136,10 +136,10 @@ def _reach(comparison: LawRuns) -> str:
     """
     e = comparison.contact.restitution
     values = ", ".join(
-        f"{formatted(at.lossless, '.2f')} and {formatted(at.exact, '.2f')} at K = {at.stiffness:.4g}"
+        f"{formatted(at.exact, '.2f')} at K = {at.stiffness:.4g} ({formatted(at.lossless, '.2f')} lossless)"
         for at in comparison.reached
     )
     return (
-        "this impact is not free: other forces act while it lasts, and the less the stiffer the contact is; "
-        f"e′ without losses, about the most that is reached, and with e = {e:g} under {EXACT_LAW}: {values}"
+        "this impact is not free: other forces act while it lasts, less in a stiffer contact. "
+        f"With e = {e:g}, {EXACT_LAW} has e′ = {values}"
     )
