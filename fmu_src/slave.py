@@ -1,8 +1,9 @@
-"""The slave of an FMU, which pythonfmu's wrapper calls in the importing process, and which calls the kernel.
+"""The slave of an FMU: pythonfmu's wrapper calls it in the importing process, and it calls the kernel.
 
 The slave needs only Python 3.8 and its standard library. The kernel is the same library as in native FMUs: it
-knows the state of each instance, and checks each call. A refused call raises SlaveError, which is fatal for
-the instance. FMI allows a slave to discard a step, too, but then fmpy ends without a message.
+knows the state of each instance, and checks each call. If the kernel refuses a call, the slave raises
+SlaveError, which is fatal for the instance. FMI would also allow the slave to discard a step, but fmpy ends
+without a message after a discarded step.
 """
 
 from __future__ import annotations

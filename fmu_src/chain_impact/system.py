@@ -170,10 +170,10 @@ def included(in_package: str, in_repository: str) -> Path:
 def others_can_write(status: os.stat_result) -> bool:
     """Return whether another user of this machine, except root, can write into a folder with a ``status``.
 
-    This is so if another user, except root, owns the folder, or if its group or all users may write into it.
-    The group does not count if it is the group of root, or has the user's own number, because only this user
-    belongs to such a group on many systems. On Windows the result is False, because a user's own folder is
-    closed to others.
+    This is so if another user, except root, owns the folder, or if all users or the folder's group may write
+    into it. The right of the group does not count if it is the group of root, or if its number equals the
+    user's number: on many systems no other user belongs to such a group. On Windows the result is False,
+    because a user's own folder is closed to others.
     """
     if SYSTEM == WINDOWS:
         return False

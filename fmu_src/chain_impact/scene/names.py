@@ -107,9 +107,10 @@ def fmu_name(name: str) -> str:
 
 
 def other_names(name: str) -> set[str]:
-    """Return the other names that a message may have for the value ``name``.
+    """Return the other names by which a message may call a value that has the name ``name``.
 
-    They are its name in the FMU and, for a value of [stops], its key in the file, except ``name`` itself.
+    Such a name is the value's name in the FMU or, for a value of [stops], its key in the file. The result is
+    without ``name`` itself.
     """
     of_fmu = fmu_name(name)
     in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu

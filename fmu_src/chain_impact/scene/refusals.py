@@ -75,20 +75,22 @@ SENTENCES = {
 
 
 class Rule(NamedTuple):
-    """A rule that refuses a value which does not go together with other values.
+    """A rule that refuses a value which contradicts other values.
 
     Attributes:
         fault: the name of the fault, a key of SENTENCES.
         key: the refused key; its value becomes the word ``value`` of the sentence.
-        condition: the rule (rules.py) that is true for a refused value; its names are keys and facts.
-        least: a rule for the least allowed number; the number becomes the word ``least`` of the sentence, the
-            rule's text the word ``bound``.
+        condition: the condition, in the language of rules.py, that is true if the value is refused. Its names
+            are keys and facts.
+        least: an expression of this language for the number with which the sentence compares the value; ""
+            for none. The number becomes the word ``least`` of the sentence, the text of the expression the
+            word ``bound``.
         of: the tables to which the key belongs: "" is the whole file; "link" is each link; "law" is
             [contact], each table in [contact.wall], and [stops]. With "law", the rule uses the value of
-            [contact] for a missing coefficient of friction and a missing value of [stops], and the name
-            ``law`` is the contact law of the table; a user's law has no properties in rules.
-        in_kernel: whether the kernel checks the same rule at the start of a run. A page then does not check
-            it when its user changes one value, because the next change may be of the other value.
+            [contact] for a missing coefficient of friction and a missing value of [stops]. The name ``law``
+            then is the contact law of the table; a user's law has no properties in rules.
+        in_kernel: whether the kernel, too, checks the rule, at the start of a run. A page does not check such
+            a rule when its user changes one value, because the user may change the other value next.
     """
 
     fault: str

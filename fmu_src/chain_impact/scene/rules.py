@@ -3,17 +3,20 @@
 A rule is written like an expression of Python. From strong to weak, its parts are
 
 - numbers, texts in quotes, and names of values, such as ``chain.base``
-- ``given(name)``: the value is not missing; ``any(list, rule)``: the rule holds for a member of a list;
-  ``sum(list, rule)``: the sum of a number over the members. In such a rule, ``order`` is the index of a
-  member in the list. Another name without a dot is a key of the member if the list is in the scene's file, as
-  ``chain.links``; for any other list, it is a value of the member, if the member has it.
+- ``given(name)``, true if the value is not missing; ``any(list, rule)``, true if the rule is true for a
+  member of the list; ``sum(list, rule)``, the sum of the rule's numbers for all members
 - ``a*b``, then ``a + b``; a condition counts as 0 or 1
 - ``==``, ``!=``, ``<``, ``>``, ``<=``, ``>=``, ``in``
 - ``not``, then ``and``, then ``or``
 
-A value holds if it is neither missing nor 0 nor empty. A list holds if one of its entries holds. Where a
-number is needed, a list counts as its length. The members of tables by name are these tables. A sum or a
-product with a missing value is missing, and a comparison with a missing value does not hold.
+In the rule in ``any`` or ``sum``, ``order`` is the index of the member in the list. If the list is in the
+scene's file, as ``chain.links``, any other name without a dot is a key of the member. For any other list, a
+name is a value of the member if the member has it, else of the scene. The list may also be tables by name, as
+``contact.wall``; its members are then these tables.
+
+A value counts as true if it is neither missing nor 0 nor empty; a list, if one of its entries counts as true.
+Where a number is needed, a list counts as its length. A sum or a product with a missing value is missing. A
+comparison with a missing value is false.
 
 ``tree`` parses a rule. pages/browser/scene/rules.js evaluates the tree as ``_function_of`` does.
 """

@@ -231,10 +231,11 @@ def refuse_jumps(
 def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
     """Return pieces of motions whose positions and velocities agree exactly where pieces meet.
 
-    Each piece gets the correction (1 − r)⁸ (s + (8 s + v) r), where r goes from 0 to 1 in the piece. At the
-    start it adds s to the position, and v divided by the piece's duration to the velocity; at the end it adds
-    nothing. s and v are such that the start of the piece then agrees with the end of the piece before. v is 0
-    where the speed of a belt jumps, so that this jump stays. ``columns`` are the indices of the motions.
+    Only a jump in the speed of a belt stays. Each piece after the first gets the correction
+    (1 − r)⁸ (s + (8 s + v) r), where r goes from 0 to 1 in the piece. At the start of the piece, it adds
+    s to the position, and v divided by the piece's duration to the velocity; at the end it adds nothing.
+    s and v are such that the start then agrees with the end of the piece before. Where the speed of a belt
+    jumps, v is 0. ``columns`` are the indices of the motions among the signals of the pieces.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))

@@ -54,8 +54,8 @@ def simulate(
 ) -> Result:
     """Simulate a scene from t = 0.
 
-    The ``interpolation`` says how inputs act. Communication points are the times of the rows of the result
-    and the times of samples.
+    The ``interpolation`` says how an input acts that is given as a function of the time or as samples.
+    Communication points are the times of the rows of the result and the times of samples.
 
     - ``follow``: the solver follows a function with the accuracy of the solver's tolerance, also between
       communication points, and finds jumps and kinks. A pulse shorter than a two-thousandth of the run can
@@ -67,11 +67,11 @@ def simulate(
       which the solver follows.
     - ``spline``: functions act as with ``follow``; samples of any input are joined by a cubic spline.
 
-    The solver follows a motion of the base or a wall with velocity and acceleration. Samples of a position,
-    velocity or acceleration are joined by a cubic spline, or by straight lines with ``linear``, because the
-    motion must not jump. The spline of a position is at rest at its first and last sample if these are within
-    the run. If the position is given, a given velocity or acceleration is only compared with the position.
-    With ``hold`` the motion is the same as in an FMU (docs/drive.md).
+    For a moving base or wall, the inputs are its position, velocity or acceleration. Their samples are joined
+    by a cubic spline, or by straight lines with ``linear``, because the motion must not jump. The spline of a
+    position is at rest at its first and last sample if these are within the run. If the position is given, it
+    alone determines the motion; a given velocity or acceleration is only compared with it. With ``hold`` the
+    base or wall moves as in an FMU (docs/drive.md).
 
     The first sample also acts before its time, and the last sample acts until the end. A row of the result
     has the accelerations and forces that the inputs before its time cause, as an importer reads them after a

@@ -36,7 +36,7 @@ def keeps_exponents(law: str, scene: Scene) -> bool:
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
-    """Yield path, exponent n and stiffness K of each table with a stiffness that ``contact.model`` uses.
+    """Yield path, exponent n and stiffness K of each table that gives the law ``contact.model`` a stiffness.
 
     The table ``stops`` is yielded if the scene has stops without a law of their own. The table ``contact``,
     and the tables of walls with a stiffness of their own, are yielded if a point can touch a wall, or if the

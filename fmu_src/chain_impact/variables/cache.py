@@ -1,8 +1,8 @@
 """A cache of the data that scenes share if they differ only in numbers.
 
-These data are the properties of ``PreparedScene`` that do not depend on numbers, which ``in_common`` marks,
-and the record of one of the scenes. The record of another one is a copy of it, in which only the tables with
-changed numbers are written again (filling.py).
+The cache keeps the values of the properties of ``PreparedScene`` that do not depend on numbers; ``in_common``
+marks these properties. The cache also keeps the record of one of the scenes. The record of any other of the
+scenes is a copy of this record, in which only the tables with changed numbers are written again (filling.py).
 """
 
 from __future__ import annotations

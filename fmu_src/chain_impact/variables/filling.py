@@ -103,8 +103,9 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     """Return a function from a scene to the values of a kind of parameters, one for each owner.
 
-    If the record has two fields for the parameter, the list has the values in use of all owners, and then the
-    given values of all owners, with the number DERIVED for a value that is not given.
+    The record may have two fields for the parameter: one with the value in use, one with the given value. The
+    list then has first the values in use of all owners, and after them the given values of all owners. For a
+    value that is not given, the given value is the number DERIVED.
     """
     path = kind.path or ()
     if AT not in path and ENTRY_AT not in path:
@@ -186,9 +187,10 @@ def _itself(value: Any) -> Any:
 
 
 def _choice(kind: Kind, name: str) -> float:
-    """Return the number of a choice, counted from 1, as the real number with the 8 bytes of this integer.
+    """Return the real number with the same 8 bytes as an integer: the number of a choice, counted from 1.
 
-    All words of a record are written as real numbers, and the kernel reads this word as an integer.
+    The reason is that Python writes all words of a record as real numbers, but the kernel reads this word as
+    an integer. ``name`` is the name of the choice.
     """
     number = SOLVER_METHODS.index(name) + 1 if kind.choices == METHODS else _law_number(name)
     real: float = struct.unpack("d", struct.pack("q", number))[0]

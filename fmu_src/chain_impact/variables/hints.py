@@ -32,10 +32,10 @@ def parts_hint(name: str, names: Iterable[str]) -> str | None:
 
 
 def series_hint(hint: Hint) -> Hint:
-    """Return a function that gives hints for names that are not time series.
+    """Return a function from a name that is no time series to a hint.
 
-    For outputs that change only at events or steps, its hint tells where the result has their values; for any
-    other name it returns the result of the function ``hint``.
+    For an output that changes only at events or steps of the solver, the hint tells where the result has its
+    values. For any other name, the hint is the one that the function ``hint`` returns.
     """
 
     def found(name: str) -> str | None:

@@ -1,8 +1,9 @@
-"""A kind of variables: variables that differ only in the number of a link or point, or in the name of a wall.
+"""A kind of variables: variables that differ only in the number or the name of their owner, such as a link.
 
 The names, texts and paths of a kind are templates. ``{n}`` stands for the number of an owner of the kind,
-``{name}`` for the name of a wall, ``{axis}`` for an axis. Other words in braces stand for words of a scene or
-an owner (words.py). In a path, ``{at}`` stands for the index of the owner and ``{next}`` for the next index.
+``{name}`` for the name of its wall or signal, ``{axis}`` for an axis. Any other word in braces stands for a
+text that depends on the scene or the owner (words.py). In a path, ``{at}`` stands for the index of the owner,
+and ``{next}`` for this index plus 1.
 """
 
 from __future__ import annotations
@@ -45,28 +46,31 @@ class Kind:
 
     Attributes:
         name: the template of the variables' names.
-        terminal: the first part of the name, if the variables with this part form a terminal in FMI 3.0.
+        terminal: the first part of the name, if the variables whose names begin with this part form a
+            terminal in FMI 3.0; else "".
         owner_kind: the kind of owner that has such a variable: a key of ``owners.OWNER_KINDS``; "one" if
             the scene has one such variable.
-        heading: see ``Heading``.
+        heading: the first words of the description.
         text: the rest of the description, a template.
         axis: x or y if the variable is a component of a vector.
         unit: name of the unit; "" for a variable that is not a real number.
         causality: ``parameter``, ``input`` or ``output``.
         record_path: path in the instance record, a template.
-        when: conditions, all of which a scene or an owner must meet to have the variable.
-        minimum: value >= minimum, if any; a name stands for a number of the scene.
-        above: value > above, if any.
-        maximum: value <= maximum, if any; a name stands for a number of the scene.
+        when: the conditions that a scene or an owner must all meet to have the variable.
+        minimum: the smallest allowed value, if any, as a number or the name of a number of the scene.
+        above: the limit that the value must exceed, if any.
+        maximum: the largest allowed value, if any, as a number or the name of a number of the scene.
         path: path of a parameter in the scene file, a template; None for inputs and outputs.
-        given: path in the record of the given value of a parameter that may be derived, a template, or None.
-        given_if: condition under which the path ``given`` exists; without a condition it always exists.
+        given: path in the record, a template, of the given value of a parameter, if the record has this value
+            beside the value in use, which has the path ``record_path``; else None.
+        given_if: condition under which the record has the path ``given``; "" if it always has this path.
         derived: the rule by which the scene may derive the value, if any.
-        tunable: condition under which a parameter can be set at any time.
-        if_given: whether only a scene that gives the value has the parameter.
-        if_not_given: number of a parameter that a scene has without giving it, because it gives another one;
-            None for a parameter that only a scene with its value has.
-        if_missing: the number that the record has if the scene does not have the value.
+        tunable: condition under which a parameter can be set at any time; "" if it never can.
+        if_given: whether a scene that derives the value, because its file does not give it, lacks the
+            parameter.
+        if_not_given: the number of a parameter that a scene has although its file does not give it, such as
+            one of two coefficients of friction; None if a scene without the value lacks the parameter.
+        if_missing: the number in the record for a value that the scene does not have.
         choices: name of an enumeration's list of choices.
         smooth: whether there are derivatives with respect to the variable.
         hint: a sentence that tells users how to get the parameter into a scene.

@@ -149,9 +149,9 @@ def absent_hint(name: str) -> str | None:
 def _owned_kinds(
     blocks: Iterable[Block], structure: Structure
 ) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
-    """Yield each kind with each of its owners that meets the kind's conditions, and with a table of words.
+    """Yield (kind, owner, words) for each kind and each of its owners that meets the kind's conditions.
 
-    The table has the texts of scene and owner that replace words in braces.
+    ``words``: word in braces in templates → the text or number of this scene and owner that replaces it.
     """
     scene = scene_words(structure)
     for of, kinds in blocks:

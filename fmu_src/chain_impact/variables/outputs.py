@@ -1,9 +1,9 @@
 """The inputs and outputs in the table of variables, one row for each kind; kind.py explains the columns.
 
-A row has the name without the prefix, the unit, the description, and attributes: those of ``Kind``, and
-``field``, the field of the record if it has another name than the row. Rows of inputs lack name and unit,
-which are in ``INPUTS_OF``. A row with {axis} stands for two rows: for x, where {j} is 0, and for y, where it
-is 1. The value references follow the order of the rows.
+The cells of a row are the name without the prefix, the unit, the description, and attributes. Attributes are
+those of ``Kind``, and ``field``: the name of the record's field, if it is not the name in the row. Rows of
+inputs lack name and unit, which ``INPUTS_OF`` has. A row with {axis} stands for two rows: for x, where {j} is
+0, and for y, where {j} is 1. The value references follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -88,8 +88,8 @@ def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
     """Return the name and value of an attribute that a row has as text, such as ``minimum=0``.
 
-    An attribute that is written without a value has the value true. A limit is a real number if the row has a
-    ``unit``, else an integer; a name stays text.
+    An attribute without "=" has the value True. The value of ``minimum`` or ``maximum`` is a real number if
+    the row has a ``unit``, else an integer; the name of a number stays text.
     """
     name, _, value = text.partition("=")
     if name == "when":

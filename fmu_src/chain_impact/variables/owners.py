@@ -59,11 +59,13 @@ class OwnerKind:
     """A kind of owners of variables, one row of the table of owners.
 
     Attributes:
-        over: the list whose members can be owners, or a rule for the number of owners.
-        has: the rule that is true for a member that is an owner. Of several members with equal ``n``, ``of``
-            and name, only the first is an owner: so the two stops of joint 2 are one owner.
-        numbers: name → rule for a number of an owner: ``n`` is its number, ``at`` its index in the record,
-            ``of`` the number of its link. In the rules, ``order`` is the index of the member in the list.
+        over: the list whose members can be owners; or a rule for the number of members, if they have no
+            values.
+        has: the rule that is true if a member is an owner. If several such members have the same ``n``,
+            ``of`` and name, only the first is an owner: the two stops of joint 2 are one owner.
+        numbers: name of a number → the rule for this number of an owner. ``n`` is the number in names of
+            variables, ``at`` the owner's index in the record, ``of`` the number of the owner's link. In the
+            rules, ``order`` is the index of the member in the list.
         conditions: name in OWN_CONDITIONS → rule that is true if an owner meets the condition.
     """
 

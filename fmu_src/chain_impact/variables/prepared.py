@@ -250,11 +250,12 @@ class PreparedScene:
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an instance with the parameters of the scene, before its initialization.
 
-        The instance is an array with one record. If there are derivatives, tangent instances follow it in
-        memory.
+        The instance is an array with one record. If the kernel computes derivatives, the tangent instances
+        follow this array in memory.
 
         Args:
-            varied: the variables with respect to which there are derivatives; by default as in the FMU.
+            varied: the variables with respect to which the kernel computes derivatives; none for an empty
+                list. By default, they are those with respect to which the FMU has derivatives.
         """
         varied = self.varied if varied is None else varied
         memory = new_record(self.scene, self.structure, self.common)
@@ -273,10 +274,11 @@ def field_at(outputs: Any, path: DataPath) -> Any:
 
 
 def kernel_size(scene: Scene) -> int:
-    """Return the size by which ``kernel_library`` finds the compiled kernel for a scene: its number of links.
+    """Return the number of links for which ``kernel_library`` compiles the kernel of a scene, or ``GENERAL``.
 
-    The size is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or links are bodies with
-    points or on a slider, not only rods: a kernel for a fixed number of links has no code for these.
+    It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or links are bodies with points
+    or on a slider, not only rods: a kernel for a fixed number of links has no code for these. For any other
+    scene it is the scene's number of links.
     """
     facts = SceneFacts(scene)
     is_general = scene.signals or facts["body"] or facts["motions"]

@@ -16,9 +16,9 @@ from chain_impact.variables.structure import Structure
 def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     """Write the signals of a scene into a new instance.
 
-    Each input that a signal drives has an entry in the record: the number of the input, the form and the
-    values of the signal, and the number of integrations over time that lead from the input to the first
-    quantity that the signal determines, such as 2 from an acceleration to the position.
+    The record has an entry for each input that a signal drives. The entry has the number of the input, the
+    form and the values of the signal, and a number of integrations over time: as many as lead from the input
+    to the first quantity that the signal determines, such as 2 from an acceleration to the position.
     """
     if not scene.signals:
         return

@@ -18,12 +18,12 @@ from chain_impact.variables.owners import Owner, known_of, owners_of
 class Structure:
     """All properties of a scene that decide which variables exist, without the values of parameters.
 
-    Scenes of one structure have the same outputs. Nothing may change ``known`` and ``lists``.
+    Scenes with equal structures have the same outputs. Nothing may change ``known`` and ``lists``.
 
     Attributes:
-        known: name → number: the facts and counts of the scene and the lengths of its lists (owners.py).
-        lists: name → members of the lists of the scene (scene/facts.py).
-        signals: the inputs that signals drive, in the order of the record.
+        known: name → number, for the facts and counts of the scene, and the lengths of its lists (owners.py).
+        lists: name of a list of the scene (scene/facts.py) → the members of this list.
+        signals: the inputs that signals drive, in the order in which they stand in the record.
     """
 
     known: Mapping[str, int]
@@ -41,7 +41,7 @@ class Structure:
 
     @property
     def driven_quantities(self) -> dict[str, tuple[int, int]]:
-        """Name of a quantity that a signal determines → index in ``signals``, index in ``outputs`` there."""
+        """Quantity that a signal determines → (index k in ``signals``, index in ``signals[k].outputs``)."""
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):
             positions |= {name: (row, order) for order, name in enumerate(signal.outputs) if name}

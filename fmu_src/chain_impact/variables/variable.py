@@ -40,18 +40,18 @@ class Variable:
         unit: name of the unit, a key of ``units.UNITS``; "" if the variable is not a real number.
         description: one line.
         record_path: path in the instance record, for example ``("chain", "length", 2)``.
-        given_path: path to the given value of a parameter that may be derived, while ``record_path`` has the
-            value in use (kernel/chain/inertia.py); None for all other variables.
-        rule: the rule by which the scene derives the value; None if the value is given.
+        given_path: path in the record of the given value of a parameter, if the record has this value beside
+            the value in use, which has the path ``record_path`` (kernel/chain/inertia.py); else None.
+        rule: the rule by which the scene derives the value; None if the scene does not derive it.
         scene_path: path of a parameter in the scene file, for ``scene.with_values``; None for all other
             variables.
-        minimum: value >= minimum, if any.
-        maximum: value <= maximum, if any.
-        items: choices of an enumeration.
-        base_at_rest: whether the variable belongs to point 0 at a pinned base that no input moves, so that it
-            never changes.
+        minimum: the smallest allowed value, if any.
+        maximum: the largest allowed value, if any.
+        items: the choices of an enumeration; empty for any other variable.
+        base_at_rest: whether the variable belongs to point 0 and this base cannot move: it is pinned, and no
+            input moves it.
         terminal: the variable's terminal in FMI 3.0, "" for none.
-        known: word in braces → text, for the description of all variables of the kind.
+        known: word in braces in templates → text or number that replaces it; ``kind_description`` uses this.
     """
 
     kind: Kind

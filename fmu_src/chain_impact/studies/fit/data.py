@@ -26,7 +26,7 @@ ONSET, DURATION = "onset", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
 MEASURED_OF_IMPACT = (*IMPACT_QUANTITIES, DURATION)
-"""The measurable quantities of an impact: fields of ``Result.impacts``."""
+"""The measurable quantities of an impact: fields of ``Result.impacts``, and the time from onset to end."""
 # the hint for a column of times in a list of impacts
 CALL_ONSET = "; call the column {} onset, if it has the onsets of impacts in seconds"
 # If impacts were measured, the model runs until LATE times the last measured time, because its impacts may be

@@ -100,14 +100,15 @@ class SmallSample:
 def small_sample(
     slopes: np.ndarray, sigma: np.ndarray, groups: Sequence[tuple[np.ndarray, float]]
 ) -> SmallSample:
-    """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983), with a variance for each column.
+    """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983); each column has a σ of its own.
 
-    C is the covariance matrix of the parameters. A column c has the information A_c = J'J/σ², where J are the
-    derivatives of its values, and its residuals have ν_c degrees of freedom. All sums are over the columns
-    with an estimated σ. The variance of a parameter is its diagonal element of C. The correction adds to it
-    the parameter's diagonal element of Σ 4/ν_c C (A_c − A_c C A_c) C. The degrees of freedom ν of the
-    parameter's standard error follow from Satterthwaite's formula, 1/ν = Σ p_c²/ν_c: p_c is the parameter's
-    diagonal element of C A_c C, divided by that of C.
+    C is the covariance matrix of the parameters: the variance of a parameter is its diagonal element of C. A
+    column c of measurements has the information A_c = J'J/σ², where J are the derivatives of its values. The
+    residuals of the column have ν_c degrees of freedom. Sums are over the columns with an estimated σ.
+
+    The correction adds to the variance of a parameter its diagonal element of Σ 4/ν_c C (A_c − A_c C A_c) C.
+    The degrees of freedom ν of its standard error follow from Satterthwaite's formula, 1/ν = Σ p_c²/ν_c. Here
+    p_c is the parameter's diagonal element of C A_c C, divided by its diagonal element of C.
 
     Args:
         slopes: derivatives of the values, shape (M, P).

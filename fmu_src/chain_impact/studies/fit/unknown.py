@@ -70,9 +70,10 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 def size_of(parameter: Parameter, value: float, error: float) -> str:
     """Return words for a standard error, which is given on the scale of the search.
 
-    An infinite error is "infinite". On a logarithmic scale, an error up to HUGE is in percent of the value, a
-    larger one is a factor. On another scale, an error is a number with its unit; but it is in percent of the
-    value if the lower bound 0 is the only bound and the error is less than HUGE times the value.
+    The words for an infinite error are "infinite". On a logarithmic scale, they are a percentage of the value
+    for an error up to HUGE, and a factor for a larger error. On a scale that is not logarithmic, they are a
+    number with its unit. If the lower bound 0 is the only bound and the error is less than HUGE times the
+    value, they are a percentage of the value on this scale, too.
     """
     if not math.isfinite(error):
         return "infinite"

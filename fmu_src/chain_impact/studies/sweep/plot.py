@@ -230,10 +230,10 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _across(count: int, kind: str, width: float) -> int:
-    """Return how many of ``count`` panels to put in a row of a figure of some width [inches].
+    """Return the number of panels in each row of a figure with ``count`` panels and a ``width`` [inches].
 
-    Three panels stand in one row, but three maps in one column if the figure is narrower than THREE_MAPS. Of
-    any other number of panels, two stand in a row. ``kind`` is the kind of picture.
+    It is 3 for three panels, but 1 for three maps in a figure that is narrower than THREE_MAPS. For any other
+    ``count`` it is 2. ``kind`` is the kind of picture.
     """
     if count != IN_ONE_ROW:
         return 2

@@ -62,7 +62,10 @@ class Quantity:
         return f"{self.label}, within {100.0 * within:.2g} %" if within else self.label
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
-        """Return the ends of a wider axis for values with a small range (``_small_range``), else None."""
+        """Return the ends of an axis wider than the range of ``values`` if this is small, else None.
+
+        ``_small_range`` says what is small.
+        """
         if not self._small_range(values):
             return None
         middle, half = 0.5 * (values.min() + values.max()), 0.55 * LEAST_RANGE * np.abs(values).max()
@@ -110,10 +113,10 @@ class Results:
     """The quantities that the picture of a sweep tells.
 
     Attributes:
-        every: the quantities that the picture tells, in a panel or, if they are the same in all runs, in
-            words. They are main results and the first additional outputs, or the columns that the user has
-            named.
-        drawn: the quantities among them that have a panel.
+        every: all quantities that the picture tells: main results and the first additional outputs, or the
+            columns that the user has named.
+        drawn: the quantities in ``every`` that have a panel. All others are the same in all runs, and are
+            told in words.
     """
 
     every: list[Quantity]
@@ -126,12 +129,13 @@ class Results:
 
 
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
-    """Return the quantities that the picture of a sweep tells, and those among them that it draws.
+    """Return the quantities that the picture of a sweep tells, and the quantities that it draws in panels.
 
-    The columns that ``panels`` names are drawn. Without names, the picture tells the main results and the
-    first MOST_ASKED additional outputs; quantities that the scene cannot have, such as a force at walls
-    without walls, are left out. It draws those that differ between the runs, or all if none differs. For
-    samples it tells and draws only the forces and moments (``LOADS``) among the drawn ones, if there are any.
+    If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, it tells the
+    main results and the first MOST_ASKED additional outputs, except quantities that the scene cannot have,
+    such as a force at walls without walls. Of these it draws the quantities that differ between the runs, or
+    all if none differs. For samples, the picture tells and draws only the forces and moments (``LOADS``)
+    among the quantities that it would draw otherwise, if there are any.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
@@ -210,10 +214,10 @@ def _at_end(name: str, prepared: PreparedScene) -> Quantity:
 
 
 def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
-    """Return the quantities in units with a prefix; quantities with equal units get the same prefix.
+    """Return the quantities with prefixes in their units, such as kN; equal units get the same prefix.
 
-    The prefix suits the largest value of these quantities in any run. Additional outputs whose unit is not in
-    SHARED stay without a prefix.
+    The prefix of a unit suits the largest |value| of all quantities with this unit, in all runs. An
+    additional output whose unit is not in SHARED gets no prefix.
     """
     shared = [quantity in QUANTITIES or quantity.unit in SHARED for quantity in quantities]
     families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]

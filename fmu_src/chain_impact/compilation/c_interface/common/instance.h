@@ -29,10 +29,10 @@ typedef struct {
     const char *token, *resources, *references, *values, *state;
     /* the names of the types REAL and INTEGER (shared.h), for messages */
     const char *types[2];
-    const char *escaped; /* characters that the logger needs twice in a message */
+    const char *escaped; /* the characters that the logger needs doubled in a message, such as "%#" */
     int by_uri;          /* 1: the importer gives the folder of the resources as a URI; 0: as a path */
     int says_errors;     /* 1: errors are logged even if the importer has switched logging off */
-    int unfinished;      /* the status of a step that the solver cannot finish */
+    int unfinished;      /* the status that a call returns for a step that the solver cannot finish */
     void (*log)(const Instance *, int status, const char *category, const char *message);
 } Interface;
 
@@ -48,7 +48,7 @@ struct Instance {
     /* categories of messages that the importer wants: bit s for the status s */
     unsigned categories;
     const Table *table;
-    int shares_table; /* 1: another instance owns the table and releases it */
+    int shares_table; /* 1: another instance owns `table` and releases it; 0: this instance does */
     Word *record; /* the record on which the kernel works: the state of the run */
     /* a second record, in which outputs are computed after values were set; NULL before its first use */
     Word *other;
@@ -56,7 +56,7 @@ struct Instance {
     int event_mode;  /* 1: the importer uses event mode */
     /* the kernel's function for steps: it advances the record to a time */
     int32_t (*advance)(Word *record, double time);
-    int set_up;      /* 1: the importer has given start and stop time */
+    int set_up;      /* 1: the importer has given the start time, and a stop time if the run has one */
     /* 1: the start of the run was computed, with all values that were set before the first step */
     int initialized;
     /* the record that has the outputs of the present time; NULL: they must be computed */

@@ -9,8 +9,9 @@
 /* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
 #pragma STDC FENV_ACCESS ON
 
-/* [1] largest allowed difference between the importer's and the instance's time, relative to the step: importers may
-   round their time to 1 us. With a much larger value, a step that the importer skips or repeats would be accepted. */
+/* [1] largest allowed difference between the time that the importer gives for a step and the instance's time, divided
+   by the size of the step. It is not 0, because importers may round their time to 1 us. With a much larger value, a
+   step that the importer skips or repeats would be accepted. */
 static const double TIME_TOLERANCE = 1e-2;
 /* [1] round-off of an importer's time that is a sum of steps, relative to the time */
 static const double ROUND_OFF = 1e-12;

@@ -8,7 +8,7 @@
 /* A saved state. Only a serialized state has a checksum. */
 typedef struct {
     char magic[8];
-    uint64_t size, checksum; /* checksum of all bytes after this field */
+    uint64_t size, checksum; /* the checksum covers all bytes from guid to the end of the state */
     char guid[40];
     int64_t phase, flags;
     double time, stop_time; /* the record follows these numbers in memory */

@@ -13,7 +13,7 @@
 #include <unistd.h>
 #endif
 
-enum { LONGEST = 4096 }; /* [bytes] the longest path that can be opened */
+enum { LONGEST = 4096 }; /* [bytes] LONGEST: size of the longest path that can be opened, with its final 0 */
 
 /* Open a file by its path in UTF-8, without stdio, which allocates memory; return −1 if the file cannot be read. */
 static int open_file(const char *path) {
@@ -93,7 +93,7 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     if (file < 0) return NULL;
     *reason = "has a file model.bin that is damaged";
     Table head, *table = NULL;
-    const size_t begin = offsetof(Table, guid); /* the checksum covers the bytes from here to the end of the file */
+    const size_t begin = offsetof(Table, guid); /* the checksum covers all bytes from guid to the file's end */
     if (read_all(file, &head, sizeof head) && memcmp(head.magic, TABLE_MAGIC, sizeof head.magic) == 0 &&
         head.size > sizeof head && !(table = draft->allocate(1, head.size)))
         *reason = "needs more memory than there is";

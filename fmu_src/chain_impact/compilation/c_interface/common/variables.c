@@ -30,9 +30,9 @@ static int worked_out(const Instance *instance, const Variable *of) {
 }
 
 /* Return the record from which variables are read; NULL after an error. If the kernel must compute one of the
-   variables, the record has all outputs of the present time. After new values were set, this is the second record, so
-   that reading does not change the run. If the run cannot continue with the new values, *status becomes WARNING, not
-   ERROR: the importer may still set other values. */
+   variables, it computes all outputs of the present time in this record. The record is then the second record if new
+   values were set, so that reading does not change the run. If the run cannot continue with the new values, *status
+   becomes WARNING, not ERROR: the importer may still set other values. */
 static const Word *source(Instance *instance, const char *call, const uint32_t vr[], size_t count, int *status) {
     const Variable *all = in_table(instance->table, instance->table->variables_at);
     size_t i = 0;

@@ -193,7 +193,7 @@ static int not_there(const Instance *instance, const char *call, const char *wha
     return instance ? say(instance, ERROR, "%s: this FMU has no %s", call, what) : ERROR;
 }
 #define NOT_THERE(name, what, ...) FUNCTION(name, not_there(c, __func__, what), fmi3Instance c __VA_ARGS__)
-#define AND , /* A comma in an argument of NOT_THERE, where a plain comma would begin the next argument */
+#define AND , /* AND: the comma before a second parameter; a plain comma would only begin an argument of NOT_THERE */
 #define EXCHANGE "model exchange"
 NOT_THERE(fmi3EvaluateDiscreteStates, "fmi3EvaluateDiscreteStates")
 NOT_THERE(fmi3EnterConfigurationMode, "structural parameters")

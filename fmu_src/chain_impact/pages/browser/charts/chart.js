@@ -177,8 +177,8 @@ export function drawCompared(plot, { points: [along, up], stroke, letter }) {
 }
 
 /**
- * Draw a curve, [horizontal values, vertical values], on a plot of uPlot in the colour `stroke`. With the name of a colour `fill`, the area
- * that the curve encloses has this colour, and the curve is solid; without `fill`, the curve is dashed.
+ * Draw a curve, [horizontal values, vertical values], on a plot of uPlot. `stroke` is the name of its colour. If `fill` is the name of a
+ * colour, the curve is solid, and the area that it encloses has this colour. Without `fill`, the curve is dashed, and no area is filled.
  */
 export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
   ctx.save();

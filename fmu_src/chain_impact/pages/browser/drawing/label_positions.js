@@ -25,8 +25,8 @@ function boxOf(text, [x, y], size, anchor) {
 }
 
 /**
- * Return whether a straight line between two positions crosses the rectangle of a text, or comes nearer to it than BESIDE_LINE. This is so
- * if some part of the line lies both between the left and right sides of the enlarged rectangle, and between its top and bottom.
+ * Return whether a straight line between two positions enters the rectangle of a text, enlarged by BESIDE_LINE on each side. This is so if
+ * a part of the line that lies between the left and right sides of the enlarged rectangle also lies between its top and bottom.
  */
 export function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];

@@ -33,8 +33,8 @@ export class Address {
   }
 
   /**
-   * Use the scene, the changes and the outputs in the address. If the scene has a fault, use none of them; if the changes or the outputs
-   * have one, use only the scene. In both cases show the fault.
+   * Use the scene, the changes and the outputs in the address. If the scene has a fault, show the fault, and use none of the three. If the
+   * changes or the outputs have a fault, show the fault, and use only the scene.
    */
   #apply() {
     const { changes, choice, openScene } = this;

@@ -77,10 +77,14 @@ function keepSignals(contents, nameOf, open) {
 }
 
 /**
- * Return the scene with edited contents, and the reader's changes in it: the complete file `whole` and its `scene`, both without the
- * changes; the changes that are `kept`; `nameOf`, the function from a name before the edit to the name after it; and `removed`, words for
- * the signals and inputs of signals that the edit removes. If the edit itself gives a changed parameter a value, its change is dropped. If
- * the scene without the changes is impossible, `whole` and `scene` contain the changed values, and only changes of inputs are kept.
+ * Return the scene with edited contents, and the reader's changes in it:
+ *
+ * - `whole`, the complete file, and its `scene`, both without the reader's changes;
+ * - `kept`, the changes that the edit keeps. The change of a parameter is dropped if the edit itself gives this parameter a value;
+ * - `nameOf`, the function from a name before the edit to the name after it;
+ * - `removed`, words for the signals, and the inputs of signals, that the edit removes.
+ *
+ * If the scene without the changes is impossible, `whole` and `scene` contain the changed values, and `kept` has only changes of inputs.
  *
  * @param before the result of `partsOf` for the contents before the edit.
  */

@@ -34,9 +34,9 @@ const showByHand = () => find("by-hand").setAttribute("aria-pressed", handles.ar
 player.layers.push(comparedMotions, handles, { draw: showByHand });
 
 /**
- * Return the parts of the next motion with two views: `ownView` contains this motion alone, `view` also the compared motions of scenes with
- * the same name. So that the picture does not move, the present view is kept as `view` if the new one lies inside it and is not much
- * smaller (KEPT), and while a handle is dragged.
+ * Return the parts of the next motion with two views. `ownView` contains this motion alone, `view` also the compared motions of scenes with
+ * the same name. In two cases the present view stays as `view`, so that the picture does not move: while a handle is dragged; and if the
+ * new view lies inside the present view and is not much smaller (KEPT).
  */
 function withSteadyView(next) {
   const ownView = next.view;

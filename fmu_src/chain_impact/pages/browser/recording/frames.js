@@ -8,10 +8,10 @@ const COORDINATES = 2_000_000; // largest number of coordinates of points in all
 const FEWEST_FRAMES = 200; // smallest number of frames of a recording
 
 /**
- * Return the impacts in the form of a `Recording`: an unknown `end` becomes `stop`, the end of the recording [s]. A `peak` becomes null if
- * it is 0, or if the largest penetration is 0, as at a rigid wall, whose force only holds the point after the impulse.
- * `impactEnd` [s] is the time at which the slow motion of an impact ends: `end` or, in a long contact, an earlier time, which follows from
- * the largest penetration and the impact speed.
+ * Return the impacts in the form of a `Recording`. An unknown `end` becomes `stop`, the end of the recording [s]. A peak force `peak` of 0
+ * becomes null. It also becomes null if the largest penetration is 0, as at a rigid wall: the force of this wall only holds the point after
+ * the impulse. `impactEnd` [s] is the time at which the slow motion of an impact ends. It is `end` or, in a long contact, an earlier time,
+ * which follows from the largest penetration and the impact speed.
  */
 export function impactsUntil(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {

@@ -88,8 +88,8 @@ export class Changes {
   }
 
   /**
-   * Return the changes `from` with the changes `given` added, name → number, after a check. A value that equals the scene's value is no
-   * change, and is left out, except for a parameter that the scene derives from others: with a changed value it does not follow from these.
+   * Return the changes `from` with the changes `given` added, name → number, after a check. A given value that equals the scene's value is
+   * left out. It stays a change if the scene derives the parameter from others: only an unchanged parameter follows from these.
    */
   with(given, from = this.values) {
     const values = { ...from };

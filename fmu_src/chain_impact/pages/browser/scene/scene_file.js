@@ -293,8 +293,8 @@ function checkContents(file) {
 }
 
 /**
- * Refuse a wall in [[walls]] that no point can touch, if [[walls]] has more walls than there are pairs of a point and a wall that can
- * touch: the record has room for as many walls as pairs. Without any such pair, nothing is refused.
+ * Refuse a wall in [[walls]] that no point can touch, if the record has no room for all walls in [[walls]]: it has room for as many walls
+ * as there are pairs of a point and a wall that can touch. If there is no such pair, refuse nothing.
  */
 function checkReach(file) {
   const { walls } = file;

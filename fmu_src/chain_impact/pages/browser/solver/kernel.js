@@ -209,8 +209,8 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that still last, with their peaks so far. The kernel first cuts its last step at the present time, and puts these
-   * contacts into the log after the ended ones.
+   * Return the contacts that still last, with their peaks so far. To make them known, the kernel cuts its last step at the present time,
+   * and puts these contacts into the log after the ended contacts.
    */
   #unfinished() {
     this.exports.log_contacts(this.record);

@@ -60,9 +60,9 @@ export function presentUnit(changes, name, values = changes.values) {
 }
 
 /**
- * Return a `field` for a parameter, which is a number or a choice, with two functions: `write` writes a value into it, and `refresh` the
- * parameter's present value. A field shows all digits of its value only while it has the focus. A refused text stays in the field until the
- * reader presses Escape or changes something else; then the field shows the present value again.
+ * Return {field, write, refresh} for a parameter. The `field` is an input for a number, or a list of choices. `write` shows a given value
+ * in the field, and `refresh` shows the parameter's present value. The field shows all digits of a number only while it has the focus. A
+ * refused text stays in the field until the reader presses Escape or changes something else; then the field shows the present value again.
  */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;
