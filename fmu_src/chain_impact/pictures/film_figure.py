@@ -167,7 +167,8 @@ class Film:
         pinned = self.recording.pinned
         view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
-        # x and y have the same scale, so the axes also show space beside or above the view
+        # The axes have the same scale along x and y. So they also show space beside the view, or above or
+        # below it.
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
         seen = room * (size / room).max()
         low = view[0] - anchor * (seen - size)
@@ -257,10 +258,10 @@ class Film:
             yield self.now
 
     def _show_last_impact(self, frame: int) -> None:
-        """Write the last impact before a frame, with the longest words that have room.
+        """Write a caption on the latest impact up to a frame, with the longest words that have room.
 
-        Nothing is written before the first impact, from CAPTION_FRAMES frames after the end of the impact on,
-        and in a film without energies.
+        The caption is empty before the first impact, and from CAPTION_FRAMES frames after the end of the
+        latest impact on. In a film without energies it is always empty.
         """
         recording, impacts = self.recording, self.recording.impacts
         number = int(np.searchsorted(impacts["onset"], self.times[frame], side="right"))
@@ -326,9 +327,9 @@ class Film:
         return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
-        """Add the arrows of the forces in joints in a frame, and the number of the largest force.
+        """Add an arrow for the force in each joint in a frame; the largest force has its value beside it.
 
-        A force whose arrow would be as short as the shortest one is left out.
+        A force gets no arrow if its arrow would have only the least length.
         """
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)

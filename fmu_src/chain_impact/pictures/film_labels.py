@@ -43,14 +43,16 @@ class Number(NamedTuple):
 def write_numbers(
     axes: Axes, wanted: Sequence[Number], lines: Sequence[np.ndarray], pale: np.ndarray
 ) -> Iterator[Text]:
-    """Write numbers where they cover nothing, and yield their texts; a number without room is left out.
+    """Write numbers where they cover nothing, and yield the texts of the numbers that are written.
+
+    The largest numbers choose their places first. A number that finds no room is not written.
 
     Args:
-        axes: the axes in which the numbers are.
-        wanted: the numbers.
-        lines: the polygons and lines that numbers must not cover, each of shape (P, 2) [m]; a closed line is
-            a body.
-        pale: a line of shape (P, 2) [m] that a number covers only if it has no room elsewhere.
+        axes: the axes to write into.
+        wanted: the numbers to write.
+        lines: the polygons and lines that a number must not cover, each of shape (P, 2) [m]. A closed line is
+            the outline of a body, and the middle of a number must not be in the body, either.
+        pale: a line of shape (P, 2) [m]. A number covers this line only if there is no room elsewhere.
     """
     if not wanted:
         return

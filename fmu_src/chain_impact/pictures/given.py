@@ -43,8 +43,8 @@ def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
 def fit_into_figure(axes: Sequence[Axes]) -> None:
     """Make axes smaller if their legends and labels reach beyond the figure's edge or into other axes.
 
-    A figure with a layout engine moves its axes itself when it is drawn; for such a figure, only legends and
-    labels change.
+    If the figure has a layout engine, the engine sets the size of the axes when the figure is drawn. Then
+    only the lines of legends and labels are broken here.
     """
     for figure in {figure for panel in axes if (figure := panel.get_figure(root=True)) is not None}:
         own = [panel for panel in axes if panel.get_figure(root=True) is figure]

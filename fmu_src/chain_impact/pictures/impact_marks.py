@@ -26,8 +26,8 @@ from chain_impact.recording.text import prefixed, speed_unit
 
 # the largest number of points (or joints at stops) with a mark of their own, so that the legend has room
 MOST_OWN_MARKS = 5
-# impacts have equal distances in time if there are more than REGULAR of them, and the largest and the
-# smallest distance differ at most by EQUAL, relative to the mean distance
+# Impacts have equal distances in time if there are more than REGULAR impacts, and if the largest and the
+# smallest distance of successive impacts differ by at most EQUAL times the mean distance.
 REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of marks of impacts to which numbers are written
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
@@ -56,15 +56,16 @@ MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P":
 
 
 def draw_impacts(axes: Axes, recording: Recording) -> None:
-    """Draw the peak force, or the impulse, of each impact over time, with a mark for each point.
+    """Draw the peak force, or the impulse, of each impact over time.
 
-    If none is known, the impact speeds are drawn. At most MOST_OWN_MARKS points have a mark of their own:
-    those with the hardest impacts. The others are grey. The hardest impact has a colour of its own.
-    The marks stand at the times of the peak forces (``impacts_at_peaks``).
+    If neither is known, the impact speeds are drawn. The marks stand at the times of the peak forces
+    (``impacts_at_peaks``). The look of a mark tells the point. At most MOST_OWN_MARKS points have a look of
+    their own: those with the hardest impacts. The marks of all other points are grey. The impacts in
+    ``peaks`` have a colour of their own.
 
-    Thick, pale lines below the marks, a row for each kind of mark, show the contacts that are long enough to
-    be seen; the axis of time is below them.
-    If there are impacts at walls and at stops, those at stops have their own axis on the right.
+    Contacts that are long enough to be seen are thick, pale lines below the marks. Each kind of mark has a
+    row of these lines, and the axis of time is below all rows. If there are impacts both at walls and at
+    stops of joints, the values at stops have an axis on the right.
     """
     stopped, scale = recording.at_stops, stop_scale(recording)
     onsets, times = recording.impacts["onset"], impacts_at_peaks(recording)["onset"]
@@ -190,8 +191,9 @@ def common_marks(recording: Recording, tops: np.ndarray) -> dict[tuple[int, int]
 def mark_sizes(recording: Recording, tops: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
     """Return the size of each impact's mark, shape (I,) [points].
 
-    A mark that later marks of other groups cover is larger, so that it is seen as a rim. ``groups`` has the
-    rows of the impacts in each group, in the order of drawing; ``tops`` is the result of ``heights``.
+    Marks of several groups may coincide; then the groups that are drawn later cover the earlier ones. A
+    covered mark is larger, so that its rim is seen around the marks above it. ``groups`` has the rows of the
+    impacts in each group, in the order of drawing; ``tops`` is the result of ``heights``.
     """
     sizes, looks = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
     for look, hits in enumerate(groups):
@@ -225,11 +227,11 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
 
 
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of the impacts at their marks, where ``ink`` is free, the hardest impact first.
+    """Write the number of each impact at its mark, where ``ink`` is free, the hardest impact first.
 
-    Impacts whose marks coincide share a label. The number of an impact in ``peaks`` has the force, moment or
-    impulse beside it, if there is room. Of impacts at equal distances in time only every k-th is numbered, in
-    order of time, if the numbers of all have no room.
+    Impacts whose marks coincide share a label. If an impact in ``peaks`` has a label of its own, this label
+    also has the force, moment or impulse, if there is room. If impacts have equal distances in time and their
+    numbers have no room, only every k-th impact has a number, and the numbers are written in order of time.
 
     Returns words for the impacts without a number; "" if there are none.
     """

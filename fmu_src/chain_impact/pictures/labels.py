@@ -18,9 +18,9 @@ from matplotlib.patheffects import withStroke
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] the usual distance from a position to its label
-# The distances that are tried are CLOSE times these factors, in this order: first the factors NEARBY, with
-# which a label needs no leader (a line from its position to the label); then FAR, with a leader, or UNLED if
-# leaders are not allowed.
+# The distances between a position and its label, relative to CLOSE, in the order in which they are tried.
+# NEARBY comes first: such a label needs no leader, a line from its position to the label. Then come FAR, with
+# a leader, or UNLED if leaders are not allowed.
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
 FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
@@ -29,9 +29,9 @@ FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 DIRECTIONS = 16
 TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
 COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
-# STRONG: a pixel is strong if its red, green or blue is below this number. CROSSED: [points] limits, tried in
-# this order, of the length of a leader on strong pixels; the first OWN [points] of a leader, where the mark
-# of its position is, do not count.
+# STRONG: a pixel is strong if its red, green or blue is below this number. CROSSED: [points] the length of a
+# leader that may be on strong pixels; the limits are tried in this order. OWN: [points] the first part of a
+# leader, which does not count, because the mark of the position is there.
 CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 # [points] Where no leaders are allowed, no strong pixel that is farther from a position than this may be
 # between the position and its label.
@@ -131,13 +131,13 @@ class Ink:
     ) -> bool:
         """Take a box for a label if it is free; return whether it was free.
 
-        ``low`` and ``high`` are the lower left and upper right corner of the box in pixels. A box is free if
-        it has no label and no drawn pixel; with ``on_pale`` only strong pixels count as drawn.
+        ``low`` and ``high`` are the lower left and the upper right corner of the box in pixels. A free box
+        has no label and no drawn pixel. With ``on_pale`` only strong pixels count as drawn.
 
-        With ``position`` the label has a leader, the straight line from there to the middle of the box, which
-        is taken, too. It must cross no other leader and no label; at most the part COVERED of its pixels may
-        be drawn ones, and at most ``crossed`` of them at strong pixels. Its first ``own`` pixels do not count
-        for leaders and strong pixels.
+        With ``position`` the label has a leader: the straight line from there to the middle of the box. The
+        box is taken only together with the leader. The leader must cross no label and no other leader. At
+        most the part COVERED of its pixels may be drawn ones, and at most ``crossed`` of them at strong
+        pixels. The first ``own`` pixels may be at other leaders and strong pixels.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
@@ -159,9 +159,9 @@ class Ink:
 
 
 def _line_between(position: np.ndarray, end: np.ndarray, own: float) -> tuple[tuple[Any, ...], ...]:
-    """Return the pixels of a line as (rows, columns), and the same without the first ``own`` pixels.
+    """Return the pixels of a straight line as (rows, columns), and those without the first ``own`` pixels.
 
-    ``position`` and ``end`` are the ends of the line, x and y in pixels.
+    The line goes from ``position`` to ``end``, each with x and y in pixels.
     """
     count = 2 + int(np.abs(end - position).max())
     line = tuple(np.linspace(position, end, count).astype(int).T[::-1])
@@ -200,13 +200,14 @@ def place_labels(
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
     If some labels have no room and leaders are allowed, all labels are written again, those without room
-    first; if this does not help, all with their short texts. It helps if fewer labels have no room.
+    first. If as many labels have no room as before, all are written with their short texts only. If this does
+    not help, either, the first attempt counts.
 
     Args:
         axes: the axes inside which the labels stay.
-        labels: the labels to write.
+        labels: the labels to write, the most important first.
         ink: the used pixels of the figure; afterwards they include the labels.
-        lines: whether a label may be far from its position, connected by a leader.
+        lines: whether leaders are allowed: a label may then be far from its position, with a line to it.
         look: properties of the text, with matplotlib's names.
     """
     steps = np.array(NEARBY + (FAR if lines else UNLED))
@@ -219,9 +220,9 @@ def place_labels(
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
     def written(order: Sequence[int], *, short: bool = False) -> list[int]:
-        """Write the labels with the indices in ``order``; if ``short``, only with their short texts.
+        """Write the labels with the indices in ``order``, the first index first.
 
-        Return the indices of the labels without room.
+        If ``short``, only the short texts are tried. Return the indices of the labels without room.
         """
         small = [labels[k].short or labels[k].text for k in order]
         homes = np.array(
@@ -285,19 +286,19 @@ def _place(
 ) -> bool:
     """Write the first text that has a free position; return whether there is one.
 
-    For each limit in CROSSED, the texts are tried on free ground; then, if leaders are allowed, on pale drawn
-    lines, with an outline. Each text is tried first at positions that leave the best positions of later
-    labels free, then at all positions.
+    For each limit in CROSSED, the texts are tried where nothing is drawn. Then, if leaders are allowed, they
+    are tried with an outline, and may cover pale lines. Each text is tried first at positions that leave the
+    best positions of later labels free, then at all positions.
 
     Args:
         axes: the axes inside which the text stays; with leaders, it may also be beyond their right edge.
-        label: its position, and the best direction from it.
-        homes: the best positions of the labels that are written later, shape (H, 2, 2).
-        others: the positions of the other labels [pixels]. Without leaders, the middle of the text is
-            nearer to its own position than to these, shape (O, 2).
+        label: the label; it has its position and the best direction from there to the text.
+        homes: the best boxes of the labels that are written later: two corners of each, shape (H, 2, 2).
+        others: the positions of the other labels, shape (O, 2) [pixels]. Without leaders, the middle of the
+            text is nearer to its own position than to any of these.
         sizes: the texts, the best first → half of the width and of the height of each [pixels].
         ink: the used pixels of the figure.
-        steps: factors on the distance from the position that are tried, in this order.
+        steps: the distances from the position that are tried, in this order, relative to CLOSE.
         look: properties of the text, with matplotlib's names.
     """
     figure = axes.get_figure(root=True)

@@ -58,8 +58,9 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break each legend above its axes into rows, as few as fit into the width of the axes.
 
-    In a narrow figure, a legend does not repeat entries of a legend below it; a legend without entries is
-    removed. ``wanted`` are the axes, by default all. Returns whether the size of a legend has changed.
+    In a narrow figure, an entry that is also in the legend of lower axes is removed, and so is a legend that
+    has no entries left. ``wanted`` are the axes with these legends, by default all axes. Returns whether the
+    size of any legend has changed.
     """
     is_changed = False
     labels_below: set[str] = set()

@@ -18,14 +18,14 @@ HALVINGS = 8  # the number of steps of a bisection for the least width that need
 def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> None:
     """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
 
-    A line ends within a part of the text only if the part is longer than a line, or if whole parts need too
-    many lines. The text between two parts is left out at the end of a line.
+    A part of the text is broken only if it is longer than a line, or if whole parts need more than ``more``
+    additional lines. At the end of a line, the separator between two parts is left out.
 
     Args:
         text: the text, which is changed.
         room: the width [pixels].
-        parts: the text between two parts.
-        more: the number of additional lines that are allowed so that no line ends within a part.
+        parts: the separator between two parts.
+        more: how many additional lines are allowed so that parts stay whole.
     """
     whole = text.get_text()
 

@@ -80,10 +80,12 @@ def hit(recording: Recording, impact: np.void) -> str:
 def write_head(figure: Figure, recording: Recording, title: str, *first: str, row: int | None = None) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is the title, or the message if the title is "". ``first`` are texts that come before the
-    conditions. In a narrow figure, the message is short: the impact of the largest force stands below it, in
-    the colour of this impact, and the rest of the message among the conditions. ``row``: the row of the only
-    impact that is told, for a picture of it.
+    The headline is ``title`` or, if this is "", the message, a summary of the run. ``first`` are texts that
+    stand before the results. ``row`` is for a picture of a single impact: the row of this impact, of which
+    alone the results tell.
+
+    A message in a narrow figure is short. The impact of the largest force then has a line of its own below
+    the message, in the colour of its mark, and the rest of the message stands among the conditions.
     """
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
@@ -96,11 +98,11 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
 
 
 def peaks(recording: Recording) -> list[Peak]:
-    """Return the largest peak force, and the largest moment at a stop of a joint, if there are any.
+    """Return the largest peak force at walls, and the largest moment at a stop of a joint, if there are any.
 
-    Under an impulsive law it is the largest impulse of the impacts that end: the impulse of a contact that
-    lasts grows with the duration of the run. If the law is unknown, an impact without a force tells that the
-    law is impulsive.
+    Under an impulsive law, the largest impulse replaces them. Only impacts that end count for it: the impulse
+    of a contact that lasts to the end of the run grows with the duration of the run. If the law is unknown,
+    an impact with an impulse and without a force tells that the law is impulsive.
     """
     found = []
     for is_stop in (False, True):
@@ -126,18 +128,19 @@ def hardness(recording: Recording, row: int) -> str:
 
 
 def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
-    """Return how hard the impacts at walls, or at the stops of joints, are: words, unit, values, shape (I,).
+    """Return how hard impacts are: words, unit, values, shape (I,).
 
-    The words are "peak force", "peak moment" or "impulse". The value is 0 if it is not known, for an impact
-    of the other kind, and for an impulse of a contact that lasts.
+    If ``is_stop``, the values are those of the impacts at stops of joints, else those of the impacts at
+    walls. The words are "peak force", "peak moment" or "impulse". A value is 0 if it is unknown, if the
+    impact is of the other kind, or if it is the impulse of a contact that lasts to the end of the run.
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
     forces, impulses = (
         np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
         for quantity in ("peak_force", "impulse")
     )
-    # Under an impulsive law, the impulses are returned even if there are forces: a rod that rests on a rigid
-    # wall after its bounces has a force, which does not measure the bounces.
+    # Under an impulsive law, the values are impulses even if some impacts have forces: a rod that lies on a
+    # rigid wall after its bounces has a force, and this force says nothing on the bounces.
     is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
         return "impulse", unit_at("impulse", stop=is_stop), impulses * ~lasts(impacts)
@@ -258,10 +261,10 @@ def uses_restitution(law: str) -> bool:
 
 
 def friction(name: str, value: Any) -> str:
-    """Return words for a coefficient of dry friction at walls: "0.3", "static 0.4 at y_min".
+    """Return words for a coefficient of dry friction at walls: "0.3", "static 0.4 at y_min"; else "".
 
-    ``name`` and ``value`` are those of any parameter; the result is "" if it is not such a coefficient, and
-    for a coefficient of 0 unless it is the sliding friction of one wall.
+    ``name`` and ``value`` are those of any parameter. For a coefficient of 0 the result is "", too, except
+    for the sliding friction of a single wall.
     """
     owner, _, wall, quantity = name_parts(name)
     is_coefficient = owner in ("contact", "wall") and quantity in ("friction", "static_friction")

@@ -41,20 +41,19 @@ from chain_impact.recording.view import ball_of
 MOST_STRONG_POSES = 6
 CANDIDATES = 60  # strong poses are chosen among the poses at so many of the fastest impacts
 FAINT_POSES = 40  # the largest number of faint poses, from rows of the recording at equal distances
-# A pose is left out if it is nearer than this to another pose, relative to the size of the motion:
-# FAINT_APART for faint poses, STRONG_APART for strong poses except the pose at the fastest impact.
+# The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
+# STRONG_APART of strong ones. The pose at the fastest impact is always kept.
 FAINT_APART, STRONG_APART = 0.03, 0.1
 PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, where it may slide
 MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
-# PATH_WIDTH: [points] the width of the line along the tip's path; it is narrower if the line would cover more
-# than the part DENSE of the area around the path; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES: the
-# largest number of points of a path at which its density is found
+# PATH_WIDTH: [points] the usual width of the line along the tip's path; DENSE: a line that would cover more
+# than this part of the area around the path is narrower; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES:
+# the largest number of points on a path from which ``density`` computes
 PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20000
 # up to this number of paths each is drawn equally strongly; more paths are the fainter the more they are
 MOST_CLEAR_PATHS = 6
-# RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end would cover it;
-# COVERED_WITHIN: the largest distance of the points at the end from their starts with which the chain counts
-# as covered, relative to the size of the motion
+# RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end covers it; it
+# does if no point ends farther from its start than COVERED_WITHIN, relative to the size of the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line from a ball's centre to the link's other end, relative to other links
 SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their unit has a prefix
@@ -65,11 +64,11 @@ SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint st
 RING_DISTANCE = 0.03
 # the length of the arrow for the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
-# SHORTEST_LOAD: the least length, relative to LONGEST_LOAD, of the arrow for the largest force if all arrows
-# are shortened to stay in the view; an arrow near the edge may still leave the view
+# SHORTEST_LOAD: if arrows would leave the view, all become shorter; but the arrow for the largest force keeps
+# at least this part of LONGEST_LOAD, so that an arrow near the edge may still leave the view
 SHORTEST_LOAD = 0.4
-# MOST_IN_LABEL: a ring lists at most this number of impacts, or of ranges such as "1–81"; LISTED_OF_MANY: a
-# ring with more lists this number of impacts, the fastest ones, and the number of its other impacts
+# MOST_IN_LABEL: the largest number of items in a label; an item is an impact, or a range such as "1–81".
+# LISTED_OF_MANY: if there are more, the label lists so many impacts, and counts the others.
 MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
 
 
@@ -158,8 +157,8 @@ def colour_of_time(recording: Recording) -> Any:
 def strong_times(recording: Recording) -> list[float]:
     """Return the times [s] of the strong poses between start and end, in order.
 
-    They are the onsets of the fastest impacts at which the pose differs from the poses at start and end, and
-    from each other (``apart``).
+    They are onsets of the fastest impacts. The fastest of all always counts. Any other one counts if its pose
+    differs from those at start, at end, and at all faster impacts that count (``apart``).
     """
     onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
     if not onsets:
@@ -172,7 +171,7 @@ def strong_times(recording: Recording) -> list[float]:
 
 
 def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
-    """Return the indices of the poses that are kept because they differ from all earlier ones that are kept.
+    """Return the indices of the poses to keep: each differs from all earlier poses that are kept.
 
     ``poses`` has the positions of the points in each pose, shape (P, N+1, 2) [m]. Two poses differ if the
     mean distance of their points is at least ``least`` [m]. The first ``always`` poses are kept in any case.
@@ -221,10 +220,11 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def density(path: np.ndarray, size: float) -> float:
-    """Return the part of the area around a path, from 0 to 1, that a line along the path covers.
+    """Return which part of the area around a path is covered by a line along the path, from 0 to 1.
 
-    The line has the width LINE_CELL, and the area consists of squares with the side AREA_CELL, both relative
-    to ``size`` [m]. A line that is passed several times counts once. ``path`` has the shape (T, 2) [m].
+    The line has the width LINE_CELL; the area consists of the squares with the side AREA_CELL that the path
+    meets. Both lengths are relative to ``size`` [m]. A line that is passed several times counts once.
+    ``path`` has the shape (T, 2) [m].
     """
     way = np.append(0.0, np.hypot(*np.diff(path, axis=0).T).cumsum())
     count = min(MOST_SAMPLES, 2 + int(2.0 * way[-1] / (LINE_CELL * size)))
@@ -244,12 +244,11 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
 def plot_rings(
     axes: Axes, recording: Recording, spots: Mapping[int, tuple[float, float]], size: float
 ) -> None:
-    """Draw a ring of a size [points] at the place of each impact; rings of the largest forces have a colour.
+    """Draw a ring at the place of each impact; the rings of the impacts in ``peaks`` have a colour.
 
-    The ring of the first of ``peaks`` has no entry in the legend if a text below the headline, in the same
-    colour, tells this impact.
+    The first of ``peaks`` has no entry in the legend if a line below the headline tells it in this colour.
 
-    ``spots`` maps rows of impacts to positions in the axes.
+    ``spots`` maps rows of impacts to positions in the axes; ``size`` is the diameter of a ring [points].
     """
     look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none", "linestyle": ""}
     most = [peak for peak in peaks(recording) if peak.row in spots]
@@ -282,9 +281,9 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
     """Draw the largest force in each joint as an arrow, where the joint was at that time.
 
-    The length shows ``joint[i].peak_force``, the largest force also between rows; if this is not known, it
-    shows the largest force in a row. Direction and position come from the row with the largest force. All
-    arrows become shorter if an arrow would leave the view, but not shorter than SHORTEST_LOAD allows.
+    Direction and position of an arrow come from the row with the largest force in the joint. Its length shows
+    ``joint[i].peak_force``, which includes times between rows; if this is unknown, the force in that row. If
+    an arrow would leave the view, all arrows become shorter, as far as SHORTEST_LOAD allows.
     """
     arrows = []
     for joint, force in recording.loads.items():
@@ -346,9 +345,10 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
 
 
 def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
-    """Return numbers of impacts as text with at most ``most`` numbers and ranges: "1–81".
+    """Return numbers of impacts as text: "1–81".
 
-    If more would be needed, only the first ``kept`` of the numbers are named: "7, 10 + 4 more".
+    If the text would have more than ``most`` numbers and ranges, it lists only the first ``kept`` numbers and
+    counts the others: "7, 10 + 4 more".
     """
     whole = listed(numbers)
     if whole.count(",") < most:
@@ -359,10 +359,11 @@ def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
 def _label_place(
     recording: Recording, impact: np.void, spot: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return a position, and the unit vector from there to the label of an impact: into the wall.
+    """Return the position from which an impact's label is placed, and the unit vector towards the label.
 
-    The position is ``spot``, the place of the impact's ring. For a stop of a joint, the direction is across
-    the link. For a stop of a slider, it is along the stop, and the position is at the end of the stop's mark.
+    The position is ``spot``, the place of the impact's ring, and the vector points into the wall. At a stop
+    of a joint, the vector is across the link. At a stop of a slider, it is along the mark of the stop, and
+    the position is at the end of this mark.
     """
     if recording.is_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
@@ -377,10 +378,10 @@ def _label_place(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """Return the rings of impacts: position of a ring → rows of its impacts in ``impacts``, fastest first.
+    """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
-    A ring is where the force is largest. Impacts at the same wall or stop share a ring if they are closer
-    than RING_DISTANCE.
+    A ring is where the force is largest. Two impacts share a ring if they are at the same wall or stop,
+    closer than RING_DISTANCE.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}

@@ -40,9 +40,10 @@ def brief_hit(recording: Recording, impact: np.void) -> str:
 
 
 def full_names(recording: Recording) -> str:
-    """Return a text with the numbers and names of points whose names are shortened in the panels.
+    """Return, as text, the numbers and full names of the points whose names the panels shorten.
 
-    These are the points with impacts at walls or phases of dry friction, as far as their names are long.
+    The panels name the points with impacts at walls, or with phases of dry friction there. They shorten a
+    name that is longer than LONGEST_NAME.
     """
     shown = {*recording.impacts["point"][~recording.at_stops].tolist()}
     shown |= {int(phase["point"]) for phase in recording.stick_slip if phase["wall"] >= 0}

@@ -84,7 +84,7 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
 
 def _slim(axes: Any, _: Any) -> Bbox:
-    """Return the place of the bar's axes: they keep their upper edge, and get the height CLOCK_HEIGHT."""
+    """Return the box of the bar's axes, with their upper edge, their width and the height CLOCK_HEIGHT."""
     figure, place = axes.get_figure(root=True), axes.get_position(original=True)
     assert figure is not None
     return Bbox([[place.x0, place.y1 - CLOCK_HEIGHT / figure.get_figheight()], [place.x1, place.y1]])
@@ -126,10 +126,10 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 
 
 def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]]]:
-    """Return the energies to draw: values over time, shape (T,), and properties with matplotlib's names.
+    """Return a curve for each energy to draw: values, shape (T,), and properties with matplotlib's names.
 
-    The curve of the total is wide and behind the others. Other curves are dashed if they would hide an
-    earlier one, or are in ENERGY_PARTS.
+    The curve of the total energy is wide and behind the others. Another curve is dashed if it would hide an
+    earlier curve, or if its energy is in ENERGY_PARTS.
     """
     zero, shown = np.zeros(len(recording.time)), dict[str, np.ndarray]()
     for name in ENERGIES:
@@ -149,9 +149,9 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 
 
 def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int]:
-    """Return the indices of the curves of energies that would look like one line at 0 (TINY).
+    """Return the indices of the energy curves that are so small (TINY) that they look like one line at 0.
 
-    The list is empty if these are at most MOST_GREY. Energies in ENERGY_PARTS do not count.
+    If there are at most MOST_GREY such curves, the list is empty. Energies in ENERGY_PARTS do not count.
     """
     sizes = [float(np.abs(values).max(initial=0.0)) for values, _ in curves]
     is_part = [look["label"] in ENERGY_PARTS for _, look in curves]
@@ -160,10 +160,11 @@ def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int
 
 
 def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:
-    """Return energies for a picture, and the number [J] that is added to potential and total energy in it.
+    """Return energies for a picture, and the number [J] that is added to the potential and total energies.
 
-    The zero of the potential energy is arbitrary. If a gap between its curve and the others would take much
-    of the axis, the number moves its least value near 0; it has two significant digits. Otherwise it is 0.
+    The zero of the potential energy is arbitrary, so its curve may lie far from the others. If this gap would
+    take much of the axis, the number moves the least potential energy near 0; the number has two significant
+    digits. Otherwise the number is 0, and the energies stay as they are.
     """
     potential = energies.get("potential", np.zeros(1))
     least = float(potential.min())

@@ -29,8 +29,8 @@ from chain_impact.pictures.style import broken, is_narrow, styled, write_foot
 from chain_impact.recording.recording import Recording
 
 BESIDE_LEGEND = 1.1  # the room for a legend beside the motion, relative to the width of the legend
-# NUMBER: [points] the width of the visible area beyond a wall, in which numbers of impacts stand; MOST_BAND:
-# the largest width of this area, relative to the size of the motion
+# NUMBER: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
+# MOST_BAND: the largest width of the shown area, relative to the size of the motion
 NUMBER, MOST_BAND = 30.0, 0.25
 
 
@@ -78,9 +78,9 @@ PANEL_WORDS = {"motion": "motion", "impacts": "panel of impacts"}
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw the panels named ``panels`` on an empty figure; without names, all panels with data.
 
-    A motion in the plane is to the left of the panels over time or, if it is broad or the figure narrow,
-    above them. In a narrow figure, a slim motion that is alone or above the others has its legend beside it.
-    The title "" stands for the summary of the run, None for no title.
+    A motion in the plane is to the left of the panels over time. If the motion is broad or the figure narrow,
+    it is above these panels. In a narrow figure, the legend of a slim motion is at the side of the motion,
+    unless a panel is there. If the title is "", a summary of the run is the headline; None means no headline.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -126,9 +126,9 @@ def number_and_list(
 ) -> None:
     """Write the numbers of impacts into all panels; a text at the foot lists the numbers without room.
 
-    This text takes room from the panels, in which fewer numbers may then have room; so all are written again.
-    ``panel_axes``: name of a panel → its axes; ``motion``: the axes of a motion with equal scales along x and
-    y, if there is one.
+    This text makes the panels smaller, so that fewer numbers may have room. Therefore all numbers are then
+    written again. ``panel_axes``: name of a panel → its axes; ``motion``: the axes of a motion that has the
+    same scale along x and y, or None.
     """
     engine, foot = figure.get_layout_engine(), None
     room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None

@@ -11,8 +11,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
 CUT_REST = 0.4  # rests at start and end are cut if they take together at least this part of the whole time
-# how long a cut rest is shown before the motion (BEFORE) and after it (AFTER), relative to the time with
-# motion
+# The parts of cut rests that are still shown, relative to the time with motion: BEFORE of the rest before the
+# motion, AFTER of the rest after it.
 BEFORE, AFTER = 0.1, 0.25
 
 

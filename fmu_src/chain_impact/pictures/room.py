@@ -17,9 +17,9 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen, size_of
 from chain_impact.scene.half_planes import HalfPlane
 
-# VIEW_MARGIN: the margin of the view around the motion; BAND: the visible width of the area outside of a
-# wall; both relative to the size of the motion. √2 BAND must be less than NEAR of recording/view.py: then a
-# wall that is left out because it is farther away than NEAR is also outside of the margins.
+# VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall; both
+# relative to the size of the motion. √2 BAND must be less than NEAR of recording/view.py: a wall that is
+# farther away than NEAR is left out, and must then be outside of the margins.
 VIEW_MARGIN, BAND = 0.04, 0.14
 # a position of a moving wall that is farther from the motion than this, relative to the size of the motion,
 # is not in view
@@ -74,10 +74,11 @@ def seen_size(recording: Recording) -> float:
 def view_of(recording: Recording, shape: float | None = None, band: float = BAND) -> View:
     """Return the view of a motion in the plane: the motion, with a margin, and the walls near it.
 
-    A wall that is always far from the motion is left out. A wall that comes near is in view at each of its
-    positions that is not very far. ``shape`` is the wanted height of the view divided by its width; the view
-    is narrower or lower if it would be much larger than the motion, or if the walls leave no room beside the
-    motion. ``band`` is the visible width of the area outside of a wall, relative to the size of the motion.
+    A wall that is never near the motion is left out. A wall that comes near is in view at its start and at
+    both extreme positions, but not at a position farther away than FARTHEST. ``shape`` is the wanted height
+    of the view divided by its width. The view has another shape if it would be much larger than the motion,
+    or if walls on both sides leave no room to extend it. ``band`` is how far the view reaches beyond a wall,
+    relative to the size of the motion.
     """
     places = {
         (name, end): wall
@@ -134,9 +135,10 @@ def drawn_places(recording: Recording) -> np.ndarray:
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
-    """Yield the walls of a recording in two extreme positions.
+    """Yield two dicts: name → wall, at the two extreme positions of the moving walls.
 
-    First each moving wall is where it leaves the chain the most room, then where it leaves the least.
+    In the first dict, each moving wall leaves the chain the most room; in the second, it leaves the least
+    room. Both dicts also have the walls that do not move.
     """
     for extreme in (np.min, np.max):
         walls = dict(recording.walls)
@@ -148,9 +150,9 @@ def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
 def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
     """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
 
-    The default view is the result of ``view_of``. Lines of walls that move, and a base that moves, are left
-    to ``draw_moving``. The room is white where the chain may be at all times, and pale grey where it may be
-    only at some times.
+    ``view`` is by default the result of ``view_of``. The lines of moving walls and a moving base are not
+    drawn here but in ``draw_moving``. The room is white where the chain may be at all times, and pale grey
+    where it may be only at some times.
     """
     corners, near = view or view_of(recording)
     moving = moving_walls(recording, near)

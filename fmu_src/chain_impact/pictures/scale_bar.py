@@ -20,7 +20,8 @@ SMALL_LENGTH = 0.01  # [m] the length of a bar below which its number is in mill
 def round_length(most: float) -> float:
     """Return the largest round length that is at most ``most`` [m]."""
     power = 10.0 ** math.floor(math.log10(most))
-    # just below a power of ten the logarithm may be rounded up, so ``power`` may exceed ``most`` by round-off
+    # The logarithm of a number just below a power of ten may be rounded up. Then ``power`` exceeds ``most``
+    # by round-off, which LENGTH_EXCESS allows.
     return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + LENGTH_EXCESS))
 
 

@@ -94,12 +94,14 @@ def icon(scene: Scene) -> bytes:
 def _chain(
     scene: Scene, size: tuple[float, float], border: float, **style: float
 ) -> tuple[Any, np.ndarray, float]:
-    """Draw the chain at its start, and the walls, into a new figure.
+    """Draw the walls, and the chain at its start, into a new figure.
 
     The view contains the chain and, of each wall, the point that is nearest to the middle of the chain.
-    ``size``: width and height of the figure [inches]; ``border``: the width that stays free [inches].
+    ``size``: width and height of the figure [inches]; ``border``: how much of both stays free, at the two
+    sides together [inches].
 
-    Returns the axes, the positions of the points 0…N [m], and the size of a typographic point [m].
+    Returns the axes, the positions of the points 0…N [m], and the length in the drawing [m] of a typographic
+    point (1/72 inch).
     """
     points = np.array([disc[:2] for disc in scene.start.values()])
     joints, sites = np.split(points, [len(scene.chain.links) + 1])

@@ -21,15 +21,16 @@ BENT = 0.01  # the largest width of a ball's path that counts as a line, relativ
 # beyond a wall; both relative to the range of the ball and the walls
 BALL_MARGIN, WALL_BAND = 0.06, 0.14
 BALL_OPACITY = 0.25  # the opacity, from 0 to 1, of the disc of the ball around its centre
-# SMALLEST_RING: [points] the least size of the mark of an impact; RING_PART: the size of the mark if there
-# are many impacts, relative to the width of the axes divided by the number of impacts
+# The size of the mark of an impact, if there are many impacts, is RING_PART times the width of the axes
+# divided by the number of marks. It is at least SMALLEST_RING [points].
 SMALLEST_RING, RING_PART = 3.0, 0.7
 
 
 def line_of_motion(recording: Recording) -> int | None:
     """Return the axis along which a ball moves, 0 for x and 1 for y; None for any other motion.
 
-    All walls near the ball are across this axis, and the way of the ball is longer than its radius.
+    Along this axis, the way of the ball is longer than its radius; across the axis, it hardly moves. All
+    walls near the ball are perpendicular to the axis.
     """
     ball = ball_of(recording)
     if ball is None:
@@ -102,7 +103,9 @@ def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
     for name in view_of(recording).walls:
         wall = recording.walls[name]
         offset = wall.offset + recording.moved_walls.get(name, still)
-        # the surface has the points p with n·p = offset; p has the ball's coordinate across the axis
+        # The surface of the wall is the line of all p with n·p = offset, for the wall's normal n. The result
+        # is the coordinate along the axis of the p beside the ball: its coordinate across the axis is the
+        # ball's.
         beside = wall.normal[1 - along] * recording.points[:, ball, 1 - along]
         surfaces[name] = (offset - beside) / wall.normal[along]
     return surfaces

@@ -82,7 +82,7 @@ COLOURS: Any = {
 If the user's style is dark, ``suit_figure`` then changes the colours.
 """
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
-"""The groups of matplotlib's settings, such as ``font``, that a figure keeps until it is drawn."""
+"""The groups of matplotlib's settings, such as ``font``, whose values a figure stores until it is drawn."""
 DPI = 160
 # [inch] FULL: the usual width of a figure; WIDE: the least width for two columns of axes
 FULL, WIDE = 10.0, 6.0
@@ -102,8 +102,9 @@ COUNT_STEPS = (1, 2, 5, 10)
 def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
     """Draw in the style of all pictures; the function is a context manager and a decorator.
 
-    ``colours`` are settings that replace the user's in any case. Axes of a user with a light ground are drawn
-    without them, and so keep the colours of their own style.
+    A setting of the style applies if the user has not changed it. ``colours`` are settings that apply in any
+    case. A user's axes with a light ground are drawn with empty ``colours``, and so keep the colours of the
+    user's style.
     """
     kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
     with mpl.rc_context(kept | colours):
@@ -199,10 +200,11 @@ def scale_numbers(axis: Axis, factor: float) -> None:
 def headline(figure: Figure, message: str, conditions: str = "", peak: str = "") -> None:
     """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
 
-    ``peak`` is a text on the largest force, which stands between them in the colour of its marks.
+    ``peak`` is a text on the largest force. It stands between message and conditions, in the colour of the
+    marks of this force.
 
     Lines are broken at the edge of the figure; the font has the same size in all figures. In a narrow figure
-    the conditions are at the foot. A figure that is too low for the conditions does not have them.
+    the conditions stand at the foot. If the figure is too low for the conditions, they are left out.
     """
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
@@ -246,10 +248,11 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
 
 
 def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
-    """Write a text at the foot of a figure, above other texts there.
+    """Write a text at the foot of a figure, above the texts that are there already.
 
-    Return the text's artist, or None if the text has no room and is left out. All texts at the foot take at
-    most the part ``most`` of the figure's height, by default FREE_FOOT or MOST_FOOT.
+    Return matplotlib's object for the text; if the text has no room, leave it out and return None. All texts
+    at the foot together may take the part ``most`` of the figure's height. Its default is FREE_FOOT if the
+    contents determine the height, else MOST_FOOT.
     """
     if most is None:
         most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT

@@ -11,14 +11,15 @@ MOST_PARTS = 32  # the largest number of straight pieces between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the path of the tip as points of a smooth curve.
+    """Return the path of the tip as times and positions of points on a smooth curve.
 
-    The path has the position in each row. If the tip is at distant places in two successive rows, it also has
-    points of a smooth curve between them, except across an impact.
+    The points include the position in each row. If two successive rows have distant positions, there are more
+    points of the curve between them. Across an impact there are none, so the path is straight there.
 
     Args:
         recording: the recording to show.
-        size: the smaller side of the view [m], which decides what is distant.
+        size: the smaller side of the view [m]; positions are distant if they are farther apart than PIECE
+            times this.
 
     Returns:
         The times, shape (S,) [s], and the positions, shape (S, 2) [m].
@@ -42,9 +43,9 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 def _speeds(recording: Recording) -> np.ndarray:
     """Return the velocity of the tip, shape (T, 2) [m/s].
 
-    If the recording lacks a component of the velocity, the result is the slope of the parabola through each
-    row and its two neighbours; at the first and the last row, the slope of the line through this row and its
-    neighbour.
+    If the recording lacks a component of the velocity, both components are computed from the positions. They
+    are the slopes of the parabola through each row and its two neighbours. In the first and the last row,
+    they are the slopes of the line to the only neighbour.
     """
     last = recording.points.shape[1] - 1
     known = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]
@@ -55,10 +56,11 @@ def _speeds(recording: Recording) -> np.ndarray:
 
 
 def _broken(recording: Recording) -> np.ndarray:
-    """Return, for each pair of successive rows, whether the path between them stays straight, shape (T − 1,).
+    """Return, for each pair of successive rows, whether the path between them is straight, shape (T − 1,).
 
-    It does across an impact, at which the velocity jumps. If velocities are computed from positions, those
-    of the rows beside the impact are wrong, too, so the path is straight there as well.
+    The path is straight across an impact, because the velocity jumps there. Velocities that are computed from
+    positions are also wrong in the rows before and after an impact. The path is then also straight in the
+    intervals before and after the one with the impact.
     """
     at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)

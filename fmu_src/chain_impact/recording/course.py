@@ -16,8 +16,8 @@ from chain_impact.variables.prepared import PreparedScene
 SAMPLES = 400  # number of times at which the course of an impact is computed
 # number of equally spaced times in a contact that lasts longer than the argument ``near`` of course_of
 LASTING_SAMPLES = 4000
-# [1] in a contact that lasts longer than ``near``: time from the onset to the first sample after it, relative
-# to the duration
+# [1] time from the onset to the first sample after it, relative to the duration of the contact, if this is
+# longer than ``near``
 SOON = 1e-6
 
 Rerun = Callable[[np.ndarray], np.ndarray]
@@ -55,18 +55,18 @@ def course_of(
     until: float = math.nan,
     near: float = 0.0,
 ) -> Course:
-    """Return the course of an impact, a row of ``Result.impacts``.
+    """Return the course of one impact.
 
-    The run is repeated up to the end of the impact, with additional rows within it. The repeated run is
-    identical bit by bit, because additional rows do not change the solution.
+    The run is repeated up to the end of the impact, with additional rows within the impact. The repeated run
+    is identical bit by bit, because additional rows do not change the solution.
 
     Args:
         prepared: the prepared scene.
         rerun: ``Result.rerun``.
-        impact: the row of ``Result.impacts``.
-        until: the end of the course [s], used if the end of the contact is NaN.
-        near: if the contact lasts longer than this [s], more samples lie just after the onset and in the
-            first ``near`` seconds; 0: all samples have equal distances.
+        impact: the impact, a row of ``Result.impacts``.
+        until: the end of the course [s] for a contact whose end is NaN.
+        near: a duration [s]. In a contact that lasts longer, more samples lie just after the onset and in the
+            first ``near`` seconds. If it is 0, all samples have equal distances.
 
     Raises:
         ValueError: when the run of the result cannot be repeated.
@@ -85,8 +85,8 @@ def course_of(
     at, sign = contact_output(prepared, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
-    # the output ``penetration_rate`` is 0 at onset and end, because the penetration is 0 there: the speeds of
-    # the list of impacts replace it
+    # The output ``penetration_rate`` is 0 at onset and end, because the penetration is 0 there. The impact
+    # speed and the separation speed in the list of impacts replace these two values.
     if len(speed):
         speed[0] = impact["impact_speed"]
     if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
@@ -103,8 +103,8 @@ def course_of(
 def contact_output(prepared: PreparedScene, impact: np.void) -> tuple[int, float]:
     """Return the index of an impact's contact among the outputs of contacts, and the sign of its force there.
 
-    The sign is −1 at ``joint_max``: both stops of a joint share one output, a moment that is positive at
-    ``joint_min``.
+    The sign is −1 at ``joint_max``, and 1 otherwise. Both stops of a joint share one output: their moment,
+    which is positive at ``joint_min`` and negative at ``joint_max``.
     """
     pairs, scene = prepared.candidates, prepared.scene
     if not at_stop(scene, impact["wall"]):

@@ -25,19 +25,19 @@ class NeedsSceneError(SceneError):
 
 
 def read_csv(path: Path, scene: Scene | None = None) -> Recording:
-    """Read a table with a head line.
+    """Read a recording from a CSV file, whose first line has the names of the columns.
 
     Args:
-        path: the file, with columns ``time`` [s] and outputs of the FMU, at least the positions of the
-            points 0 and 1.
-        scene: the scene with the walls and stops, which are not in a table.
+        path: the file. It has the column ``time`` [s] and columns for outputs of the FMU, at least for the
+            positions of the points 0 and 1.
+        scene: the scene, which gives walls and stops; the file has none.
 
     Returns:
-        The recording, with the name of the file. It has impacts only if the table has the columns
-        ``impact.*``, and a scene is given.
+        The recording, with the name of the file. It has impacts only if a scene is given and the file has the
+        columns ``impact.*``.
 
     Raises:
-        SceneError: when the file is not such a table, or has a wall that is not in the scene.
+        SceneError: when the file is not such a table, or has a contact with a wall that the scene lacks.
         NeedsSceneError: when the table has contacts with walls, and no scene is given.
         OSError: when the file cannot be read.
     """

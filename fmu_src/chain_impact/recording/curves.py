@@ -73,12 +73,13 @@ def curves_of(
 
     Args:
         recording: the recording with the outputs.
-        names: the names of the outputs; ``*`` stands for any text.
-        units: name → unit.
-        around: the number of an impact, from 1, for a close view of this impact; None for the whole run.
+        names: the names of the outputs; ``*`` in a name stands for any text.
+        units: name of an output → its unit.
+        around: the number of an impact, from 1; the curves show the impact and a short time around it. None
+            for the whole run.
         prepared: the prepared scene, if it is known.
-        rerun: function of times that repeats the run and returns the outputs then. Without ``rerun`` or
-            ``prepared``, the curves have the times of the recording's rows only.
+        rerun: function that repeats the run: times → outputs at these times. Without ``rerun`` or
+            ``prepared``, the curves have values only in the rows of the recording.
 
     Raises:
         UnknownNameError: when no output matches one of the names.
