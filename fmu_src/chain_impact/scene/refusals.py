@@ -87,8 +87,8 @@ class Rule(NamedTuple):
             word ``bound``.
         of: the tables to which the key belongs: "" is the whole file; "link" is each link; "law" is
             [contact], each table in [contact.wall], and [stops]. With "law", the rule uses the value of
-            [contact] for a missing coefficient of friction and a missing value of [stops]. The name ``law``
-            then is the contact law of the table; a user's law has no properties in rules.
+            [contact] for a missing coefficient of friction and a missing value of [stops]. In such a rule,
+            the name ``law`` is the contact law of the table; a user's law has no properties in rules.
         in_kernel: whether the kernel, too, checks the rule, at the start of a run. A page does not check such
             a rule when its user changes one value, because the user may change the other value next.
     """

@@ -52,7 +52,7 @@ class Kind:
             the scene has one such variable.
         heading: the first words of the description.
         text: the rest of the description, a template.
-        axis: x or y if the variable is a component of a vector.
+        axis: x or y if the variable is a component of a vector, else "".
         unit: name of the unit; "" for a variable that is not a real number.
         causality: ``parameter``, ``input`` or ``output``.
         record_path: path in the instance record, a template.

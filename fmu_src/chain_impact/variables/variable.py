@@ -126,9 +126,9 @@ class Variable:
     def feedthrough(self) -> bool:
         """Whether an input acts on this output at once, not only through the state.
 
-        This is so for forces, moments, peak forces of impacts, sticking, and accelerations except that of a
-        base that cannot move, and for derivatives of these outputs: at a rigid wall or with dry friction, a
-        torque changes the force at once.
+        An input acts at once on forces, moments, sticking, peak forces of impacts, and accelerations, except
+        that of a base that cannot move; and on derivatives of these outputs. The reason for forces is that a
+        torque changes the force of a rigid wall or of dry friction at once.
         """
         return self.kind.feedthrough and not self.base_at_rest
 

@@ -32,9 +32,9 @@ function enclosureOf(walls, [low, high], width) {
 }
 
 /**
- * Return the number of the point at the centre of a ball; null if the chain is no ball. A ball is a free chain of one link without further
- * points, of which only one end may touch; this end is the centre of mass, or its radius is at least the link's length. `centre` [m]:
- * distance of the centre of mass from the link's proximal end; `length` [m]: of the link.
+ * Return the number of the point at the centre of a ball; null if the chain is no ball. The chain is a ball if it is free and has one link
+ * without further points, and only one end of the link may touch a wall. Besides, this end must be the centre of mass, or have a radius of
+ * at least the link's length. `centre` [m]: distance of the centre of mass from the link's proximal end; `length` [m]: of the link.
  */
 export function ballOf({ links, pinned, rail, bodies, touching }, centre, length) {
   if (links !== 1 || pinned || rail || bodies.length || touching.length !== 1) return null;
