@@ -9,9 +9,9 @@ A rule is written like an expression of Python. From strong to weak, its parts a
 - ``==``, ``!=``, ``<``, ``>``, ``<=``, ``>=``, ``in``
 - ``not``, then ``and``, then ``or``
 
-In the rule that is an argument of ``any`` or ``sum``, ``order`` is the index of the member in the list. If the
-list is in the scene's file, as ``chain.links``, any other name without a dot is a key of the member. For any
-other list, a name is a value of the member if the member has it, else of the scene. The list may also be
+In the rule that is an argument of ``any`` or ``sum``, ``order`` is the index of the member in the list. If
+the list is in the scene's file, as ``chain.links``, any other name without a dot is a key of the member. For
+any other list, a name is a value of the member if the member has it, else of the scene. The list may also be
 tables by name, as ``contact.wall``; its members are then these tables.
 
 A value counts as true if it is neither missing nor 0 nor empty; a list, if one of its entries counts as true.

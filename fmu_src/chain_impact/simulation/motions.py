@@ -233,8 +233,8 @@ def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
 
     Only a jump in the speed of a belt stays. Each piece after the first gets the correction
     (1 − r)⁸ (s + (8 s + v) r), where r goes from 0 to 1 in the piece. The correction changes the position at
-    the start of the piece by s, and the velocity there by v divided by the piece's duration. It changes neither
-    at the end of the piece.
+    the start of the piece by s, and the velocity there by v divided by the piece's duration. It changes
+    neither at the end of the piece.
     s and v are such that the start then agrees with the end of the piece before. Where the speed of a belt
     jumps, v is 0. ``columns`` are the indices of the motions among the signals of the pieces.
     """
