@@ -19,9 +19,10 @@ WITHIN, FOLLOWED = 50, 400
 CLOSE_TIMES = 1000  # number of equally spaced times in a picture of one impact (a close view)
 # [1] time that a close view shows before and after the impact, relative to the impact's duration
 BEFORE, AFTER = 0.5, 1.0
-# An interval between two times is divided into PARTS if a curve deviates from a straight line there by more
-# than BEND times its range; this is repeated at most ROUNDS times, and stops at MOST_TIMES times.
-# Without these additional times, a peak late in a long contact would be drawn too low.
+# BEND: a curve bends where it deviates from a straight line by more than this, relative to its range. PARTS:
+# an interval with a bend is divided into so many intervals. ROUNDS: this is repeated at most so many times,
+# but not if there would be more than MOST_TIMES times. Without the additional times, a peak late in a long
+# contact would be drawn too low.
 BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
 # [1] the duration that a close view assumes for a contact that lasts to the end of the run, relative to the
 # run's duration
@@ -113,9 +114,11 @@ def refined(
     """Return times, with more of them where the named outputs bend, and all outputs at these times.
 
     Args:
-        time: increasing times [s], shape (T,).
-        series_at: function from times to name → values then; there are fewer values if the run ends early.
-        names: the outputs that are drawn; one without values counts as constant.
+        time: the increasing times to begin with [s], shape (T,).
+        series_at: function from times to a dict: name → values at these times. If the run ends early, there
+            are fewer values than times.
+        names: the outputs that are drawn; more times are added only where one of these bends. An output for
+            which ``series_at`` has no values counts as constant.
     """
 
     def computed(at: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -134,10 +137,10 @@ def refined(
 
 
 def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
-    """Return for each interval between two times whether any curve bends at one of its ends, shape (T − 1,).
+    """Return, for each interval between successive times, whether a curve bends at its start or its end.
 
-    A curve bends at a time if it deviates there from the straight line between its neighbours by more than
-    BEND times its range.
+    The shape is (T − 1,). A curve bends at a time if its value there deviates from the straight line through
+    its values at the time before and the time after, by more than BEND times the range of the curve.
     """
     bent = np.zeros(max(0, len(time) - 1), bool)
     for values in curves:
@@ -178,10 +181,10 @@ def impact_numbers(count: int) -> str:
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
-    """Return times [s] between ``low`` and ``high``, at which curves are computed in addition to the rows.
+    """Return the times [s] between ``low`` and ``high`` at which curves are computed besides the rows.
 
-    In a close view they are equally spaced. In a view of the whole run they lie within the first FOLLOWED
-    impacts, WITHIN times in each that has a duration.
+    If ``close``, the view shows one impact, and the times are equally spaced. Otherwise it shows the whole
+    run, and WITHIN times lie in each of the first FOLLOWED impacts that has a duration.
     """
     if close:
         return np.linspace(low, high, CLOSE_TIMES)

@@ -27,19 +27,22 @@ IMPACT_DTYPE = np.dtype(
         ("duration", np.float64),
     ]
 )
-"""The columns of the table of impacts; a row is one contact. The columns are: the number of the point; the
-index of the wall in ``scene.wall_names``; onset and end [s]; impact speed and separation speed [m/s]; peak
-force [N]; largest penetration [m]; effective mass at the onset [kg]; impulse of the wall [N·s], as accurate
-as the momentum of the chain; the largest force in any joint during the contact [N], and the number of this
-joint, 1…N; the first 32 characters of the wall's name; the duration, which is end − onset [s].
+"""The columns of the table of impacts; each row is one contact.
+
+The columns are, in this order: the number of the point; the index of the wall in ``scene.wall_names``; onset
+and end [s]; impact speed and separation speed [m/s]; peak force [N]; largest penetration [m]; effective mass
+at the onset [kg]; impulse of the wall [N·s], as accurate as the momentum of the chain; the largest force in
+any joint during the contact [N]; the number of this joint, 1…N; the first 32 characters of the wall's name;
+the duration, which is end − onset [s].
 
 If the scene asks for no impulses, the impulse is NaN. If the scene asks for no loads, the force in a joint is
 NaN, and the number of the joint is 0. If the wall's name is unknown, it is "". If a contact lasts to the end
 of the simulation, its end, duration and separation speed are NaN.
 
-Under the law ``newton_impact`` a bounce has the duration 0 and no peak: its peak force, the force in a joint
-and the number of the joint are 0. ``joint[i].impulse`` jumps by the impulse of the bounce in joint i. For a
-contact with a duration, the forces are the largest ones during the contact, as under the other laws.
+Under the law ``newton_impact``, a bounce has the duration 0. Its peak force, the force in a joint and the
+number of the joint are 0. The output ``joint[i].impulse`` jumps by the impulse that the bounce causes in
+joint i. For a contact with a duration, the forces are the largest ones during the contact, as under the other
+laws.
 
 At a stop of a joint, the wall is ``joint_min`` or ``joint_max``, and the point is the number of the joint,
 1…N. The quantities then belong to the joint's angle: speeds [rad/s], moment [N·m], angle beyond the stop
@@ -77,9 +80,9 @@ def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
 
 @lru_cache(100)
 def _names(walls: tuple[str, ...]) -> np.ndarray:
-    """Return the names of the walls, with an empty name in front and an empty name at the end.
+    """Return the names of the walls between two empty names, one in front and one at the end.
 
-    An impact whose wall has a number without a name then gets the name "".
+    So an impact gets the name "" if the number of its wall is −1 or so large that no wall has this number.
     """
     return np.array(["", *walls, ""], IMPACT_DTYPE["wall_name"])
 
@@ -107,7 +110,8 @@ def common_count(first: np.ndarray, second: np.ndarray) -> int:
 def lasts(impacts: np.ndarray | np.void) -> Any:
     """Return for each contact whether it lasts to the end of the simulation.
 
-    A contact without a known peak force does not count: the list of an FMU lost the contact before its end.
+    The end of such a contact is NaN, but its peak force is known. If the peak force is NaN, too, the list of
+    an FMU lost the contact before its end; then the result is False.
     """
     return np.isnan(impacts["end"]) & ~np.isnan(impacts["peak_force"])
 
@@ -115,9 +119,10 @@ def lasts(impacts: np.ndarray | np.void) -> Any:
 def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Compute the table of impacts from a record of the FMU's outputs over time.
 
-    An FMU shows the latest impacts at each communication point: `impact[1].time` and so on. The table is
-    complete if no communication step has more new impacts than the FMU shows (`[outputs] impacts` of the
-    scene). A ``SceneWarning`` tells if impacts are missing, or if newer impacts hid a contact before its end.
+    An FMU shows its latest impacts at each communication point, in the outputs `impact[1].time` and so on.
+    The key `outputs.impacts` of the scene tells how many impacts it shows. The table is complete if no
+    communication step has more new impacts than this number. A ``SceneWarning`` tells if impacts are missing,
+    or if newer impacts pushed a contact out of the FMU's list before its end.
 
     Args:
         record: columns of values over time, each of shape (T,), by their names: a mapping, a structured array
@@ -127,10 +132,10 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
             columns of contacts and stops.
 
     Returns:
-        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. An FMU has no outputs
-            for the effective mass and the force in a joint of an impact, so these are NaN, and the joint 0.
-            If a contact lasts to the end of the record, or if newer impacts push it out of the FMU's list
-            before it ends, its end and its separation speed are NaN; in the second case peak force,
+        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The effective mass and
+            the force in a joint are NaN, and the number of the joint is 0, because an FMU has no outputs for
+            them. If a contact lasts to the end of the record, or if newer impacts push it out of the FMU's
+            list before it ends, its end and its separation speed are NaN. In the second case, its peak force,
             penetration and impulse are NaN, too.
 
     Raises:
@@ -173,8 +178,8 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
     if shown == 0:
         raise ValueError("there is no column impact[1].time: the scene has outputs.impacts = 0")
     number = np.arange(1, counts[-1] + 1)
-    # impact k of the run is impact[j] of the FMU, j = count − k + 1: this is the last row in which it is
-    # shown
+    # ``number`` is k for impact k of the run. An FMU that has counted ``count`` impacts shows impact k as
+    # impact[j], j = count − k + 1. ``row`` is the last row in which it shows impact k.
     row = np.searchsorted(counts, number + shown - 1, side="right") - 1
     seen = counts[row] >= number
     number, row = number[seen], row[seen]
@@ -206,9 +211,9 @@ def wall_names_of(record: Any) -> list[str]:
 def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Return the impacts that an FMU's outputs show, also if it has no list of them: see `IMPACT_DTYPE`.
 
-    ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` shows only the
-    last impact of each communication step. The end of such an impact, and values that are known only at the
-    end, are NaN.
+    ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` has no list. Its
+    outputs show only the last impact of each communication step. The end of this impact, and all values that
+    are known only at the end, are then NaN.
     """
     if "impact[1].time" in names_of(record):
         return _table(record, walls)

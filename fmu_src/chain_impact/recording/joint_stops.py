@@ -89,11 +89,11 @@ def _directions(angles: np.ndarray) -> np.ndarray:
 
 
 def touching_place(points: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the point [m] where a joint's link crosses the arc of its range, and the link's unit vector.
+    """Return where a joint's link crosses the arc of the joint's range [m], and the link's unit vector.
 
     Args:
         points: positions of the points 0…N, shape (N+1, 2) [m].
-        joint: 1…N.
+        joint: the number of the joint, 1…N.
     """
     link = points[joint] - points[joint - 1]
     return points[joint - 1] + ARC * link, link / np.hypot(*link)

@@ -20,16 +20,21 @@ MOST_COLOURS = 12
 
 
 def spread(values: np.ndarray) -> float:
-    """Return the ratio of large to small values (LARGE_QUANTILE); 1 if any value is not positive."""
+    """Return how much larger the large values are than the small ones, as a ratio.
+
+    It is the quantile LARGE_QUANTILE divided by the quantile 1 − LARGE_QUANTILE; 1 if any value is not
+    positive.
+    """
     low, high = np.quantile(values, [1.0 - LARGE_QUANTILE, LARGE_QUANTILE])
     return float(high / low) if values.min() > 0.0 else 1.0
 
 
 def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float, float]:
-    """Return the least and the largest value on the scale of colours; values beyond get the colour of an end.
+    """Return the least and the largest value on the scale of colours.
 
-    Each is the extreme of ``values`` or, if a few values are far off, a quantile (BEYOND_QUANTILES). If
-    ``logarithmic``, the distances of values are those of their logarithms.
+    They are the least and the largest of ``values``. If one of these is far from nearly all values
+    (BEYOND_QUANTILES), a quantile (LARGE_QUANTILE) replaces it. A value beyond an end of the scale has the
+    colour of this end. If ``logarithmic``, distances are those between the logarithms of values.
     """
     scaled = np.log(values) if logarithmic else values
     whole, extremes = ([part.min(), part.max()] for part in (values, scaled))

@@ -40,8 +40,8 @@ LONGEST_IMPACT = 5.0
 SLOWEST = 1e-6
 MOST_FRAMES = 20_000  # largest number of frames of a film; a longer film has fewer frames per second
 TAIL = 0.3  # [s] simulated time in which the drawn trace of the tip fades
-# REAL: a rate that differs from 1 by less than this is called real time; SLOW_RATE: pages and films show a
-# rate below this in a stronger colour; TENS: a factor of at least this is written without decimals
+# REAL: a rate is called real time if it differs from 1 by less than this. SLOW_RATE: pages and films show a
+# rate below this in a stronger colour. TENS: a factor that is at least this is written without decimals.
 REAL, SLOW_RATE, TENS = 0.05, 0.5, 9.95
 
 Span = tuple[float, float]
@@ -50,9 +50,9 @@ Span = tuple[float, float]
 def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
     """Return the times at which impacts end for a film, shape (I,) [s], at the latest at ``stop`` [s].
 
-    With the penetration δ and the impact speed v, an impact takes 2.9 δ/v with Hertz's law, π δ/v with a
-    linear spring, and longer with losses. A contact that lasts longer than LONGEST_IMPACT times δ/v, or to
-    the end of the run, ends at this time for a film.
+    For a film, a contact ends at the latest a time LONGEST_IMPACT δ/v after its onset, also if it lasts to
+    the end of the run; δ is the largest penetration, v the impact speed. An impact takes 2.9 δ/v with Hertz's
+    law, π δ/v with a linear spring, and longer with losses.
     """
     speeds = np.maximum(impacts["impact_speed"], SLOWEST)
     lasting = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
@@ -71,9 +71,9 @@ def slow_spans(recording: Recording) -> list[Span]:
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
     """Return the rate at each time, simulated seconds per second on the screen, shape (T,).
 
-    1 far from impacts. During an impact that is shorter than ``impact_time``, the rate is so small that the
-    impact takes ``impact_time`` on the screen. Before and after the impact, the rate grows linearly with the
-    distance in time from the impact, by 1 in RAMP.
+    The rate is 1 far from impacts. An impact that is shorter than ``impact_time`` takes ``impact_time`` on
+    the screen; its rate is the quotient of both. Before and after the impact, the rate grows linearly with
+    the distance in time from the impact, by 1 in RAMP [s], until it is 1.
 
     Args:
         time: simulated times, shape (T,) [s].
@@ -117,15 +117,19 @@ def frame_times(
     *,
     usual: float = FRAME_RATE,
 ) -> tuple[np.ndarray, float]:
-    """Return the simulated times of a film's frames, which have equal distances in time on the screen.
+    """Return the simulated times of a film's frames, and the frames per second on the screen.
+
+    Successive frames have equal distances in time on the screen.
 
     Args:
         start: the start of the simulation [s].
         stop: the end of the simulation [s].
         spans: onset and end of each impact that is shown in slow motion [s].
-        impact_time: the time [s] that each of these impacts takes on the screen; 0 for no slow motion.
-        most: the largest number of frames; a longer film has fewer frames per second.
-        usual: the frames per second of a film that needs at most this number.
+        impact_time: the time [s] that each of these impacts takes on the screen; 0 if no impact is shown in
+            slow motion.
+        most: the largest number of frames; a film that would have more has fewer frames per second than
+            ``usual``.
+        usual: the frames per second of a film that has at most ``most`` frames with them.
 
     Returns:
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.

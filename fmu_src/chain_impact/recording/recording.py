@@ -31,21 +31,21 @@ ROWS_AT_ONCE = 10_000  # number of rows that ``save_csv`` converts to text at a 
 
 
 class Recording:
-    """A simulation over time, of a scene or an FMU: a ``Result``, or stored data.
+    """A simulation over time, of a scene or of an FMU: a ``Result``, or stored data.
 
-    ``Recording(name, time, columns, …)`` stores data: the attributes below, by position or by name.
-    Attributes that are left out are empty.
+    The call ``Recording(name, time, columns, …)`` makes a recording that stores its arguments: the attributes
+    below, in this order or by name. Attributes that are left out are empty.
 
     Attributes:
         name: the name of the scene, of the FMU or of the file.
-        time: the times of the rows, communication points, shape (T,) [s].
+        time: the times of the rows, which are communication points, shape (T,) [s].
         columns: name of a variable of the FMU → its values, shape (T,).
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; for an FMU, the impacts in
             its outputs.
         walls: name of a wall → its free side, at the start.
-        wall_names: the names of all walls, by their numbers in ``impacts`` and ``stick_slip``.
-        parameters: name of a parameter of the FMU → its value at the start, for an enumeration the chosen
-            name; empty if the values are unknown.
+        wall_names: the names of all walls; ``impacts`` and ``stick_slip`` have indices into this list.
+        parameters: name of a parameter of the FMU → its value at the start; for an enumeration, the name of
+            the choice. Empty if the values are unknown.
         sensitivities: the derivatives that were asked for, or None.
         stops: joint → its range, for the joints with stops.
         point_names: number of a point → its name, for points with names.
@@ -53,7 +53,7 @@ class Recording:
             law is unknown, as for an FMU.
         stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; for an FMU, their times are accurate
             to a communication step.
-        inputs: the names of the inputs that are not among the columns.
+        inputs: the names of the inputs that have no column.
     """
 
     __eq__ = same
@@ -78,7 +78,7 @@ class Recording:
         return object.__new__(StoredRecording if cls is Recording else cls)  # type: ignore[return-value]
 
     def __init__(self, *_arguments: Any, **_named: Any) -> None:
-        """Refuse a subclass of ``Recording`` that stores no attributes.
+        """Refuse to make an object of a subclass of ``Recording`` that stores no attributes.
 
         A class that stores them must derive from ``StoredRecording``.
         """
@@ -155,9 +155,10 @@ class Recording:
 
     @cached_property
     def pinned(self) -> bool:
-        """Whether the base is pinned, so that link 1 turns about joint 1; an input may also move such a base.
+        """Whether the base is pinned, so that link 1 turns about joint 1; an input may move a pinned base.
 
-        If no column belongs to a joint, a base that does not move counts as pinned.
+        The columns tell whether joint 1 exists. If there are no columns of any joint, a base that does not
+        move counts as pinned.
         """
         joints, bases = self.columns_of("joint"), self.points[:, :1]
         if self.rail is not None:
@@ -306,10 +307,11 @@ class Recording:
         return int(np.abs(self.time - time).argmin())
 
     def spot(self, impact: np.void) -> np.ndarray:
-        """Return the position [m] at which an impact is drawn: its point, projected onto its wall.
+        """Return the position [m] at which an impact is drawn.
 
-        An impact at a stop of a joint is drawn where the link crosses the arc of the joint's range, an impact
-        at a stop of a slider where the stop is drawn, half a carriage beyond the base.
+        At a wall, this is the impact's point, projected onto the wall. At a stop of a joint, it is where the
+        link crosses the arc of the joint's range. At a stop of a slider, it is where the stop is drawn: half
+        a carriage beyond the base.
         """
         if self.is_stop(impact["wall"]):
             return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]

@@ -9,9 +9,9 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 
-# [1] A point is at rest if neither its speed nor its acceleration, kept for the duration of the run, would
-# move it farther than this part of the largest path of all points. The size of a path is the diagonal of the
-# rectangle around it.
+# [1] A point is at rest if two distances are at most this, relative to the size of the largest path of any
+# point: how far its speed, and how far its acceleration, would move it in the duration of the run if they
+# stayed constant. The size of a path is the diagonal of the rectangle around it.
 REST_WAY = 0.02
 # [1] the size of the largest path counts as at least this times the size of the chain, because smaller paths
 # are no motion
@@ -35,8 +35,8 @@ def ends_at_rest(recording: Recording) -> bool:
 def rests(recording: Recording) -> list[tuple[float, float]]:
     """Return start and end [s] of each rest: no point or wall moves noticeably, and no impact begins.
 
-    Speeds and mean accelerations must be small: a chain that only turns back, as a pendulum at its highest
-    position, is not at rest. A rest shorter than SHORTEST_REST is left out.
+    Both speeds and mean accelerations must be small. So a chain that only turns back, as a pendulum at its
+    highest position, is not at rest. A rest shorter than SHORTEST_REST is left out.
     """
     time, positions = recording.time, recording.all_points
     span = time[-1] - time[0]
@@ -81,11 +81,11 @@ def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.ndarray:
-    """Return the largest mean acceleration [m/s²] of any point around each interval between rows.
+    """Return, for each interval between rows, the largest mean acceleration of any point around it [m/s²].
 
-    The mean is over ``reach`` rows to both sides, or fewer if there are fewer, so that small and fast
-    oscillations of a stiff contact do not count. If there is only one interval, its acceleration is infinite,
-    because it is unknown.
+    The mean is over ``reach`` rows before and after the interval, so that small and fast oscillations of a
+    stiff contact do not count. If there are fewer rows, the mean is over fewer rows. If there is only one
+    interval, the result is infinite, because the acceleration is unknown.
     """
     reach = min(reach, (len(time) - 1) // 2)
     if reach == 0:

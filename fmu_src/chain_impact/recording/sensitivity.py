@@ -34,13 +34,14 @@ class Sensitivities:
     Attributes:
         prepared: the prepared scene.
         varied: the P parameters and inputs.
-        chosen: the names of the W outputs; None for all outputs that change continuously.
-        slopes: derivatives of the W outputs at each time, shape (T, W, P).
+        chosen: the names of the W outputs; None stands for all outputs that change continuously.
+        slopes: the derivatives of the W outputs at each of the T times, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
-        impact_slopes: quantity of an impact → its derivatives, shape (I, P).
-        limits: sentences that tell from which time on there are no derivatives, and why; and the errors of
-            derivatives by friction.
-        given: the names of the inputs for which the user gives values over time.
+        impact_slopes: name of a quantity of impacts → its derivatives for each impact, shape (I, P).
+        limits: sentences for the user: from which time on there are no derivatives, which derivatives do not
+            exist or are one-sided, and why; and how large the errors are that dry friction causes in
+            derivatives.
+        given: the names of the inputs whose values over time the user gives.
     """
 
     __eq__ = same

@@ -11,9 +11,9 @@ from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, point_label
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
-"""A change of mode of dry friction, as the kernel logs it: the time [s] from which on the mode holds;
-point and wall as in ``STICK_SLIP_DTYPE``; and the mode: 0 sticking, 1 or −1 sliding along t or −t, 2 no
-friction."""
+"""A change of the mode of dry friction, as the kernel logs it. The columns are: the time [s] from which on
+the new mode holds; point and wall as in ``STICK_SLIP_DTYPE``; and the new mode. The mode is 0 for sticking, 1
+or −1 for sliding along t or −t, and 2 if no friction acts."""
 STICK_SLIP_DTYPE = np.dtype(
     [
         ("point", np.int64),
@@ -23,11 +23,13 @@ STICK_SLIP_DTYPE = np.dtype(
         ("mode", np.int64),
     ]
 )
-"""One phase of dry friction: the number of the point; the index of the wall in ``scene.wall_names``; start
-and end [s]; and the mode. The end is NaN if the phase lasts to the end of the simulation. The mode is 0 for
-sticking, 1 for sliding along t, and −1 for sliding along −t. The tangent t = (n_y, −n_x) belongs to the
-wall's normal n. For a joint, the wall is −1, the point is the number of the joint, 1…N, and in mode 1 the
-joint's angle grows. For a slider, the wall is −1, the point is 0, and in mode 1 its position grows."""
+"""One phase of dry friction, in which the mode stays the same. The columns are: the number of the point; the
+index of the wall in ``scene.wall_names``; start and end [s]; and the mode. If the phase lasts to the end of
+the simulation, its end is NaN. The mode is 0 for sticking, 1 for sliding along t, and −1 for sliding along
+−t, with the tangent t = (n_y, −n_x) for the wall's normal n.
+
+For a joint, the wall is −1, and the point is the number of the joint, 1…N. For a slider, the wall is −1, and
+the point is 0. In mode 1 the angle of the joint, or the position of the slider, grows."""
 NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
 """The table of phases of a run without dry friction, which has no rows."""
 NO_PHASES.flags.writeable = False
@@ -88,16 +90,18 @@ class Touch:
     """A contact with a wall or with a stop of a joint or slider; or dry friction in a joint or on a slider.
 
     Attributes:
-        point: the number of the point; for a joint its number, 1…N; for a slider 0.
+        point: the number of the point; for a joint the number of the joint, 1…N; for a slider 0.
         wall: the name of the wall; for a stop joint_min, joint_max, slider_min or slider_max; "" for dry
             friction in a joint or on a slider.
-        force: the force of the wall on the point, shape (T,) [N]; for a stop of a joint the absolute moment
-            [N·m]; None for dry friction in a joint or on a slider.
-        penetration: shape (T,) [m]; None if it is unknown. rate: the rate of penetration, shape (T,) [m/s];
-            None if it is unknown.
-        friction: the force of dry friction on the point along t = (n_y, −n_x), for the wall's normal n, shape
-            (T,) [N]; for a joint the moment [N·m]; None without dry friction.
-        sticking: above 0 in rows in which the contact sticks, else 0, shape (T,); None without dry friction.
+        force: the force of the wall on the point, shape (T,) [N]; for a stop of a joint the absolute value of
+            its moment [N·m]; None for dry friction in a joint or on a slider.
+        penetration: the penetration, shape (T,) [m]; None if it is unknown.
+        rate: the rate of penetration, shape (T,) [m/s]; None if it is unknown.
+        friction: the force of dry friction on the point, shape (T,) [N]; it is positive along t = (n_y,
+            −n_x), for the wall's normal n. For a joint it is the moment of dry friction [N·m]. None without
+            dry friction.
+        sticking: shape (T,); above 0 in the rows in which the contact, joint or slider sticks, else 0. None
+            without dry friction.
     """
 
     point: int
@@ -110,10 +114,10 @@ class Touch:
 
     @classmethod
     def of_stops(cls, joint: int, moment: np.ndarray) -> Iterator[Touch]:
-        """Yield the contacts with joint_min and with joint_max, which share one output.
+        """Yield the contact of a joint's link with joint_min and the contact with joint_max.
 
-        ``moment`` is the moment of both stops on the joint's link, shape (T,) [N·m]: positive where the link
-        touches joint_min, negative where it touches joint_max.
+        ``moment`` is the output that both share: the moment of the stops on the link, shape (T,) [N·m]. It is
+        positive while the link touches joint_min, and negative while the link touches joint_max.
         """
         for stop, sign in zip(STOPS, (1.0, -1.0), strict=True):
             yield cls(joint, stop, np.maximum(sign * moment, 0.0))
@@ -127,7 +131,7 @@ class Touch:
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
     """Return the table of phases of dry friction from values in rows, see ``STICK_SLIP_DTYPE``.
 
-    A start or end is the time of a row, so it may be late by the distance between two rows.
+    The start and the end of a phase are times of rows, so each may be late by the distance between two rows.
     """
     changes: list[tuple[float, int, int, int]] = []
     for touch in touches:

@@ -32,18 +32,19 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
     )
     for stop in (False, True)
 )
-"""The units of the columns VALUES of the list of impacts: first at walls, then at stops of joints."""
+"""The units of the columns VALUES of the list of impacts: COLUMN_UNITS at walls, STOP_COLUMN_UNITS at stops
+of joints."""
 NONE = "—"  # the text for a number that does not exist or is unknown
 LASTS = "lasts"  # the text in place of the duration of a contact that lasts to the end of the run
-# a number between FIVE_DIGITS and MILLION is rounded to a whole number with four significant digits, and
-# written without an exponent
+# A number that is at least FIVE_DIGITS and less than MILLION is rounded to four significant digits, and
+# written as a whole number without an exponent.
 FIVE_DIGITS, MILLION = 1e4, 1e6
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Yield a line on the energies at the end of the run and a line on their balance, if they are known.
+    """Yield two lines, if the energies are known: the energies at the end of the run, and their balance.
 
-    The balance checks the energy only; it does not bound errors of the motion: in free flight, positions may
+    The balance checks the energy only; it does not bound errors of the motion. In free flight, positions may
     be wrong by the tolerance although the energy is constant up to round-off.
     """
     if not {"total", "dissipated"} <= energies.keys() or not len(energies["total"]):
@@ -158,10 +159,10 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _when(result: Recording, joint: int, peaks: np.ndarray) -> str:
-    """Return words for when the force in a joint is largest: between two rows, and the impact.
+    """Return words for the time of the largest force in a joint: between which two rows, and at which impact.
 
-    An impact that overlaps only a part of the time between the rows is told as near, unless its own largest
-    force is that of the joint.
+    The words are "during" an impact that lasts for all the time between the rows, or whose own largest force
+    in a joint is this force. If there is none, they are "near" the impacts that last for a part of this time.
 
     Args:
         result: the run.
@@ -232,8 +233,8 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
 def smallest_body(scene: Scene) -> tuple[float, str]:
     """Return the size [m] of the smallest body, and words for it: the shortest link, or a ball's radius.
 
-    A free chain of one link that touches only at its centre of mass is a ball: the length of its link has no
-    meaning, and a ball without a radius counts as infinitely large, so that it is never the reason of a hint.
+    A free chain of one link is a ball if only its centre of mass touches. The length of this link has no
+    meaning. A ball without a radius counts as infinitely large, so that it is never the reason of a hint.
     """
     link = min(scene.chain.links, key=lambda item: item.length)
     ends = {0.0: 0, link.length: 1}

@@ -87,8 +87,8 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
             values = np.full((len(time), *(sizes[dimension] for dimension in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
         index = variable.index[: len(dimensions)]
-        # a contact's index in the record is not used: it also counts stops of joints, which the dimension
-        # "contact" lacks
+        # The index that a contact has in the record is not used: the record's contacts include stops of
+        # joints, which the dimension "contact" lacks.
         if owner == "contact":
             index = (contacts.index(variable.name.rpartition(".")[0]),)
         data[key][1][(slice(None), *index)] = motion[variable.name]

@@ -42,12 +42,12 @@ several positions."""
 
 
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
-    """Return the lines of a pinned base's ground mark at the start: a support on hatched ground.
+    """Return the lines of the ground mark of a pinned base at its start: a support on hatched ground.
 
-    The mark is above the base if the chain's mean position is below the base; else it is below the base.
+    If the mean position of the chain is below the base, the mark is above the base, else below it.
 
     Args:
-        points: positions, shape (T, N+1, 2) [m].
+        points: positions of the points 0…N over time, shape (T, N+1, 2) [m].
 
     Returns:
         The lines, each of shape (n, 2) [m].
@@ -73,12 +73,13 @@ def seen(
 
     Args:
         points: positions of the points, shape (T, N+1, 2) [m].
-        walls: name → free side; a wall that moves has one name for each of several positions.
+        walls: name → free side of a wall; a moving wall has one entry, with a name of its own, for each of
+            several positions.
         radius: the radius of the points [m].
-        near: a wall is near if its distance from the motion, relative to the size of the motion, is at most
-            this.
-        room: if the walls enclose a room that ends within this distance, relative to the size of the motion,
-            the rectangle contains the whole room, and all walls are near.
+        near: the largest distance of a near wall from the motion, relative to the size of the motion.
+        room: a distance, relative to the size of the motion. If the walls enclose a room that ends within
+            this distance of the motion, the rectangle contains the whole room, and all walls are near. 0 if
+            such a room does not matter.
         pinned: whether the base has a ground mark, which moves with the base.
 
     Returns:
@@ -108,11 +109,12 @@ def seen(
 def framed(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the view of a film: the motion, the near walls, a closed room, and a margin.
+    """Return the view of a film: the motion, the near walls, a closed room if there is one, and a margin.
 
     Returns:
-        The lower left and the upper right corner, shape (2, 2) [m]; and for x and y the fraction, 0…1, of
-            additional space that goes to the left or below: it is 1 or 0 if only one side has no wall.
+        The lower left and the upper right corner, shape (2, 2) [m]. Then, for x and for y, the fraction of
+            additional space that goes to the left or below: 1 if only this side has no wall, 0 if only the
+            opposite side has none, else 0.5.
     """
     view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
     margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
@@ -120,11 +122,11 @@ def framed(
 
 
 def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
-    """Return to which sides a view can be extended: to sides without a wall.
+    """Return how a view is extended: towards sides without a wall.
 
-    The first result is the fraction, 0…1, of an extension that goes to the left, for x, and down, for y. It
-    is 0.5 if both sides have a wall, or none. The second result is whether at least one of the two sides has
-    no wall, for x and for y.
+    The first result is, for x and for y, the fraction of an extension that goes to the left or down: 1 if
+    only this side has no wall, 0 if only the opposite side has none, 0.5 if both sides have a wall, or none.
+    The second result is, for x and for y, whether at least one of the two sides has no wall.
     """
     # 1 for a side without a wall, else 0: [[left, below], [right, above]]
     open_sides = np.ones((2, 2))
@@ -193,8 +195,8 @@ def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]
 def ball_of(recording: Recording) -> int | None:
     """Return the number of the point at the centre of a ball; None if the chain is no ball.
 
-    A ball is a free chain of one link that touches with one end only: this end is the centre of mass, or its
-    radius is at least the length of the link, so that its circle contains the link.
+    A ball is a free chain of one link of which only one end touches. Either this end is the centre of mass,
+    or its radius is at least the length of the link, so that its circle contains the link.
     """
     if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
         return None

@@ -66,9 +66,9 @@ class Pictured(Recording):
     ) -> Any:
         """Draw motion, energy and impacts, or any outputs over time.
 
-        The picture shows only the rows of this result: with a coarse ``output_step`` a path is straight
-        between rows. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates once more if there are
-        fewer than 1000 rows.
+        The picture of the panels shows only the rows of this result. If ``output_step`` is coarse, a path has
+        straight parts between rows. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates once
+        more, with more rows, if there are fewer than 1000 rows.
 
         Fonts follow matplotlib's settings and style sheets. In a dark style the picture is dark. Axes ``ax``
         become smaller if labels would be cut off by the edge of their figure.
@@ -82,14 +82,14 @@ class Pictured(Recording):
                 drawn over time.
             panels: some of ``motion``, ``impact``, the force of the hardest impact over its time, ``energy``,
                 ``impacts`` and ``friction``; by default all panels for which the result has data.
-            curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:
-                ``["contact[*].y_min.force", "point[4].y"]``. Each unit has a panel. The run is repeated with
-                more rows within impacts.
+            curves: outputs by their names in the FMU, ``*`` for any text: ``["contact[*].y_min.force",
+                "point[4].y"]``. They are drawn in place of the panels, with a panel for each unit. The run is
+                repeated with more rows within impacts.
             around: the number of an impact, from 1; the curves show only this impact and the time around it.
             title: the title of the picture, by default the impact in view or a summary of the run; None for
                 no title.
-            ax: axes of matplotlib to draw into, one for each panel; by default for ``motion`` alone. The axes
-                are returned.
+            ax: axes of matplotlib to draw into, one for each panel; without ``panels`` or ``kind``, axes for
+                ``motion`` alone. The axes are returned.
 
         Raises:
             ValueError: when a panel or an impact does not exist, the picture is smaller than 2 by 2 inches or
@@ -163,7 +163,8 @@ class Pictured(Recording):
             number: the number of the impact, from 1, as in pictures and tables.
             path: as for ``plot``.
             size: as for ``plot``.
-            ax: axes of matplotlib for the curve of the force over the penetration. The axes are returned.
+            ax: axes of matplotlib, into which only the curve of the force over the penetration is drawn. The
+                axes are returned.
 
         Raises:
             ValueError: when the impact does not exist, the result is not from ``simulate`` or

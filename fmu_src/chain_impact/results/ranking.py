@@ -96,14 +96,14 @@ class Ranking:
         quantity: the name of the quantity.
         value: the value of the quantity, in its ``unit``.
         unit: the unit of the quantity.
-        where: words for the impact, the joint or the time of the quantity.
-        effects: the effects of the parameters that have an effect, the largest first; the parameters with
-            the value 0 come last, because the size of their step is arbitrary.
+        where: words for the impact, the joint or the time at which the quantity has this value.
+        effects: the effects of the parameters that have an effect, the largest first. The parameters with the
+            value 0 come last, because it is arbitrary by how much such a parameter is changed.
         without: the parameters without an effect.
         unknown: the parameters whose derivatives cannot be trusted; ``limits`` gives the reason.
         limits: sentences, as ``Result.sensitivity_limits``.
-        left_out: exponents of contact laws that are not ranked, because they were not named in full: a
-            change of the exponent changes the unit, and so the meaning, of the stiffness.
+        left_out: exponents of contact laws that are not ranked, because the user did not name them in full. A
+            change of an exponent changes the unit, and so the meaning, of the stiffness.
         value_in: a function that returns the value of the quantity in another run of the scene.
     """
 

@@ -45,14 +45,14 @@ class Result(Pictured):
     Two results are equal if all their attributes except ``stepwise`` and ``rerun`` are equal.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
-    the time. In a name, ``*`` stands for any text, and the result is a dict of all matching outputs:
-    ``result["contact[2].*.force"]``. A list of names also gives a dict: ``result[["point[4].x",
-    "energy.*"]]``.
+    the time. A name with ``*``, which stands for any text, gives a dict: name → output over time, for all
+    matching outputs. An example is ``result["contact[2].*.force"]``. A list of names also gives a dict:
+    ``result[["point[4].x", "energy.*"]]``.
 
     Attributes:
         prepared: the prepared scene that was simulated.
-        time: communication points, shape (T,) [s].
-        outputs: the outputs at these times, a structured array of shape (T,): all outputs, see
+        time: the communication points, shape (T,) [s].
+        outputs: the outputs at these times, a structured array of shape (T,). Its fields are all outputs, see
             ``output_dtype`` in kernel/record/instance.py, or only those in ``simulate(output=…)``, by their
             names.
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
@@ -62,7 +62,7 @@ class Result(Pictured):
             steps: name → shape (T,).
         stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
             ``STICK_SLIP_DTYPE``.
-        rerun: function of times that repeats the run and returns the outputs then; None if the run cannot be
+        rerun: function that repeats the run: times → outputs at these times; None if the run cannot be
             repeated.
     """
 
@@ -86,8 +86,9 @@ class Result(Pictured):
     def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
         """Return an output over time by its name, shape (T,), or a dict: name → output over time.
 
-        A list of names and patterns gives a dict, and so does a single pattern. Type checkers assume that a
-        single text gives an array; for them, write a single pattern in a list.
+        A name without ``*`` gives the array. A pattern, which is a name with ``*``, gives a dict, and so does
+        a list of names and patterns. Type checkers assume that a single text gives an array; for them, write
+        a single pattern in a list.
 
         Raises:
             UnknownNameError: a KeyError, when no output has the name.
@@ -230,10 +231,10 @@ class Result(Pictured):
     def energy(self) -> np.ndarray:
         """The energies [J], a structured array of shape (T,).
 
-        Fields kinetic, potential, elastic, dissipated, supplied, total = kinetic + potential + elastic, and
-        friction, the part of dissipated that dry friction takes; total + dissipated − supplied is constant.
-        The field friction is NaN if the run does not compute it: the run computes integrals over time only
-        if the scene asks for an output that needs them.
+        The fields are kinetic, potential, elastic, dissipated, supplied, total and friction. The field total
+        is the sum kinetic + potential + elastic; total + dissipated − supplied is constant. The field
+        friction is the part of dissipated that is due to dry friction. It is NaN if the run does not compute
+        it: the run computes integrals over time only if the scene asks for an output that needs them.
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.
@@ -284,16 +285,18 @@ class Result(Pictured):
     def ranking(self, quantity: str, parameters: str | Sequence[str] = "*") -> Ranking:
         """Return parameters and inputs in the order of their effects on a quantity, the largest effect first.
 
-        The effect is the change of the quantity, to first order, if the parameter changes by 1 %, or by 0.01
-        of its unit if its value is 0. Parameters with the value 0 come last.
+        The effect of a parameter is the change of the quantity, to first order, when the value of the
+        parameter changes by 1 %. A parameter with the value 0 changes by 0.01 of its unit, and comes last.
 
         Args:
-            quantity: the largest value in the run, by its name in a sweep: ``peak_force`` and
-                ``max_penetration`` at walls, ``stop.peak_moment`` and ``stop.max_penetration`` at stops of
-                joints, ``joint_force`` in joints, if the scene asks for loads; a quantity of one impact,
-                ``impact[2].peak_force``, counted from 1 as in ``impacts``; or an output at the end.
-            parameters: the names to rank, where ``*`` stands for any text, except for ``contact.exponent``
-                and ``stop.exponent``, which change the unit of the stiffness: these must be named in full.
+            quantity: the name of one of three kinds of quantity. The first is the largest value in the run,
+                by its name in a sweep: ``peak_force`` and ``max_penetration`` at walls, ``stop.peak_moment``
+                and ``stop.max_penetration`` at stops of joints, ``joint_force`` in joints, if the scene asks
+                for loads. The second is a quantity of one impact, such as ``impact[2].peak_force``; impacts
+                count from 1, in the order of ``impacts``. The third is an output, of which the value at the
+                end counts.
+            parameters: the names to rank; ``*`` stands for any text. But ``contact.exponent`` and
+                ``stop.exponent`` must be named in full, because they change the unit of the stiffness.
 
         Raises:
             SceneError: when the quantity does not exist, or the run does not have the quantity.

@@ -17,9 +17,10 @@ from chain_impact.scene.table_file import read_table, samples_of
 
 
 def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
-    """Yield the names of the inputs that the keys of [inputs] add to the scene, driven by a signal or not.
+    """Yield the names of the inputs that the keys of [inputs] add to the scene.
 
-    With ``asked = False``, yield the names of all inputs that some key of [inputs] could add to this scene.
+    A signal may drive such an input or not. If ``asked`` is False, the names are those of all inputs that the
+    keys of [inputs] could add to this scene.
     """
     templates = [
         name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) or not asked for name in names

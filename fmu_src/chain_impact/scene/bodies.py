@@ -152,8 +152,8 @@ class Rail:
     def stops(self) -> dict[str, HalfPlane]:
         """The half-plane of each existing stop, by the stop's name; the drawn carriage always lies in it.
 
-        The edge of a half-plane is half a carriage beyond ``low`` or ``high``, which limit the middle of the
-        carriage.
+        ``low`` and ``high`` limit the middle of the carriage, so the edge of a half-plane is half a carriage
+        beyond ``low`` or ``high``.
         """
         (x, y), start = self.direction, float(self.origin @ self.direction)
         low, high = start + self.low - self.half, start + self.high + self.half

@@ -22,9 +22,9 @@ def candidates(scene: Contents) -> list[tuple[int, int]]:
 def parts_in_words(scene: Contents) -> list[str]:
     """Return words for each part of a scene that can be the reason for a fault of a run.
 
-    The record's field ``fault.part`` has the number of the part in this list, from 1. The list has the
-    candidates, then the links, the joints and the slider, then for each pair of a point and a wall the base
-    at this wall.
+    The record's field ``fault.part`` has the number of a part in this list, from 1. The list has, in this
+    order: the candidates; the links; the joints; the slider, if there is one; and, for each pair of a point
+    and a wall that may touch, the base at the wall of this pair.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)

@@ -116,9 +116,9 @@ def check_rules(scene: Contents) -> None:
 
 
 def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
-    """Return path of a table → names in ``RULES`` and their values, for each table with a contact law.
+    """Return, for each table with a contact law: path of the table → values by their names in ``RULES``.
 
-    The names are keys of the table, and properties of its law, such as "law.id".
+    A name is a key of the table, or a property of the table's law, such as "law.id".
     """
     contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
@@ -144,8 +144,9 @@ def _of_law(
 def check_reach(scene: Contents) -> None:
     """Refuse a wall of ``walls`` that no point can reach, if the kernel's record has no room for the wall.
 
-    The record has as many places for these walls as there are pairs of a point and a wall that can touch.
-    Only a scene with a slider can have a wall that no point reaches: a wall parallel to the slider's line.
+    The record has room for as many of these walls as there are pairs of a point and a wall that can touch.
+    Only in a scene with a slider can a wall be out of reach of all points: a wall parallel to the slider's
+    line.
     """
     if scene.chain.slider is None or not scene.may_touch:
         return
@@ -263,7 +264,8 @@ def size_hints(scene: Contents) -> list[str]:
 def start_hints(scene: Contents) -> list[str]:
     """Return a sentence for each coordinate in which a pinned base does not start at initial.position.
 
-    A signal then gives the base's motion: its value at t = 0 is the start, initial.position has no effect.
+    This is so if a signal gives the motion of the base: the base starts at the value of the signal at t = 0,
+    and initial.position has no effect.
     """
     if scene.chain.base != "pinned":
         return []
@@ -297,10 +299,11 @@ def base_hints(scene: Contents) -> list[str]:
 
 
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
-    """Return a sentence, in a list, if ``changes`` turn a link but leave the next link's absolute angle.
+    """Return a list with a sentence if ``changes`` set the angle of a link, but not that of the next link.
 
-    The list is empty unless the file of the scene gives ``initial.joint_angles``: then the user may expect
-    that all further links turn as well.
+    ``changes`` are names of parameters. The angles are absolute, so the next link does not turn. The list is
+    empty if no such link exists, or if the file of the scene does not give ``initial.joint_angles``: only
+    with these may the user expect that all further links turn as well.
     """
     if not scene.has_joint_angles:
         return []

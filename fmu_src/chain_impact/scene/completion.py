@@ -75,9 +75,10 @@ def with_radii(scene: AnyScene) -> AnyScene:
 
 
 def with_absolute_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with absolute initial angles only; angles from given joint angles count as given.
+    """Return the scene with absolute initial angles only, without joint angles.
 
-    Refuse a file that gives both.
+    If the file gives joint angles, the absolute angles that follow from them count as given. A file that
+    gives both is refused.
     """
     initial, paths = scene.initial, scene.derived_paths
     if initial.joint_angles is None:
@@ -92,8 +93,8 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
 def with_materials(scene: AnyScene) -> AnyScene:
     """Return the scene with a material, a table of [contact.wall], for each existing wall.
 
-    A key that the file does not give is None in the material: the value of [contact] then applies. A material
-    for a wall that does not exist is refused.
+    If the file does not give a key of this table, the key is None in the material, and the value of [contact]
+    applies. A material for a wall that does not exist is refused.
     """
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}

@@ -66,11 +66,11 @@ class Contents:
 
     @property
     def wall_names(self) -> tuple[str, ...]:
-        """The names of the walls in the order of their numbers: all four walls of the box, then ``walls``.
+        """The names of the walls in the order of their numbers.
 
-        Missing walls of the box count as well, so that each has the same number in all scenes. In a scene
-        with stops in joints, ``joint_min`` and ``joint_max`` follow; the existing stops of a slider come
-        last. If no point may touch any wall, ``walls`` are left out.
+        The four walls of the box come first, also those that do not exist, so that each has the same number
+        in all scenes. Then come ``walls``, if any point may touch a wall; then ``joint_min`` and
+        ``joint_max``, if a joint has stops; and last the existing stops of a slider.
         """
         walls = self.walls if self.may_touch else ()
         return (

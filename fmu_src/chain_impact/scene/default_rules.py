@@ -12,9 +12,9 @@ from chain_impact.scene.key_rules import Derived
 def _quotient(text: str, *terms: tuple[str, ...], divisor: int, of_box: Derived | None = None) -> Derived:
     """Return the rule for a default that is a sum of products of values, divided by ``divisor``.
 
-    ``text`` is the rule as text, for documents. Each of the ``terms`` has the keys whose values form one
-    product; the keys belong to the same table as the default. For a link that is a box, the rule ``of_box``
-    applies, if there is one.
+    ``text`` is the rule in words, for documents. Each of ``terms`` is a product: the keys whose values are
+    multiplied, from the same table as the default. ``of_box`` is the rule that applies in place of this one
+    to a link that is a box, if there is such a rule.
     """
 
     def value(table: Mapping[str, Any]) -> float:

@@ -19,10 +19,10 @@ from chain_impact.scene.names import DataPath
 
 
 def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
-    """Yield, for ``paths`` in the data of a file, the paths of the same values in the scene.
+    """Yield the paths of values in the scene, for the paths of the same values in the data of a file.
 
-    In the file, an entry of links with a count stands for several links; in the scene, each link has an
-    entry.
+    In the file, an entry of links with a count stands for several links. In the scene, each link has an
+    entry, so a path into such an entry gives a path for each of its links.
     """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]

@@ -33,7 +33,8 @@ _OFF_KEYS = {
     for entry in keys(table)
     if entry.metadata["default"] is OFF
 }
-"""Keys with the default OFF: if the file lacks such a key, its value is 0, but a rule sees no value."""
+"""Keys with the default OFF. If the file lacks such a key, its value in the scene is 0, but for a rule the
+value is missing."""
 
 
 class Members(NamedTuple):
@@ -166,10 +167,10 @@ class SceneFacts(dict[str, Any]):
         return value
 
     def value_of(self, name: str) -> Any:
-        """Return the value that a name has in a rule; a name with a dot is a key of the scene's file.
+        """Return the value that a name has in a rule; None if the value is missing.
 
-        None means a missing value. A key whose default is the rule ``OFF`` is missing if the file does not
-        give it.
+        A name with a dot is a key of the scene's file; another name is a fact. A key whose default is the
+        rule ``OFF`` has a value only if the file gives the key.
         """
         if "." not in name:
             return self[name]

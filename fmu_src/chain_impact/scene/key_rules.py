@@ -63,9 +63,9 @@ class Derived:
         terms: for a parameter of the FMU: each term is a product of these keys, and the default is the sum of
             the terms, divided by the divisor. A key without a dot belongs to the same table.
         divisor: divides the sum of the terms.
-        constant: whether the default always has the same content; other values only decide its length, or
-            whether there is a default.
-        of_box: the other rule for a link that is a box, if there is one.
+        constant: whether the default has the same content in all scenes; other values may decide only its
+            length, or whether there is a default.
+        of_box: the rule that replaces this one for a link that is a box, if there is one.
         or_key: the key of the same table that can be given in place of this key, if there is one.
         with_stops: the constant default in a scene with stops of joints, if there is one.
         off: the constant default of a value that describes a part which the scene has only if the value is
