@@ -1,6 +1,6 @@
 """Motions beside the present motion: the motion before a change, and pinned motions with their impacts."""
 
-# Tests: pages/browser/explore/compared_motions.js
+# Tests: pages/browser/explore/compared_motions.js, pages/browser/recording/partners.js
 
 import itertools
 
@@ -18,6 +18,8 @@ LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(per
 LETTERS = function_of("compared_motions", "letters")
 """The letters that are written into each chart when it has another width."""
 AXES = (("x", "width"), ("y", "height"))
+LISTED = 40
+"""Largest number of impacts in a row of the table."""
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied")
 
 
@@ -47,7 +49,20 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     assert page.locator("#pins tbody tr").count() == 3
 
 
-def test_pins_tell_place_and_largest_force_and_mark_another_place(show):
+def partners(present, other):
+    """Return for each impact the other one of its point and wall, if each is nearest in time to the other."""
+
+    def nearest(impact, impacts):
+        same = [
+            k for k in range(len(impacts)) if all(impacts[key][k] == impact[key] for key in ("point", "wall"))
+        ]
+        return min(same, key=lambda k: abs(impacts["onset"][k] - impact["onset"]), default=None)
+
+    found = [nearest(impact, other) for impact in present]
+    return [k if k is not None and nearest(other[k], present) == n else None for n, k in enumerate(found)]
+
+
+def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
     page = show()
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
@@ -56,17 +71,24 @@ def test_pins_tell_place_and_largest_force_and_mark_another_place(show):
     until_told(page, f"{len(runs[0].impacts)} impact")
     rows = page.locator("#pins tbody tr").all()
     assert "present: Restitution = 0.5" in rows[0].inner_text()
-    places = [[(one["point"], one["wall"]) for one in run.impacts[:8]] for run in runs]
-    largest = [f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN" for run in runs]
-    assert [row.locator("td").first.inner_text() for row in rows] == largest
-    walls = [f"{point}\xa0{runs[1].wall_names[wall]}" for point, wall in places[1]]
-    assert rows[1].locator(".place").all_inner_texts()[:8] == walls
-    marked = ["elsewhere" in (cell.get_attribute("class") or "") for cell in rows[1].locator("td").all()[1:9]]
-    assert marked == [one != other for one, other in zip(*places, strict=True)]
-    assert any(marked)
-    counts = f"{len(runs[1].impacts)} → {len(runs[0].impacts)}"
-    told = f"{counts}, largest {largest[1]} → {largest[0]}"
-    assert page.inner_text("#impacts-before") == told
+    peaks = [run.impacts["peak_force"].max() for run in runs]
+    largest = [f"{peak / 1e3:.1f}\u202fkN" for peak in peaks]
+    told = [row.locator("td").first.inner_text() for row in rows]
+    assert told[0] == largest[0]
+    force, change = told[1].rsplit("\u202f", 1)[0].rsplit("kN", 1)
+    assert f"{force}kN" == largest[1]
+    percent = float(change.replace("\u2212", "-"))
+    assert percent == pytest.approx(100 * (peaks[1] / peaks[0] - 1), abs=0.5)
+    present, pinned = (run.impacts for run in runs)
+    expected = partners(present, pinned)
+    assert any(k is None for k in expected)
+    assert any(k not in (None, n) for n, k in enumerate(expected))
+    cells = rows[1].locator("td").all_inner_texts()[1:]
+    others = [k for k in range(len(pinned)) if k not in expected]
+    for cell, k in zip(cells, [*expected[:LISTED], *others], strict=True):
+        assert cell.startswith("–") if k is None else f"{pinned['onset'][k]:.4f}" in cell
+    counts = f"{len(pinned)} → {len(present)}"
+    assert page.inner_text("#impacts-before") == f"{counts}, largest {largest[1]} → {largest[0]}"
 
 
 def test_letters_of_pins_at_one_place_are_beside_each_other(show):
@@ -166,24 +188,31 @@ def test_the_view_holds_the_motions_that_are_compared(show):
         assert page.evaluate(OUTSIDE) == 0
 
 
-def test_a_pin_with_another_contact_has_no_curve_of_force(show):
-    """The fourth impact is of another point when the restitution is smaller."""
+def test_a_chart_of_force_tells_why_it_has_no_curve_of_a_pin(show):
     page, changes = show(), {"contact.restitution": 0.4}
     first, other = (simulate(load_scene("four_link_box").with_values(one)).impacts for one in ({}, changes))
-    assert (first["point"][[0, 3]] == other["point"][[0, 3]]).tolist() == [True, False]
+    expected = [k is not None for k in partners(other, first)]
     page.get_by_role("button", name="Pin").click()
     page.evaluate("changes => chainImpact.show(changes)", changes)
     until_told(page, impacts_of(changes))
-    drawn = {}
-    for number in (1, 4):
+    for number in (expected.index(True) + 1, expected.index(False) + 1):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
         until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
-        drawn[number] = page.evaluate(PIXELS, ["force", "pin-1"]) > 20
-        assert page.text_content("#contact-name").endswith("; A: another contact") is not drawn[number]
+        assert (page.evaluate(PIXELS, ["force", "pin-1"]) > 20) is expected[number - 1]
+        assert ("; A: " not in page.text_content("#contact-name")) is expected[number - 1]
         assert page.locator("#contact-name").evaluate("one => one.scrollWidth <= one.clientWidth"), (
             "it is not cut off"
         )
-    assert drawn == {1: True, 4: False}
+
+
+def test_a_chart_of_inputs_tells_why_it_has_no_curve_of_a_pin(show):
+    page = show("pinned_arm")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("location.hash = '#joint[1].torque@=0.1:5'")
+    page.locator("#inputs-note").get_by_text("curves of A:").wait_for()
+    page.get_by_role("button", name="Pin").click()
+    page.locator(".unpin").first.click()
+    page.locator("#inputs-note").wait_for(state="hidden")
 
 
 def test_pins_get_outputs_that_are_chosen_later_but_not_of_another_scene(show):

@@ -94,10 +94,11 @@ export class CurveCharts {
 
   /**
    * `curvesOf` is a function that returns the curves of a recording, or nothing. Elements that may be missing: `zoomButton` switches to the
-   * view of one impact, `title` names this impact, and `note` names the compared motions that lack some of the curves.
+   * view of one impact, `title` names this impact, and `note` names the compared motions that lack some of the curves,
+   * with the reason `whyWithout`.
    */
-  constructor(element, seek, { curvesOf, label, zoomButton, title, note, wordsOf = (name) => name }) {
-    Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, wordsOf, charts: new Map() });
+  constructor(element, seek, { curvesOf, label, zoomButton, title, note, whyWithout, wordsOf = (name) => name }) {
+    Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, whyWithout, wordsOf, charts: new Map() });
     zoomButton?.addEventListener("click", () => {
       zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
       this.draw(this.frame, this.contact);
@@ -152,7 +153,7 @@ export class CurveCharts {
     const shown = namesOf(this.recording);
     const without = this.#compared.filter(({ recording }) => !shown.every((name) => namesOf(recording).includes(name)));
     const letters = without.map(({ letter }) => letter).join(", ");
-    this.note.textContent = letters && `Not all curves of ${letters}: a pin of another scene keeps its outputs.`;
+    this.note.textContent = letters && `Not all curves of ${letters}: ${this.whyWithout}.`;
   }
 
   draw(frame, contact) {

@@ -1,6 +1,7 @@
 // The chart of the force of one contact, over time or over penetration.
 
 import { durationText, forceTicks, unitsOf, withMinus } from "../base/format.js";
+import { partnerOf } from "../recording/partners.js";
 import { hasImpulseOnly, lastBefore } from "../recording/recording.js";
 import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
@@ -113,7 +114,7 @@ export class ForceChart extends Chart {
 
   #show(contact) {
     const { recording } = this;
-    const { wall, onset, end, number } = contact;
+    const { onset, end } = contact;
     this.shown = contact;
     Object.assign(this.unit, unitsOf(contact));
     const { times, margin, force: inside, friction: along, depth } = courseAround(recording, contact);
@@ -121,17 +122,8 @@ export class ForceChart extends Chart {
     const friction = rubs ? along : times.map(() => null);
     this.loopButton.hidden = !depth;
     this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
-    const others = []; // letters of the compared motions in which the impact with this number is of another point or wall
-    this.curves = this.compared.flatMap(({ recording: other, ...line }) => {
-      const same = other.impacts[number - 1];
-      if (same && (same.what !== contact.what || same.wall !== wall)) {
-        others.push(line.letter);
-        return [];
-      }
-      const course = same && courseAround(other, same);
-      const x = course && (this.loop ? course.depth : course.times);
-      return x ? [{ points: [x, course.force], ...line }] : [];
-    });
+    const lines = this.compared.map((line) => ({ ...line, ...this.#courseIn(line.recording, contact) }));
+    this.curves = lines.filter(({ points }) => points);
     const most = highest(this.loop?.[0] ?? [], ...this.curves.map(({ points: [x] }) => x));
     this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
@@ -152,8 +144,19 @@ export class ForceChart extends Chart {
     const quantity = (unitsOf(contact).force === "N" ? force : moment) + (holds ? " after the impulse" : "");
     this.quantity.textContent = this.loop ? `${quantity} over penetration` : quantity;
     const length = hasCurve ? durationText(end - onset, 2) : "no force over time is known";
-    const legend = (rubs && !this.loop ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");
+    const lacking = lines.filter(({ why }) => why).map(({ letter, why }) => `; ${letter}: ${why}`).join("");
+    const legend = (rubs && !this.loop ? "; dotted: friction" : "") + lacking;
     const text = `${contactTitle(contact)}, ${length}${legend}`;
     Object.assign(this.title, { textContent: text, title: text }); // the title may be cut, so its whole text is also the tooltip
+  }
+
+  /** Return the `points` of the curve of a compared recording at the partner of a contact or, without a curve, the reason `why`. */
+  #courseIn(other, contact) {
+    const partner = partnerOf(contact, this.recording.impacts, other.impacts);
+    if (!partner) return { why: "no such impact near" };
+    const { times, depth, force } = courseAround(other, partner);
+    if (this.loop && !depth) return { why: "no known penetration" };
+    if (!force.some((value) => value > 0)) return { why: partner.peak === null ? "an impulse only" : "no known force over time" };
+    return { points: [this.loop ? depth : times, force] };
   }
 }

@@ -2,8 +2,9 @@
 // motions are listed.
 
 import { find, make } from "../base/dom.js";
-import { durationText, forceText, impulseText, unitsOf } from "../base/format.js";
+import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
 import { wallText } from "../player/impact_list.js";
+import { partnerOf } from "../recording/partners.js";
 import { onGesture } from "./gestures.js";
 
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
@@ -124,17 +125,7 @@ export class ComparedMotions {
     const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
     const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
     const all = [{ recording: player.recording, text }, ...listed];
-    const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));
-    const numbers = Array.from({ length: count }, (_, k) => make("th", { scope: "col", textContent: `${k + 1}` }));
-    const fixed = ["Impact", "largest"].map((textContent) => make("th", { scope: "col", textContent }));
-    const head = make("tr", {}, ...fixed, ...numbers);
-    const more = Math.max(...all.map(({ recording }) => recording.impacts.length)) - count;
-    if (more > 0) head.append(make("th", { scope: "col", textContent: `and ${more} more` }));
-    const present = player.recording.impacts;
-    const largest = ({ recording }) => make("td", { textContent: largestText(recording) });
-    const rows = all.map((motion) => make("tr", {}, this.#title(motion), largest(motion),
-      ...numbers.map((_, k) => cellOf(motion.recording.impacts[k], present[k]))));
-    table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
+    table.replaceChildren(...comparisonTable(all.map((motion) => ({ ...motion, title: this.#title(motion) }))));
   }
 
   #title(motion) {
@@ -175,17 +166,59 @@ function besideOthers([x, y], others) {
   return isNear ? besideOthers([x + 1, y], others) : [x, y];
 }
 
-/** Return the largest peak force of a recording, or else impulse, as text: at walls or, if none is known there, at stops of joints. */
-function largestText({ impacts }) {
+/**
+ * Return the parts of the table that compares motions, the present one first: each has a `recording` and a `title`. A column for each
+ * impact of the present motion has its partner in each other motion; the impacts without a partner follow.
+ */
+function comparisonTable(motions) {
+  const present = motions[0].recording.impacts;
+  const rows = motions.map(({ recording: { impacts } }) => {
+    const partners = present.map((impact) => (impacts === present ? impact : partnerOf(impact, present, impacts)));
+    const others = impacts.filter((impact) => !partners.includes(impact));
+    return { partners: partners.slice(0, LISTED), others: others.slice(0, LISTED), more: impacts.length > LISTED };
+  });
+  const most = Math.max(...rows.map(({ others }) => others.length));
+  const heads = ["Impact", "largest", ...present.slice(0, LISTED).map(({ number }) => `${number}`)];
+  const head = make("tr", {}, ...heads.map((textContent) => make("th", { scope: "col", textContent })));
+  if (most) head.append(make("th", { scope: "colgroup", colSpan: most, textContent: "without a partner in the present motion" }));
+  if (rows.some(({ more }) => more)) head.append(make("th", { scope: "col", textContent: `up to ${LISTED} are listed` }));
+  const body = rows.map(({ partners, others }, k) => {
+    const { title, recording } = motions[k];
+    const change = k ? percentText(recording, motions[0].recording) : "";
+    const largest = make("td", { textContent: largestText(recording) });
+    if (change) largest.append(make("small", { textContent: change, title: "Against the present motion" }));
+    return make("tr", {}, title, largest, ...[...partners, ...others].map((impact, column) => cellOf(impact, column + 1)));
+  });
+  return [make("thead", {}, head), make("tbody", {}, ...body)];
+}
+
+/**
+ * Return the `impact` with the largest peak force of a recording, or else impulse, and which of the two is its `key`: at walls or, if none
+ * is known there, at stops of joints; null without one.
+ */
+function largestImpact({ impacts }) {
   const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
   const ended = impulses.filter(({ rebound }) => Number.isFinite(rebound ?? NaN)); // without a rest, whose impulse grows with time
   const known = [peaks, ended, impulses].find(({ length }) => length) ?? [];
   const atWalls = known.filter(({ atStop }) => !atStop);
-  const sizeOf = ({ peak, impulse }) => (peaks.length ? peak : impulse);
-  const largest = (atWalls.length ? atWalls : known).reduce(
-    (one, other) => (one && sizeOf(one) >= sizeOf(other) ? one : other), null);
-  if (!largest) return "–";
-  return peaks.length ? forceText(largest.peak, 3, unitsOf(largest).force) : impulseText(largest);
+  const key = peaks.length ? "peak" : "impulse";
+  const impact = (atWalls.length ? atWalls : known).reduce((one, other) => (one && one[key] >= other[key] ? one : other), null);
+  return impact && { impact, key, unit: unitsOf(impact)[key === "peak" ? "force" : "impulse"] };
+}
+
+/** Return the largest peak force of a recording, or else impulse, as text. */
+export function largestText(recording) {
+  const { impact, key, unit } = largestImpact(recording) ?? {};
+  return impact ? forceText(impact[key], 3, unit) : "–";
+}
+
+/** Return by how many percent the largest force of a recording differs from that of another: "−12 %"; "" if their units differ. */
+function percentText(recording, other) {
+  const [one, base] = [recording, other].map(largestImpact);
+  if (!one || one.unit !== base?.unit || !(base.impact[base.key] > 0)) return "";
+  const percent = 100 * (one.impact[one.key] / base.impact[base.key] - 1);
+  const rounded = Math.abs(percent) < 0.05 ? "0" : digits(percent, 2);
+  return `${percent > 0 && rounded !== "0" ? "+" : ""}${withMinus(rounded)}\u202f%`;
 }
 
 /** Return words for how impacts differ from those of the recording before a change: their number and largest force. */
@@ -202,14 +235,15 @@ function placeText(impact) {
 
 /**
  * Return a table's cell for an impact: time, peak force or impulse, and place, with a tooltip that tells the duration; a dash without
- * impact. The cell is marked if the impact `beside` of the present motion has another place.
+ * impact. The cell tells the impact's own number if it differs from that of the column.
  */
-function cellOf(impact, beside) {
-  if (!impact) return make("td", { textContent: "–" });
+function cellOf(impact, column) {
+  if (!impact) return make("td", { textContent: "–", title: "No impact of this point and wall is near" });
   const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
-  const cell = make("td", { title: `${impact.what} at ${impact.wall}, until ${durationText(impact.end - impact.onset)} later` });
+  const until = `until ${durationText(impact.end - impact.onset)} later`;
+  const cell = make("td", { title: `Impact ${impact.number}: ${impact.what} at ${wallText(impact)}, ${until}` });
   const place = make("small", { className: "place", textContent: placeText(impact) });
+  if (impact.number !== column) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
   cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }), place);
-  cell.classList.toggle("elsewhere", Boolean(beside) && placeText(impact) !== placeText(beside));
   return cell;
 }
