@@ -1,22 +1,24 @@
 """Loads: the forces and moments that the joints transmit, and the forces and moments of the chain on walls.
 
-Newton's law for links i…N, with f_i the force of link i − 1 on link i, F_k the forces at the points, m_j the
-masses, a_Cj the accelerations of the centres of mass and g gravity, is
+Newton's law for the links i to N gives the force f_i of link i − 1 on link i. With F_k the force at point k,
+m_j the mass of link j, a_Cj the acceleration of its centre of mass, and g gravity, it is
 
     f_i = Σ_{j≥i} m_j (a_Cj − g) − Σ_{k≥i} F_k.
 
 A contact at point k acts on link k, which ends there; a contact at the base acts on link 1, and a contact at
-a site on the site's link. Integrated over time, with p the momentum of these links,
+a site acts on the site's link. Integrated over time, with p the momentum of the links i to N, the law is
 
     ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
 
-which includes the impulses of rigid walls. So the impulses in joints follow from momenta, without an
-integration over time. The peaks of |f_i| are searched for in the dense output of each step; impulses of rigid
-walls are not part of a peak. The largest force during a contact is the largest one in the steps in which the
-contact is active, because a contact begins and ends at ends of steps.
+It includes the impulses of rigid walls. So the impulse in a joint follows from momenta and from the impulses
+at the points, and f_i is not integrated.
 
-The record has a row for each joint, beginning with row 0 for the joint at the base, and then a row for each
-wall. The record of a scene that does not request loads has no such rows.
+The peak of |f_i| is searched for in the dense output of each step; impulses of rigid walls do not count in a
+peak. A contact begins and ends at ends of steps. So the largest force during a contact is the largest one in
+the steps in which the contact is active.
+
+In the record, loads have a row for each joint, from row 0 for the joint at the base, and after these a row
+for each wall. If a scene does not request loads, its record has no such rows.
 """
 
 import math
@@ -255,8 +257,9 @@ def update_load_peaks(d):
 def search_step(d):
     """Set ``transmitted.largest_square`` of each joint to its largest |f|² [N²] in the last step.
 
-    The value is at least the least of the stored maxima, the joint's peak and the largest |f|² of each active
-    contact: a smaller |f|² would change none of them.
+    Two kinds of stored maxima depend on this value: the joint's peak, and the largest |f|² of each active
+    contact. If |f|² stays below all of them in the step, none of them changes; then the value is the least of
+    these stored maxima, although |f|² is smaller.
     """
     transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):

@@ -1,7 +1,7 @@
 """The outputs at the communication point.
 
-A value that an importer sets changes the outputs of accelerations, forces and sticking at once. Outputs of
-the state and of integrals, such as impulses, do not change before the next step.
+A value that an importer sets there changes the outputs of accelerations, forces and sticking at once. It
+changes outputs of the state, and of integrals such as impulses, only from the next step on.
 """
 
 from chain_impact.kernel import hooks

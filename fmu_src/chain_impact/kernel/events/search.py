@@ -128,12 +128,14 @@ def find_sampled_event(d, theta):
 
 
 def is_credible_crossing(d, theta):
-    """Return whether the crossings at the fraction θ of the step are real, and no errors of the step.
+    """Return whether the crossings at the fraction θ of the step are real, and not errors of the step.
 
-    The state, the clearances and their rates must be set at θ. Positions and rates of the interpolant may be
-    inconsistent within the tolerance. Three kinds of crossing are errors of a step that is too long: an onset
-    deep inside a wall, an onset of a point that moves away from the wall, and a crossing right after the
-    start of the step by a point that cannot have reached the wall yet.
+    The result is False in three cases, which are errors of a step that is too long: an onset lies deep inside
+    a wall; at an onset the point moves away from the wall; or a crossing lies right after the start of the
+    step, although the point cannot have reached the wall yet. Such errors occur because positions and rates
+    of the interpolant may be inconsistent within the tolerance.
+
+    The caller has set the state, the clearances and their rates at θ.
     """
     if theta <= EARLY_THETA and starts_clear(d, d.scratch.y[time_at(d.links)]):
         return False
@@ -171,14 +173,15 @@ def starts_clear(d, lasted):
 
 
 def onset_fraction(d):
-    """Return the fraction θ of the onsets in the last step, which was repeated to end at its events.
+    """Return the fraction θ of the last step at which its onsets lie; the step was repeated to end at them.
 
-    θ is 1 up to the error of the interpolant with which the events were found; two Newton iterations correct
-    θ, and the result may lie a little beyond the end. The result is −1, for the end of the step, if there is
-    no onset, or if the step is not much longer than the resolution of time.
+    θ differs from 1 only by the error of the interpolant with which the onsets were found. Two Newton
+    iterations find θ, which may be slightly above 1. The result is −1, which stands for the end of the step,
+    if there is no onset, or if the step is not much longer than the resolution of time.
 
-    The step is rejected if points at θ are deep inside a wall or far from an onset. It is also rejected if
-    friction modes are marked to end but no margin is halved (``margin_is_halved``).
+    The step is rejected in three cases: a point is deep inside a wall at θ; a point is far from its onset at
+    θ; or friction modes are marked to end, but the step halves the margin of none of them
+    (``margin_is_halved``).
     """
     if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0

@@ -1,12 +1,13 @@
-"""The contact law of each candidate: a wall may have another material, and joints' stops another law.
+"""The contact law of each candidate: walls may have their own materials, and stops have their own laws.
 
-The law of a joint's stop gives a moment M for the angle φ beyond the stop. For the kernel the stop is a
-contact at a lever arm s, the longest link (geometry.py), with the penetration δ = s φ and the force F = M/s.
-So M = K φⁿ becomes a contact with the stiffness K/sⁿ⁺¹. The given minimum impact speed [rad/s] times s is the
-one of the contact [m/s].
+The law of a joint's stop is given in angles: it is a moment M for the angle φ beyond the stop. The kernel
+treats the stop as a contact at the lever arm s, the longest link (geometry.py). The penetration of this
+contact is δ = s φ, and its force is F = M/s. So a law M = K φⁿ becomes a force with the stiffness K/sⁿ⁺¹. The
+minimum impact speed of the contact [m/s] is s times the given one [rad/s].
 
-Candidates whose parameters have the same origin, such as the same wall, have the same law. The kernel sets
-the law of the first of these candidates; the others copy it (``law.same_as``).
+Candidates have the same law if their parameters are given in the same place, such as the same wall
+(``law_origin``). Of such candidates, the kernel sets the law of the first one, and the others copy it
+(``law.same_as``).
 """
 
 import math

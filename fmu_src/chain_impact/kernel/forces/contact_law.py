@@ -29,9 +29,9 @@ class ContactLaw:
     allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
     exponent: float | None = None  # the exponent n for which the law is defined; None: any exponent
     rate_exponent: float | None = None  # exponent p of the penetration δ in the damping d δᵖ δ̇; None: p = n
-    # exponent s in the damping d = f K^(1−s) m^s, with the damping factor f and the effective mass m. With
-    # the value 0 the law has another damping, that of the Hunt–Crossley family: d = f K/v₀ with the impact
-    # speed v₀; a rigid wall has the value 0 and no damping.
+    # exponent s in the damping d = f K^(1−s) m^s, with the damping factor f and the effective mass m. The
+    # value 0 means that the damping has another formula, or that there is none: the Hunt–Crossley family has
+    # d = f K/v₀ with the impact speed v₀, and a rigid wall has no damping.
     mass_power: float = 0.0
     # whether the damping acts only while the penetration grows
     approach_only: bool = False

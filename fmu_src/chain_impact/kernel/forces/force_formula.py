@@ -1,12 +1,13 @@
 """The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its partial derivatives and its elastic energy.
 
-K is the stiffness, δ the penetration, v₀ the impact speed. The damping d is latched: its value is fixed at
-the onset. The laws in laws.py differ only in d and the exponents n and p. A user's law (user_law.py) defines
-the whole force.
+K is the stiffness, δ the penetration and δ̇ its rate. The damping d is latched: it is computed at the onset
+and then fixed. The laws in laws.py differ only in d and the exponents n and p. A user's law (user_law.py) has
+a formula of its own in place of K δⁿ + d δᵖ δ̇.
 
-The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
-across a kink would lose its order of accuracy. So a step uses the smooth formula of one side of the kink on
-both sides; ``touch.beyond_kink`` tells which. If the step crosses the kink, it is repeated to end there
+The force has a kink. For a law that damps on approach only, the kink lies at δ̇ = 0; for any other law, it
+lies where the cut at 0 begins or ends. A step across a kink would lose its order of accuracy. So a step uses
+the smooth formula of one side of the kink, even where the contact is on the other side; ``touch.beyond_kink``
+tells which formula. If the contact crosses the kink in a step, the step is repeated to end there
 (events/sampled.py). Outputs and peaks use the true force.
 """
 
@@ -110,13 +111,14 @@ def set_damping(d, c):
 
 
 def unit_of_damping(d, c, mass_power):
-    """Return the factor by which the damping of candidate c differs from f K^(1−s) m^s.
+    """Return the factor by which f K^(1−s) m^s is multiplied to give the damping d of candidate c.
 
-    The factor is 1 except at a joint's stop. It is also 1 there if f has no unit.
+    f and s belong to the law (laws.py), K is the stiffness and m the effective mass of the contact. The
+    factor is 1 for all candidates except the stops of joints.
 
-    f and s belong to the law (laws.py), and m is the effective mass. A joint's stop has the law in terms of
-    the angle, with the stiffness K' = K rⁿ⁺¹ and the moment of inertia m' = m r²: d' = f K'^(1−s) m'^s. The
-    kernel uses lengths at the lever arm r, so its damping is d = d'/rᵖ⁺².
+    At a joint's stop the law holds for angles: its damping is d' = f K'^(1−s) m'^s with the stiffness
+    K' = K rⁿ⁺¹ and the moment of inertia m' = m r², where r is the lever arm. The kernel uses lengths at the
+    lever arm, for which the damping is d = d'/rᵖ⁺². So the factor is a power of r. It is 1 if f has no unit.
     """
     if not at_joint_stop(d, c):
         return 1.0
@@ -126,11 +128,12 @@ def unit_of_damping(d, c, mass_power):
 
 
 def turning_margin(d, c):
-    """Return the rate |δ̇| [m/s] up to which a step may use the force of the wrong side of the kink δ̇ = 0.
+    """Return the largest |δ̇| [m/s] at which a step may use the force of the wrong side of the kink δ̇ = 0.
 
-    If |δ̇| reaches the speed v on the wrong side, the impulse has the relative error (v/v₀)² times the result
-    of ``damping_over_elastic``. The tolerance times the longest link per second is added, because at rest
-    errors change the sign of δ̇ again and again.
+    If |δ̇| reaches the speed v on the wrong side, the impulse of the contact has a relative error: (v/v₀)²
+    times the result of ``damping_over_elastic``, with the impact speed v₀. TURNING_RATE limits this error. At
+    rest, errors change the sign of δ̇ again and again; therefore the tolerance times one longest link per
+    second is added to the result.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))

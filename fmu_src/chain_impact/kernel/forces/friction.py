@@ -1,25 +1,24 @@
 """Coulomb's dry friction at walls and in joints; a sticking element does not creep.
 
-An element is a candidate, a joint or the slider. At a candidate the friction force acts along
-t = (n_y, −n_x). Each element with friction has a mode, which changes at events only
-(events/friction_modes.py), so that the equations of motion are smooth within a step:
+An element is a candidate, a joint or the slider. At a candidate the friction force acts along the tangent
+t = (n_y, −n_x) of the wall with the normal n. Each element with friction has a mode: it slides or sticks. The
+mode changes at events only (events/friction_modes.py), so the equations of motion are smooth within a step:
 
     sliding with the sign s    F_t = −s µ F_n
     sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n
 
-with F_t the friction force along t, F_n the normal force, t·a the tangential acceleration, µ the coefficient
-of sliding friction and µ_s ≥ µ the coefficient of static friction. Within a step the sign s is latched
-(fixed); the sign of the tangential speed is not evaluated. In a joint, µ F_n and µ_s F_n both stand for the
-friction moment divided by the lever arm of the joint's place; for the slider they stand for its friction
-force. The normal force of a force law depends on the state alone, so modes and accelerations that satisfy
-these laws exist; for µ_s = µ the accelerations are unique.
+F_t is the friction force along t, F_n the normal force, t·a the tangential acceleration, µ the coefficient of
+sliding friction, and µ_s ≥ µ the coefficient of static friction. The sign s is fixed (latched) within a step;
+the sign of the tangential speed is not evaluated. A joint has one friction moment in place of both µ F_n and
+µ_s F_n: they stand for this moment divided by the lever arm of the joint's place. For the slider both stand
+for its friction force. The normal force of a contact with a force law depends on the state alone. So modes
+and accelerations that satisfy the two conditions above exist; for µ_s = µ the accelerations are unique.
 
-Where several constraints are dependent, the forces of the sticking elements are not unique. The solver then
-chooses forces in proportion to the limits (constraints.py), or forces that do not exceed their limits
-(limits.py).
+If constraints are dependent, the forces of the sticking elements are not unique. Then the solver chooses
+forces in proportion to their limits (constraints.py), or forces that do not exceed their limits (limits.py).
 
-Source: C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad. Sci. 10:161; for modes that
-stay within a step, in place of the sign of a speed, Pfeiffer & Glocker 1996, Multibody Dynamics with
+Sources: for the law of friction, C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad.
+Sci. 10:161; for modes that are fixed within a step, Pfeiffer & Glocker 1996, Multibody Dynamics with
 Unilateral Contacts.
 """
 

@@ -123,12 +123,14 @@ def set_start_to_accelerations(d, y, rate):
 
 
 def add_constraint_forces(d, y, rate):
-    """Add the effect of the constraint forces to ``rate``, the rate ẏ of the motion without them.
+    """Add the accelerations due to the constraint forces to ``rate``, the rate ẏ of the motion without them.
 
-    Afterwards held points have g̈ = 0 for the clearance g, sticking elements t·a = 0 along t, and
-    ``d.constraints.impulse`` contains the forces [N]; at walls at rest they do no work, apart from errors.
-    MOVING (rows/constraints.py) is recorded if a held point still accelerates by more than the tolerance; the
-    step is then rejected.
+    Afterwards each held point has g̈ = 0 for its clearance g, and each sticking element has t·a = 0 for its
+    acceleration a and its tangent t. ``d.constraints.impulse`` contains the constraint forces [N]. At walls
+    at rest these forces do no work, apart from errors.
+
+    If a held point still accelerates by more than the tolerance, MOVING (rows/constraints.py) is recorded,
+    and the step is rejected later.
     """
     constraints = d.constraints
     copy_factors(d, joints_loaded(d))
@@ -154,16 +156,18 @@ def store_constraint_forces(d):
 def project_state(d, y):
     """Project the state y, whose points are located, onto the constraints, so that errors do not add up.
 
-    Held contacts get the clearance g = 0 and its rate ġ = 0. A sticking element moves to its anchor along t
-    and loses its tangential speed. If this needs a large change of coordinates, points are only moved out of
-    rigid walls, or nothing is moved (``solve_positions``). If any element sticks, a contact with a force law
-    resists the change like a large mass (``contact_resistance``), because a change of a clearance at a stiff
-    wall would act as an impact.
+    A held contact gets the clearance g = 0 and its rate ġ = 0. A sticking element moves to its anchor along
+    its tangent and loses its tangential speed. If the change of coordinates were too large, points are only
+    moved out of rigid walls, or nothing is moved (``solve_positions``). If any element sticks, each contact
+    with a force law resists the projection like a large mass (``contact_resistance``): at a stiff wall, a
+    change of the clearance would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
-    size. If a wall would have to pull by more than ``tolerated_momentum``, all walls only push, and points
-    may leave them, with ġ > 0 in ``d.constraints.reached``. The kinetic energy that is lost counts as
-    dissipated, the work of moving walls, belts and base as supplied. Afterwards the points are located in the
+    size. So if a wall would have to pull by more than ``tolerated_momentum``, walls are only allowed to push.
+    Points may then leave their walls, and ``d.constraints.reached`` contains their ġ > 0.
+
+    The kinetic energy that the projection removes counts as dissipated energy. The work of moving walls,
+    belts and base during the projection counts as supplied energy. At the end the points are located in the
     projected state.
     """
     constraints, lost = d.constraints, dissipated_at(d.links)
@@ -269,11 +273,15 @@ def contact_resistance(d):
 def solve_positions(d):
     """Compute the change of coordinates that brings clearances and sticking elements to their targets.
 
-    Where constraint forces can hardly cause the motion that would remove the residuals, the change exceeds
-    the limit of LARGEST_CORRECTION. Then, if a rigid wall holds a point, only points in a rigid wall, with
-    g < target, are moved out; otherwise nothing is moved. If no rigid wall holds a point, nothing is moved
-    either where the change would leave more than LARGEST_REMAINING_RESIDUAL of the residuals of sticking
-    elements, for example at two corners of a box. Without these limits each step would change the energy.
+    A residual is a distance from a target. The function gives up this change in two cases, because otherwise
+    each step would change the energy:
+
+    - The change exceeds the limit of LARGEST_CORRECTION: constraint forces can hardly cause such a motion.
+    - No rigid wall holds a point, and the change would leave more than LARGEST_REMAINING_RESIDUAL of the
+      residuals of sticking elements, for example at two corners of a box.
+
+    If it gives up the change, and a rigid wall holds a point, only points in a rigid wall, with g < target
+    for the clearance g, are moved out. If no rigid wall holds a point, nothing is moved.
     """
     constraints, size, far, asked, moved, left = (
         d.constraints,

@@ -1,20 +1,20 @@
-"""The contact laws: the force of each, its properties, and the order of their numbers in the FMU.
+"""The contact laws: the force of each law, its properties and its number in the FMU.
 
     F = max(0, K δⁿ + d δᵖ δ̇)
 
-K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s]. The damping d is computed once for a contact, at the
-onset, from the factor f(e), which the law derives from the prescribed restitution e. There are three kinds of
-laws:
+K is the stiffness [N/mⁿ], δ the penetration [m], δ̇ its rate [m/s]. The damping d of a contact is computed
+once, at the onset, from the factor f(e): each law defines this function of the prescribed restitution e.
+There are three kinds of laws:
 
-- The Hunt–Crossley family, F = K δⁿ (1 + λ δ̇/v₀): p = n, f = λ and d = λ K/v₀, with v₀ the approach speed at
-  the onset [m/s]. The realised restitution e′ depends on λ alone. It solves
+- The laws of the Hunt–Crossley family have p = n, f = λ and d = λ K/v₀, so that F = K δⁿ (1 + λ δ̇/v₀), with
+  the approach speed v₀ at the onset [m/s]. The realised restitution e′ depends on λ alone. It solves
   λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
-- Laws with p ≠ n, each for one exponent n. The damping d = f K^(1−s) m^s, with the exponent s of the law,
-  needs the effective mass m of the chain at the contact [kg].
-- Rigid walls, with impulses instead of a force, so without d (events/impacts.py).
+- The other laws with a force have p ≠ n, and each of them holds for one exponent n. Their damping is
+  d = f K^(1−s) m^s, with an exponent s of the law and the effective mass m of the chain at the contact [kg].
+- The law of rigid walls has impulses instead of a force, so it has no d (events/impacts.py).
 
-The relations are derived in docs/contact_laws.md. The laws are numbered in the order of this file, and the
-FMU uses these numbers, so new laws go to the end.
+The relations are derived in docs/contact_laws.md. The number of a law is its position in this file, counted
+from 1. The FMU uses these numbers, so a new law goes to the end.
 """
 
 import math
@@ -39,11 +39,11 @@ CONTACT_LAWS: dict[str, ContactLaw] = {}
 
 
 def contact_law(title, source, formula, accurate, evidence, **properties):
-    """Return a decorator that registers a function f(e) as the next contact law, under its name.
+    """Return a decorator that registers a function f(e) as the next contact law, with the function's name.
 
-    The docstring of f becomes the limits of the law. If the source begins with a year, the title is put
-    before it, as the authors. ``accurate`` is the range of restitutions, ``accurate_from`` and
-    ``accurate_to``; the other arguments are fields of ``ContactLaw``.
+    The docstring of f becomes the limits of the law. ``title`` has the authors of the law; if ``source``
+    begins with a year, they are put before it. ``accurate`` is the pair of the law's ``accurate_from`` and
+    ``accurate_to``. The other arguments are fields of ``ContactLaw``.
     """
 
     def register(function):
@@ -198,9 +198,9 @@ def carvalho_martins(e):
     allows_zero=False,
 )
 def kelvin_voigt(e):
-    """Spring and dashpot: the force jumps at the onset. The formula of f assumes that a contact can pull.
+    """Spring and dashpot: the force jumps at the onset. The formula of f holds for a contact that can pull.
 
-    A wall cannot pull: the force is cut off at 0. The realised restitution is e^(1 − (2/π) arctan(−ln e/π)).
+    Here the force is cut off at 0, so the realised restitution is higher: e^(1 − (2/π) arctan(−ln e/π)).
     """
     return _logarithmic_damping(2.0, e)
 
@@ -313,10 +313,11 @@ def is_impulsive(law):
 def wall_friction(sliding, static, own_sliding, own_static):
     """Return the coefficients of sliding and of static friction at a wall.
 
-    ``sliding`` and ``static`` are common to all walls, ``own_sliding`` and ``own_static`` belong to the wall;
-    a negative value means that the wall has no such coefficient. A static coefficient of 0 means that it
-    equals the sliding coefficient. A wall that has only a sliding coefficient of its own has the static
-    coefficient 0, not the common one, so both coefficients are equal.
+    A static coefficient of 0 in the result means that it equals the sliding coefficient.
+
+    ``sliding`` and ``static`` are common to all walls. ``own_sliding`` and ``own_static`` belong to this wall
+    and replace the common ones; a negative value means that the wall has no such coefficient. If the wall has
+    only a sliding coefficient of its own, its static coefficient is 0, not the common one.
     """
     if own_sliding >= 0.0:
         sliding, static = own_sliding, 0.0
