@@ -38,7 +38,8 @@ HIGH_ROWS, LOW_ROW = 2, 0.24
 # height of the panel of energies.
 FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
 # HIGHEST: the largest height of the panel of motion, relative to the width of the figure, if the user gives
-# no height. In a narrow figure, ABOVE_TIME limits a panel of motion that is above the others.
+# no height. It does not apply if a narrow figure has this panel above the others: there ABOVE_TIME is the
+# limit.
 HIGHEST = 0.4
 # Lengths in inches.
 # LOWEST: the least height of the panel of motion beside the others.

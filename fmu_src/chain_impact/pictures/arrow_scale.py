@@ -44,8 +44,9 @@ class ArrowScale:
     def marks(self) -> list[tuple[float, str]]:
         """Return, for each mark, its distance from the ruler's left end [m] and its text.
 
-        Marks are the DECADES largest powers of ten [N] up to the largest force, the largest first. A mark is
-        left out if it is closer than FIRST_MARK to the left end, or than MARK_GAP to the mark at its right.
+        The marks are powers of ten [N], at most DECADES: first the largest one up to the largest force, then
+        the smaller ones in turn. A mark is left out if its distance from the left end is less than
+        FIRST_MARK, or its distance from the mark at its right is less than MARK_GAP.
         """
         marks: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side

@@ -12,8 +12,10 @@ from chain_impact.pictures.style import GREY
 
 MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
 SOFT = 0.45  # the opacity of a band, from 0 to 1
-# A curve is fast if it turns at least twice, which is a period, within BIN [points] in more than FAST_PART of
-# the width of the axes. Turns count from LEAST_TURN on, relative to the range of all curves in the axes.
+# BIN: the width [points] of the parts into which the axes are divided. FAST_PART: a curve is fast if more
+# than this share of the parts have at least two turns of the curve each, which is a period. LEAST_TURN: the
+# least change of the value until the next turn with which a turn counts, relative to the range of all curves
+# in the axes.
 BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
 # the largest distance of two curves that look like one curve, relative to the range of all compared curves
 SAME = 0.005
@@ -89,13 +91,17 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
 
 
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
-    """Return for each line its dashes, as a style of matplotlib, if it merges with an earlier one, or None.
+    """Return for each line a style of dashes if it merges with an earlier line, and None for other lines.
 
-    Lines merge if they nearly coincide. The first of such lines has no dashes and lies below the others. The
-    dashes of the others follow each other along the line, with a gap through which the first line is seen.
+    Lines merge if they nearly coincide (MERGED). In a group of lines that merge, the first line has no dashes
+    and lies below the others. The dashes of the others alternate along the line: one dash of each, and then a
+    gap through which the first line is seen.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
+
+    Returns:
+        The styles, as matplotlib takes them.
     """
     if not lines:
         return []
@@ -134,9 +140,9 @@ def _apart(first: np.ndarray, second: np.ndarray) -> float:
 def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
     """Return whether a curve turns so often that, drawn as a line, it would look like an area.
 
-    The axis is divided into ``bins`` equal parts; more than FAST_PART of them must have two turns or more. A
-    turn counts if the value changes by at least ``least`` until the next turn. The result is False for a
-    curve with missing values, or with at most ``bins`` rows.
+    The axis is divided into ``bins`` equal parts. The result is True if more than FAST_PART of these parts
+    have at least two turns each. A turn counts only if the value changes by at least ``least`` from this turn
+    to the next one. The result is False for a curve with missing values, or with at most ``bins`` rows.
     """
     if not np.isfinite(values).all() or len(along) <= bins:
         return False
@@ -150,8 +156,9 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
 def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the range of a curve: the middles of parts of the axis, and the least and largest values there.
 
-    The axis is divided into ``bins`` equal parts; parts without rows are left out. The values of a part
-    include the values of both neighbours, so that the edges do not follow the oscillation.
+    The axis is divided into ``bins`` equal parts. The least and the largest value of a part are those of the
+    rows in this part and in both parts beside it; so the edges of the range do not follow the oscillation. A
+    part is left out if none of these rows exist.
     """
     edges = np.linspace(along[0], along[-1], bins + 1)
     starts = np.searchsorted(along, edges)

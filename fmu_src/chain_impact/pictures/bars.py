@@ -35,16 +35,16 @@ ONE_SCALE = 10.0
 
 @dataclass(frozen=True)
 class Bars:
-    """A block of bars with an axis of its own, the first name at the top.
+    """A block of horizontal bars, the first one at the top; the block has an axis of its own.
 
     Attributes:
-        names: the names of the bars.
-        values: the lengths of the bars; negative bars go to the left.
-        texts: the text at the right of each bar.
+        names: the name of each bar, at its left.
+        values: the length of each bar with its sign; a bar with a negative value goes to the left.
+        texts: the text of each bar, in a column at the right of the block.
         label: the label of the axis.
-        heading: a text above the texts at the right.
+        heading: a text above the column of ``texts``.
         title: a text above the block.
-        colours: the colour of each bar; by default the colour shows the direction.
+        colours: the colour of each bar; if there are none, the colour of a bar shows the sign of its value.
     """
 
     names: Sequence[str]

@@ -1,7 +1,8 @@
-"""The figure with derivatives: the changes of outputs and impacts by a small change of each parameter.
+"""The figure with derivatives: the changes of outputs and impacts that a change of each parameter causes.
 
-The curves show the derivative times a small change of the parameter: 1 % of its value, or 0.01 of its unit
-where the value is zero. So all parameters share an axis, in the unit of the output.
+A curve shows the derivative of an output by a parameter, times a small change of this parameter: 1 % of the
+parameter's value, or 0.01 of its unit if its value is zero. So the curves of all parameters share an axis, in
+the unit of the output.
 
 The curves of a parameter end where its change of any drawn output exceeds the range of this output in the run
 (``span_of``): from then on, a change to first order says nothing.
@@ -45,7 +46,8 @@ NO_CHANGE = 1e-12
 LARGEST_EFFECTS = 4
 STEEP = 300.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
 MOST_POWERS = 4  # the largest number of ticks, at powers of ten, on each side of 0 at such an axis
-LINEAR = 0.3  # where this axis turns from linear to logarithmic, relative to its least tick above 0
+# up to this value such an axis is about linear, and beyond it logarithmic; relative to its least tick above 0
+LINEAR = 0.3
 ENDED = "a curve ends where a change exceeds the range of an output in the run"
 JUMP = ", where changes jump as they shift in time"
 Looks = list[dict[str, Any]]
@@ -251,11 +253,11 @@ def draw_speeds(
 
 
 def fit_scale(axes: Axes, changes: np.ndarray, least: float, usual: np.ndarray | None = None) -> None:
-    """Set the scale of the vertical axis for some changes, and draw a line at 0.
+    """Set the scale of the vertical axis for ``changes``, and draw a line at 0.
 
-    The scale is logarithmic on both sides of 0 if some changes are very large compared with the median of the
-    changes ``usual`` (STEEP), else linear; by default ``usual`` are all changes. If all
-    changes are at most ``least``, which is round-off, the axis goes from −1 to 1.
+    The scale is linear. But if the largest |change| is more than STEEP times the median |change| in
+    ``usual``, by default all changes, the scale is logarithmic on both sides of 0. If no |change| exceeds
+    ``least``, all changes are round-off, and the axis goes from −1 to 1.
     """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     sizes, usual_sizes = (
@@ -268,7 +270,7 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float, usual: np.ndarray |
     low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
     usual_size = np.median(usual_sizes if usual_sizes.size else sizes)
     if sizes.max() > STEEP * usual_size:
-        # unlike "symlog", this scale has no kink between its linear and its logarithmic part
+        # unlike "symlog", the scale "asinh" has no kink between its linear and its logarithmic part
         first, last = (int(np.floor(np.log10(size))) for size in (usual_size, sizes.max()))
         axes.set_yscale("asinh", linear_width=LINEAR * 10.0**first)
         powers = 10.0 ** np.arange(first, last + 1, 1 + (last - first) // MOST_POWERS)

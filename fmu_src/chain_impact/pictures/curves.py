@@ -69,8 +69,9 @@ def curves_size(curves: Curves) -> tuple[float, float]:
 def clear_panels(curves: Curves) -> list[list[str]]:
     """Return the names of the outputs in each panel.
 
-    A panel has one unit. A unit with more curves than colours has one panel for each quantity, which is the
-    last part of a name, unless the picture would have too many panels.
+    All outputs of a panel have one unit. If a unit has more curves than there are colours, it gets a panel
+    for each quantity, which is the last part of an output's name. But if this gives more than MOST_PANELS
+    panels in all, each unit has a single panel.
     """
     panels: list[list[str]] = []
     for names in curves.panels:
@@ -138,7 +139,9 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
 def extremes(
     time: np.ndarray, drawn: Sequence[np.ndarray], unit: str, scale: float, styles: Sequence[dict[str, Any]]
 ) -> list[Label]:
-    """Return labels with the value that is farthest from 0 of each force, moment and impulse, largest first.
+    """Return a label for each curve of a force, moment or impulse: its value farthest from 0, largest first.
+
+    A curve of another unit, or without a value other than 0, has no label.
 
     Args:
         time: the times, as on the axis.
@@ -279,10 +282,13 @@ def draw_all(
 def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
     """Return, for each output of a panel, the index from 0 that determines the curve's colour and dashes.
 
-    An owner, such as a point, keeps its index from earlier panels; a new owner gets a free index. ``places``:
-    owner → its index; the function adds new owners. If two outputs have the same owner, if two owners have
-    the same index, or if an earlier index is not below the number of colours, the outputs of this panel are
-    numbered in their order, and ``places`` does not change.
+    The index belongs to the owner of the output, such as a point: ``places`` has owner → index. An owner
+    keeps its index from earlier panels. A new owner gets an index that is free in this panel, and is added to
+    ``places``.
+
+    In three cases the outputs are numbered in their order, from 0, and ``places`` does not change: two
+    outputs of the panel have the same owner; two owners in the panel have the same index from earlier panels;
+    or such an index is not below the number of colours.
     """
     owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
     known = [places.get(owner, -1) for owner in owners]
@@ -315,7 +321,8 @@ def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
     """Return the outputs of a panel that have curves.
 
-    Outputs that are 0 at all times have none if they are two or more, and another curve is drawn.
+    Outputs that are 0 at all times have no curves if there are at least two of them, and at least one other
+    output.
     """
     moving = [name for name in names if curves.values[name].any()]
     return moving if moving and len(moving) < len(names) - 1 else list(names)

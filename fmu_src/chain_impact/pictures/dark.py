@@ -23,9 +23,10 @@ DARK = 0.18  # a ground with less luminance is dark: white text has more contras
 # the least luminance of a colour on a dark ground; on black this gives the contrast ratio 5. With a larger
 # number, blue and light blue would look alike
 LEAST_LUMINANCE = 0.2
-# the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE_CONTRAST: of colours, and of
-# greys from 0 (black) to TEXT, which are text and outlines; VISIBLE_CONTRAST: of greys from TEXT to LINES,
-# which are lines. Paler greys are areas and grids, without a least ratio.
+# the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE_CONTRAST applies to colours,
+# and to greys from 0 (black) to TEXT, which are the greys of text and outlines. VISIBLE_CONTRAST applies to
+# greys between TEXT and LINES, which are those of lines. Greys above LINES, of areas and grids, have no least
+# ratio.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 # the number of mixtures, of a colour with white or of the ground's colour with the text's, that are tried
@@ -77,8 +78,8 @@ class Ground(NamedTuple):
     def suit(self, artists: Iterable[Artist]) -> None:
         """Give artists that were drawn for a white figure the colours for this ground.
 
-        An axis must come after its ticks, as ``findobj`` returns them: otherwise the colours of ticks change
-        twice.
+        In ``artists`` an axis must come after its ticks, as in the result of ``findobj``. Otherwise the
+        colours of its ticks change twice: with the axis, and then once more as artists.
         """
         for artist in artists:
             if isinstance(artist, Line2D):

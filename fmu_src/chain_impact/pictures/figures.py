@@ -38,7 +38,7 @@ from chain_impact.pictures.style import (
 FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
 PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its legend and numbers
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
-# [inch] the least mean height of axes with a label along y, if the user has not given a height
+# [inch] if the user has not given a height: the least mean height of the axes with a label along y
 USUAL_AXES_HEIGHT = 1.0
 EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
 SETTLINGS = 3  # how often, at most, a figure is arranged: broken labels and legends change the room of others
@@ -81,10 +81,11 @@ def draw_figure(
 
     Args:
         fill: function that draws the contents on an empty figure.
-        path: the file; its suffix png, svg or pdf determines the kind. None returns the figure.
-        size: width and height [inches]; the height may be None, for a height that the contents need.
-            If ``size`` is None, it is ``usual``, and the room is not checked.
-        usual: default width and height [inches], also the first guess if only the height is None.
+        path: the file to write; its suffix png, svg or pdf determines the format. If it is None, the figure
+            is returned.
+        size: width and height [inches]. The height None means the height that the contents need. If ``size``
+            itself is None, the size is ``usual``, and no check tells whether the contents have room.
+        usual: default width and height [inches]; if only the height is None, the first height that is tried.
 
     Raises:
         ValueError: when the given size is not possible, or has no room for the panels.
@@ -138,8 +139,9 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
 def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     """Return a figure of a given width with the height [inches] that its contents need.
 
-    First the usual height is tried, or a lower one for a width between WIDE and the usual width. If it is too
-    low for the contents, the figure is that of ``least_figure``.
+    The first height that is tried is the usual one; for a width between WIDE and the usual width it is lower.
+    If the first height is too low for the contents, ``least_figure`` tries greater ones, and its figure is
+    returned.
 
     Raises:
         ValueError: when no tried height is enough.
@@ -161,11 +163,11 @@ def least_figure(
     *,
     free_height: bool = False,
 ) -> Figure:
-    """Return the figure with the least tried height that has room for all panels.
+    """Return the lowest figure that has room for all panels, among the heights that are tried.
 
-    The tried heights are multiples of STEP above ``height`` [inches], which is too low (HIGHER). ``mean`` is
-    as in ``has_room``; ``lacks`` is the result of ``lacking_height`` at ``height``, inf if it is unknown;
-    ``free_height`` is as in ``StyledFigure``.
+    These heights are the multiples of STEP above ``height`` [inches], which is itself too low; HIGHER limits
+    their number. ``mean`` is as in ``has_room``; ``lacks`` is the result of ``lacking_height`` at ``height``,
+    inf if it is unknown; ``free_height`` is as in ``StyledFigure``.
 
     Raises:
         ValueError: when no tried height is enough.
@@ -174,7 +176,8 @@ def least_figure(
     # all heights up to ``low`` are too low, and all heights from ``high`` on are enough
     low, high, found = -1, len(heights), None
     while high - low > 1:
-        # the measured lack of height gives a good guess; if the lack is unknown or 0, the interval is halved
+        # the lack of height at the last guess, if it is known and not 0, gives the next guess; otherwise the
+        # next guess is the middle of the interval
         is_known = lacks != 0.0 and math.isfinite(lacks)
         guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
         k = min(max(guess, low + 1), high - 1)
@@ -185,7 +188,7 @@ def least_figure(
             low = k
             continue
         high, found = k, figure
-        if -STEP < lacks < 0.0:  # then a figure that is lower by STEP would lack height
+        if -STEP < lacks < 0.0:  # a figure that is lower by STEP would lack height, so this is the least
             break
     if found is None:
         raise NoRoomError(width, height, "wider for the panels")
@@ -202,10 +205,11 @@ def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
 
 @styled()
 def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
-    """Draw on a figure; return the additional height that it needs for its axes [inches].
+    """Draw on a figure; return by how much it must be higher, so that its axes are high enough [inches].
 
-    The result is at most 0 if the figure has room. It is inf if the axes are high enough but texts are cut
-    off or overlap, or if there is no room for axes at all. ``mean`` is as in ``has_room``.
+    A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
+    there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap. ``mean``
+    is as in ``has_room``.
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
@@ -246,10 +250,11 @@ def numbers_in_view(axis: Axis) -> list[Text]:
 
 
 def settle(figure: Figure, scaled: Axes | None = None) -> None:
-    """Arrange a figure, with legends in rows and labels in lines that are not longer than their axes.
+    """Arrange a figure: break its legends into rows, and its labels into lines, not longer than their axes.
 
-    ``scaled`` are axes with equal scales along x and y. The layout is made without equal scales; then equal
-    scales can only make the axes narrower or lower, so that their labels keep their room.
+    ``scaled`` are axes with equal scales along x and y. The layout is made before they get equal scales.
+    Equal scales can only make these axes narrower or lower, so their labels keep the room that the layout
+    gives them.
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)

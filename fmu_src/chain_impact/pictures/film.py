@@ -24,8 +24,8 @@ RATES = {".gif": 20, ".mp4": 30}
 # the least number of frames in a period of the fastest sine that drives an input; with fewer frames the
 # motion may look slower than it is
 FRAMES_OF_SINE = 8.0
-# A film with slow motion is slowed down for a fast sine only as far as it has at most MOST_FRAMES frames:
-# more frames take minutes to draw.
+# To show a fast sine, a film with slow motion is slowed down, but only until it has MOST_FRAMES frames: more
+# frames take minutes to draw.
 MOST_FRAMES = 1500
 # pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number for a film with energies; SMALL_DPI:
 # the number for a film that is too small for energies
@@ -41,14 +41,15 @@ def write_film(
     size: tuple[int, int],
     progress: Progress,
 ) -> None:
-    """Write a gif or an mp4, according to the suffix.
+    """Write a film of a recording, a gif or an mp4 according to the suffix of ``path``.
 
     Args:
         recording: the recording to show.
         path: the file.
-        speed: simulated seconds per second on the screen, outside of slow motion, or None, see ``pace``.
+        speed: simulated seconds per second on the screen, outside of slow motion; if it is None,
+            ``pace`` chooses the speed.
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
-        size: width and height [pixels]; both are rounded down to even numbers, as an mp4 needs them.
+        size: width and height [pixels]; an odd number is reduced by 1, because an mp4 needs even ones.
         progress: called with the finished fraction, 0 to 1.
 
     Warns:
@@ -60,7 +61,7 @@ def write_film(
     rate, (width, height) = RATES[path.suffix.lower()], (length // 2 * 2 for length in size)
     start, stop = (float(recording.time[row]) for row in (0, -1))
     times, usual = frame_times(start, stop, slow_spans(recording), impact_time)
-    frames = (len(times) - 1) * rate / usual  # the number of frames if the film runs at the speed 1
+    frames = (len(times) - 1) * rate / usual  # the number of frames if ``speed`` is 1
     speed = pace(recording, speed, rate, frames / MOST_FRAMES if impact_time > 0.0 else 1.0)
     count = 1 + int(np.ceil(frames / speed))
     shown = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
@@ -77,12 +78,12 @@ def write_film(
 def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -> float:
     """Return the speed of a film: simulated seconds per second on the screen, outside of slow motion.
 
-    A SceneWarning is given if this is too fast to show a sine that drives an input.
+    A SceneWarning is given if the returned speed is too high to show a sine that drives an input.
 
     Args:
         recording: the recording to show.
-        speed: the speed that is asked for. If None, the speed is 1, or less to show a fast sine that drives
-            an input.
+        speed: the speed that is asked for, which is returned. If it is None, the speed is 1; or lower, to
+            show a fast sine that drives an input, but not below ``slowest`` for this purpose.
         rate: frames per second on the screen.
         slowest: the least speed that is chosen for a sine.
     """

@@ -2,15 +2,15 @@
 
 The impact has the mass, the stiffness and the impact speed 1: m = K = v₀ = 1. Its force is
 F = max(0, δ^{3/2} + g δ^{1/2} δ̇), with the penetration δ. With z = √δ, w = δ̇ and a variable s in place of
-the time t, where dt = 2z ds, the right-hand sides are polynomials: dz/ds = w, dw/ds = −2z²(z² + g w). While F
-> 0, w falls. When F reaches 0, w has its minimum, which is −e: the impact ends.
+the time t, where dt = 2z ds, the right-hand sides are polynomials: dz/ds = w, dw/ds = −2z²(z² + g w). While
+F > 0, w falls. When F reaches 0, w has its minimum, which is −e: the impact ends.
 
     f(e) = (1 − e) e^(−3/5) P(r),   r = √(1 − e^(1/8))
 
 The factor 1 − e is 0 at e = 1, as f is, and e^(−3/5) is infinite at e = 0, as f is; P is smooth. For e → 1
 the restitution e is a series in the powers 0, 1, 2, 5/2 … of g, so P is smooth in √(1 − e). For e → 0 the
-restitution is proportional to g^(−5/3), with terms of e ln e. P falls from 1.1761 at e = 0 to 1/1.15345 at e
-= 1. The kernel uses a polynomial in r for P; its relative error is below 2e-11 for all e. The coefficients
+restitution is proportional to g^(−5/3), with terms of e ln e. P falls from 1.1761 at e = 0 to 1/1.15345 at
+e = 1. The kernel uses a polynomial in r for P; its relative error is below 2e-11 for all e. The coefficients
 come from solutions of the impact by Taylor series of order 24, at 64 Chebyshev points.
 """
 

@@ -1,36 +1,39 @@
 """The energy check of a step: the energy balance shows errors that the error estimate does not detect.
 
 The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
-error. A step whose errors are within the tolerance changes the balance by at most about the tolerance times a
-scale S [J]. With the scales of control.py for the errors of the components of the state, S is, to first
-order,
+error. If the errors of the state in a step are within the tolerance, the balance changes by at most about the
+tolerance times a scale S [J]. S follows from the scales that control.py has for the errors of the components
+of the state. To first order it is
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| r + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,
 
-where T is the kinetic energy and g gravity. E₁ is twice the kinetic energy of the stretched chain when it
-moves by the longest link s per second and rotates by 1 rad per second. E₂ = M s² per second squared, M is the
-mass of chain and carriage, k |φ| are the moments or forces of springs, r = 1 rad at a joint and s at a
-slider, and s_δ, v₀ and m are the scale of the penetration, the impact speed and the effective mass of each
-active contact. A step that changes the balance much more than this is rejected: its error estimate misses
-something, such as a motion that decays within the first stage. The sum of the changes in one second of
-simulated time is limited, too; a run that exceeds this limit ends.
+T is the kinetic energy, g gravity, M the mass of chain and carriage, L_i the length of link i and s the
+longest of these lengths. E₁ is twice the kinetic energy of the stretched chain when it moves by s per second
+and rotates by 1 rad per second. E₂ is M s² per second squared. The sum with k is over the springs: k |φ| is
+the moment or force of a spring, with r = 1 rad at a joint and r = s at a slider. The sum with K is over the
+active contacts: K δⁿ is the elastic force, s_δ the scale of the penetration, m the effective mass and v₀ the
+impact speed.
 
-S grows with energy that errors have added, and stiff springs make S far larger than the energy of the chain.
-So all steps since the start together must not add more than a tenth of the available energy: the most that
-motion, springs, walls and heat can have had so far. It is the largest value so far of the energy balance at
-the start, less the potential energy, plus the supplied energy. Once the limit is reached, only steps that add
-no more energy are accepted.
+A step that changes the balance much more than the tolerance times S is rejected (STEP_CHANGE): its error
+estimate misses something, such as a motion that decays within the first stage. The sum of the changes in one
+second of simulated time has a limit, too (WINDOW_CHANGE); a run that exceeds it ends.
 
-The steps may not lose much energy either. Errors of speeds as large as the tolerance can change an energy E
-by the tolerance times √(2E) (√(2E) + √E₁). With the available energy for E, all steps from the start to the
+These limits alone are too weak: S grows with the energy that errors have added, and stiff springs make S far
+larger than the energy of the chain. So all steps since the start together must not add more than a tenth of
+the available energy, which is the most that motion, springs, walls and heat can have had so far. At each time
+this is the energy balance at the start, less the potential energy, plus the supplied energy; the largest
+value so far counts. If a tenth has been added, only steps that add no more energy are accepted.
+
+The energy that steps lose is limited as well. Errors of speeds as large as the tolerance can change an energy
+E by the tolerance times √(2E) (√(2E) + √E₁). With the available energy for E, all steps from the start to the
 time t may together lose
 
     B = 3 tolerance (√(2E) (√(2E) + √E₁) + M g (s + Σ L_i) + E₂) (1 + t / 10 s).
 
-A step is rejected if it loses more than the larger of two energies: the part of B that is left, and the
-growth of B in this step. The ratio of the step's loss to this limit acts on the size of the next step like an
-error relative to the tolerance.
+The allowed loss of a step is the larger of two energies: the part of B that earlier steps have left, and the
+growth of B in this step. A step that loses more is rejected. The loss of the step, divided by its allowed
+loss, acts on the size of the next step like an error relative to the tolerance.
 """
 
 import math
@@ -188,14 +191,15 @@ def reinit_balance(d):
 def check_energy(d, theta):
     """Reject the last step if the energy balance changes too much from its start to its fraction θ.
 
-    θ = −1 stands for the end of the step. A long step with a wrong middle is rejected, too (``is_long``).
+    θ = −1 stands for the end of the step. A long step (``is_long``) is also rejected if its dense output is
+    wrong in the middle (``interpolates``).
 
-    If the step loses more than NOTABLE_LOSS of the allowed loss, the ratio of its loss to the allowed loss
-    counts as an error of the step, so that the loss affects the next size.
+    If the step loses more than NOTABLE_LOSS of its allowed loss (``loss_allowed``), its loss divided by the
+    allowed loss counts as an error of the step. So the loss affects the size of the next step.
 
     Returns:
-        Two energies at θ [J], the arguments of ``store_energy``: the energy balance, and the available
-        energy, which is the most that motion, springs, walls and heat can have had so far.
+        Two energies [J] for ``store_energy``: the energy balance at θ; and the available energy, which is the
+        most that motion, springs, walls and heat can have had from the start of the run until θ.
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:

@@ -1,20 +1,20 @@
 """The implicit step of order 9 for sustained contact and stiff joints: Radau IIA.
 
-The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes; the end of
-the polynomial is the result. extended.py has the extended state z, its rate f and the linear systems;
-radau.py has the coefficients and the iteration for the values at the nodes.
+The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes. The end of
+this polynomial is the result of the step. The extended state z, its rate f and the linear systems are in
+extended.py; the coefficients, and the iteration for the values at the nodes, are in radau.py.
 
-Two estimates of the error compare the rate f with polynomials through its values F at the nodes,
+Two estimates of the error compare rates with polynomials through the rates F_1 to F_5 at the five nodes,
 
     E = (1 − h μ A)⁻¹ h μ (f(z_0) − P(0)),   E′ = (1 − h μ A)⁻¹ h μ (F_5 − P′(1)),
 
-where P goes through all F, P′ through all F except the last; h is the step size, A the Jacobian, and μ the
-real eigenvalue of radau.py. The order of E′ is one less than the order of E, and |E|²/|E′| is of order 7,
-closer to the order of the result.
+where P goes through all five rates, and P′ through F_1 to F_4; here ′ does not mean a derivative. h is the
+step size, A the Jacobian, and μ the real eigenvalue of radau.py. The order of E′ is one less than the order
+of E. The quotient |E|²/|E′| is of order 7, closer to the order of the result.
 
-The dense output is the polynomial, with an error of h⁶. The first five basis functions of dense.py span the
-polynomials of degree 5 that are 0 at the start of the step. The last two are 0 at both ends; they make the
-coordinates agree with the integrated clearances in between.
+The dense output is the polynomial of degree 5, with an error of order h⁶. The first five basis functions of
+dense.py span all such polynomials that are 0 at the start of the step. The other two are 0 at both ends of
+the step; they make the coordinates within the step agree with the integrated clearances.
 """
 
 import math

@@ -1,17 +1,17 @@
 """Control of the step size: the error of a tried step, and the size of the next step.
 
-This module has the constants of both methods of integration, the explicit and the implicit one; methods.py
-chooses a method. Explicit steps are stable only if the equations are not stiff; the rate at the end of an
-explicit step is the first stage of the next step. Implicit steps are stable however stiff the equations are.
-The state at the end of an implicit step is more accurate than its dense output, so a step in which an event
-lies is repeated such that it ends at the event. After an event the implicit method reduces the size of its
-first step to resolve a fast motion (collocation.py).
+A method of integration tries a step and computes the error of the step, relative to the tolerance: each
+component of the error is divided by a scale, and the tolerance is the allowed quotient. A step with an error
+≤ 1 is accepted, unless the method, the search for events or the energy check rejects it for another reason. A
+rejected step costs as much as an accepted one. To avoid rejections, the sizes of the first step in flight and
+of the first step of a contact are estimated.
 
-A method of integration tries a step and computes the error of the step, relative to the tolerance. A step
-with an error ≤ 1 is accepted, unless the method, the search for events or the energy check rejects the step
-for another reason. A rejected step costs as much as an accepted step. So the sizes of the first step in
-flight and of the first step of a contact are estimated, to avoid rejections. Each component of an error is
-divided by a scale; the tolerance is the allowed quotient.
+There are two methods, the explicit and the implicit one; this module has the constants of both, and
+methods.py chooses a method. Explicit steps are stable only if the equations are not stiff. The rate at the
+end of an explicit step is also the first stage of the next step. Implicit steps are always stable. The state
+at the end of an implicit step is more accurate than its dense output, so an implicit step with an event in it
+is repeated such that it ends at the event. The first implicit step after an event is made shorter if it must
+resolve a fast motion (collocation.py).
 """
 
 import math
@@ -213,18 +213,20 @@ POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
 
 
 def set_scales(d, y, scale, contacts):
-    """Set the scales of errors in state y: the tolerance is the allowed error divided by the scale.
+    """Set ``scale``, the scales of errors in state y: the tolerance is the allowed error over the scale.
 
-    The scales are 1 rad for angles and the longest link's length for positions, whatever the values are, so a
-    rotation or a shift of the scene has no effect. The scale of a speed is the speed plus one longest link
-    per second; the scale of an angular velocity is its size plus 1 rad/s. The scale of the dissipated energy
-    is its size plus constant and impact energies. The scale of the supplied energy is the same kind of sum.
-    The supplied energy is controlled only if the base or walls move, because its power then changes with
-    them, however slow the chain is; the power of other inputs depends on controlled components. The scales of
-    the penetrations of the first ``contacts`` active contacts (``penetration_scale``) are stored from the
-    index of u on, as in z of extended.py; the points must be located for y.
+    The scale of an angle is 1 rad, and that of a position is the length of the longest link, whatever their
+    values are; so a rotation or a shift of the scene has no effect. The scale of a speed is its size plus one
+    longest link per second; that of an angular velocity is its size plus 1 rad/s. The scale of the dissipated
+    energy is its size plus constant and impact energies; that of the supplied energy is formed likewise. The
+    supplied energy is controlled only if the base or walls move: its power then changes with them, however
+    slow the chain is. The power of other inputs depends only on components that are controlled.
 
-    The scales of other components are not set, and their errors not controlled: u and t, whose errors are far
+    The scales of the penetrations of the first ``contacts`` active contacts (``penetration_scale``) are
+    stored from the index of u on, where z of extended.py has the clearances. The points must be located for
+    y.
+
+    Other components have no scales, and their errors are not controlled: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.
     """
     n, size = d.links, d.chain.longest_link

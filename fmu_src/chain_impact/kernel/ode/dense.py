@@ -2,14 +2,14 @@
 
 y₀ is the state at the start of the step, θ the fraction of the step, and F₀ to F₆ are coefficients.
 
-Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them. They
-advance with the stages and the dense output of the state, have no effect on the motion, and are ignored by
-the error control. The change of the chain's momentum in a step equals what gravity, inputs and these impulses
-give, to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value at the
-most recent ``commit_quadratures``. The quadratures that are integrated in a step are packed:
-``quadrature.index`` lists their indices in ``quadrature.total``, and the fields ``state``, ``state_end``,
-``tried``, ``stage`` and ``dense`` of ``quadrature`` have the same meaning as these fields have for y.
-Quadratures cost nothing in a scene that does not request them.
+Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists their kinds.
+They advance with the stages and the dense output of the state, have no effect on the motion, and are ignored
+by the error control. The change of the chain's momentum in a step equals what gravity, inputs and these
+impulses give, to the accuracy of the step. ``quadrature.total`` has the value of each quadrature at the most
+recent ``commit_quadratures``. Steps integrate only some quadratures: ``quadrature.index`` lists their indices
+in ``quadrature.total``. The fields ``state``, ``state_end``, ``tried``, ``stage`` and ``dense`` of
+``quadrature`` contain only these, in the order of the list; otherwise they are like the fields of y with
+these names. Quadratures cost nothing in a scene that does not request them.
 """
 
 import numpy as np
@@ -238,14 +238,14 @@ def set_quadrature_stage_at_end(d, i):
 
 
 def correct_falling_impulses(d):
-    """Keep the impulses of walls and stops from decreasing in the last step, because these never pull.
+    """Correct the impulses of walls and stops that decrease in the last step: a wall or stop never pulls.
 
     The state at the end of the step must be final: a truncation after this call would undo the correction.
 
-    The quadrature of a step has weights of both signs, so its error can exceed a force that is close to 0. An
-    impulse that decreases is set to its value at the start of the step. At a rigid wall, the held point with
-    the largest impulse in the step then loses the same amount: of points that nearly coincide, only the sum
-    of the forces is accurate.
+    The step sums forces with weights of both signs, so where a force is close to 0, its impulse may decrease
+    by an error. Such an impulse is set to its value at the start of the step. At a rigid wall, the amount
+    that is added so is subtracted from the impulse of another held point, the one with the largest impulse in
+    the step: of points that nearly coincide, only the sum of the forces is accurate.
     """
     quadrature = d.quadrature
     for k in range(min(quadrature.count, d.touch.active_count)):
@@ -324,8 +324,8 @@ def commit_quadratures(d):
     Call this before contacts begin or end, and before a break in the sequence of steps. Afterwards
     ``reset_quadratures`` lists the integrated quadratures again, and begins with these totals and rates.
 
-    A quadrature that is not integrated gets the rate 0, with which a later integration begins: the force of a
-    new contact starts at 0, unless it jumps, and then ``store_end_rates`` is called again.
+    A quadrature that is not integrated gets the rate 0. Its later integration begins with this rate, because
+    the force of a new contact starts at 0; if it jumps there, ``store_end_rates`` is called again.
     """
     quadrature = d.quadrature
     for i in range(len(quadrature.rate)):
@@ -365,12 +365,12 @@ def maximum_of(value_at):
     def maximum_near(d, index, middle, reach, end):
         """Return the maximum of the quantity near the fraction ``middle`` of the last step.
 
-        Values after the fraction ``end`` do not count, nor values before the event with which the step
-        begins: it lies at the start of the step, but in a tangent instance it has a delay with derivatives.
+        Values before ``event_fraction`` and after ``end`` do not count. ``event_fraction`` is 0, the start of
+        the step; in a tangent instance it has derivatives.
 
-        The search uses up to three parabolas through three points each, around the maximum of the parabola
-        before; a parabola without one ends the search. The result is the largest of the values at all these
-        points, the maximum of the third parabola, and 0.
+        The search uses up to three parabolas, each through three points. The second and the third parabola
+        lie around the maximum of the one before. If a parabola has no maximum, the search ends. The result is
+        the largest of the values at all these points, the maximum of the third parabola, and 0.
 
         Args:
             d: the instance.

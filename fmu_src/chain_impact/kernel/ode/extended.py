@@ -19,27 +19,28 @@ constants, with the damping c_i and the stiffness k_i of drive i, C = Σ c_i χ_
 χ_i the gradient of the rate of its coordinate (chain/drives.py). All other terms are left out of A; Newton's
 iteration takes account of them. For z as above
 
-    ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(q̇, ġ)/∂(v, ġ) = 1,
+    ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ the same with −J M⁻¹,   ∂(q̇, ġ)/∂(v, ġ) = 1,
 
 k = ∂F/∂δ, c = ∂F/∂δ̇ of the contact force F by the penetration δ, M the mass matrix, J the gradient of the
-clearances. The solution needs no linear algebra except the recursion. With x_v = r_v − Δ the rows of v̇ are M
-Δ = s (Jᵀ (k x_g + c x_ġ) + C x_v + S x_q), hence
+clearances. The solution needs no linear algebra except the recursion. Let Δ = r_v − x_v. The rows of v̇ in
+(1 − s A) x = r, multiplied by M, are M Δ = s (Jᵀ (k x_g + c x_ġ) + C x_v + S x_q), hence
 
     (M + Jᵀ D J + K) Δ = Jᵀ (D r_ġ + s k r_g) + K r_v + s S r_q,   D = s c + s² k,   K = s C + s² S,
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + s x_v,   x_g = r_g + s x_ġ,
 
-with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
-impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper of drive
-i, on which K r_v + s S r_q is an impulse (chain/response.py). A constraint, J Δ = 0 for a point at a rigid
-wall or a sticking element, has an impedance far larger than the chain's mass (rows/constraints.py).
+Δ is the response of the chain to impulses at the touching points and to moments in the joints. The impedance
+D of the contacts adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper of
+drive i, and K r_v + s S r_q acts as an impulse on the drives (chain/response.py). A constraint is the
+condition J Δ = 0 for a point at a rigid wall or a sticking element; its impedance is far larger than the
+chain's mass (rows/constraints.py).
 
-The functions take a shift s, an array x and a scratch ``space``, all real or all complex. The space contains
-impedances, loads, the resulting motion and several slots for factors; ``slot`` is the number of the slot that
-is used.
+The functions that solve these systems take a shift s, an array x and a scratch ``space``: all three are real,
+or all three are complex. ``space`` contains impedances, loads, the resulting motion and several slots for
+factors; ``slot`` is the number of the slot that is used.
 
-At the end of a step the coordinates are projected, such that the clearances that follow from them are the
-integrated ones. Without the projection, the small difference would act as an impact on a stiff wall. The
-difference before the projection counts as an error of the step.
+At the end of a step a projection changes the coordinates, such that the clearances that follow from them
+equal the integrated clearances. Without the projection, their small difference would act as an impact on a
+stiff wall. The difference before the projection counts as an error of the step.
 """
 
 from chain_impact.kernel.chain.drives import (
@@ -328,7 +329,8 @@ def project_clearances(d, z, y):
 def largest_mismatch(d, z):
     """Return the largest difference between a clearance at the located points and the one in z.
 
-    It is relative to the penetration or, if larger, the expected penetration δ* of the contact.
+    Each difference is divided by the contact's penetration at the located points, or by its expected
+    penetration δ* if this is larger.
     """
     worst = 0.0
     for k in range(clearance_count(d)):

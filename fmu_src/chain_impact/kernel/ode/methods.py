@@ -104,9 +104,9 @@ def choose_method(d):
 def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
-    The implicit method is judged by the proposed size of the next step, the explicit one by the length of the
-    last step. The explicit method also costs more if it has replaced the implicit one, and its next step is
-    shorter than the implicit steps were by more than FAR_SHORTER.
+    If the present method is implicit, the proposed size of the next step decides. If it is explicit, the
+    length of the last step decides; the other method also costs less if the explicit method has replaced the
+    implicit one, and its next step is shorter than the implicit steps were by more than FAR_SHORTER.
     """
     step = d.step
     if step.method == IMPLICIT:

@@ -135,12 +135,13 @@ def delay_of_sliding(t, e):
 
 
 def negligible(t, speed):
-    """Return whether the derivatives of a ``speed`` [m/s] of the value 0 may be neglected.
+    """Return whether the derivatives of ``speed`` [m/s], a dual number of the value 0, may be neglected.
 
-    The speed times the settling time is a change of a position. The share of the change is the largest ratio
-    of its derivatives to the largest derivative of a position. The result is true if ``trust.neglected`` plus
-    the share is at most MOST_NEGLECTED. Then the share is added, and if it is not 0, the derivatives of
-    friction impulses count as unknown (``mark_split``).
+    The speed times the settling time is a change of a position. The share of this change is the largest ratio
+    of its derivative to the largest derivative of any position by the same parameter. The result is true if
+    ``trust.neglected`` plus the share is at most MOST_NEGLECTED. In this case the share is added to
+    ``trust.neglected``; and if the share is not 0, the derivatives of friction impulses count as unknown
+    (``mark_split``).
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
