@@ -81,8 +81,8 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
     The headline is ``title`` or, if this is "", the message, a summary of the run. ``first`` are texts that
-    stand before the results. ``row`` is for a picture of a single impact: the row of this impact, of which
-    alone the results tell.
+    stand before the results. ``row`` is for a picture of a single impact: the row of this impact, the only
+    one of which the results tell.
 
     A message in a narrow figure is short. The impact of the largest force then has a line of its own below
     the message, in the colour of its mark, and the rest of the message stands among the conditions.

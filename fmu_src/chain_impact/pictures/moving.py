@@ -71,9 +71,9 @@ def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
 def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) -> np.ndarray:
     """Return the path of a point on a moving wall, shape (T, 2) [m].
 
-    ``lines`` are the visible parts of the wall at the start and at the end. The point is near one end of the
-    first part that is not empty: near the end that is farther from the chain. If both parts are empty, the
-    path is empty, too.
+    ``lines`` are the visible parts of the wall at the start and at the end. The point is near an end of the
+    first of them that is not empty: the end that is farther from the chain. If both parts are empty, the path
+    is empty, too.
     """
     wall, moved = recording.walls[name], recording.moved_walls[name]
     line = next((visible for visible in lines if len(visible) > 1), np.zeros((0, 2)))

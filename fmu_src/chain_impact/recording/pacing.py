@@ -71,9 +71,10 @@ def slow_spans(recording: Recording) -> list[Span]:
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
     """Return the rate at each time, simulated seconds per second on the screen, shape (T,).
 
-    The rate is 1 far from impacts. An impact that is shorter than ``impact_time`` takes ``impact_time`` on
-    the screen; its rate is the quotient of both. Before and after the impact, the rate grows linearly with
-    the distance in time from the impact, by 1 in RAMP [s], until it is 1.
+    The rate is 1 far from impacts. During an impact that is shorter than ``impact_time``, the rate is the
+    duration of the impact divided by ``impact_time``, so that the impact takes ``impact_time`` on the screen.
+    Before and after the impact, the rate grows linearly with the distance in time from the impact, by 1 in
+    RAMP [s], until it is 1.
 
     Args:
         time: simulated times, shape (T,) [s].

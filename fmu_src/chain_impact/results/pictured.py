@@ -154,9 +154,9 @@ class Pictured(Recording):
         """Draw one impact: force, penetration and speed over time, and force over penetration.
 
         The picture gives the realised restitution, and the energy that the whole chain lost during the
-        impact. If the contact lasts much longer than the impact, the picture shows only the impact over time.
-        Rows are usually farther apart than an impact is long, so the run is repeated up to the end of the
-        impact, with rows within the impact. The repeated run is identical bit by bit, because additional
+        impact. If the contact lasts long, the curves over time show only its first part, with the peak of the
+        force. Rows are usually farther apart than an impact is long, so the run is repeated up to the end of
+        the impact, with rows within the impact. The repeated run is identical bit by bit, because additional
         rows do not change the solution.
 
         Args:
