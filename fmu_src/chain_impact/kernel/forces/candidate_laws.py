@@ -3,7 +3,7 @@
 The law of a joint's stop is given in angles: it is a moment M for the angle φ beyond the stop. The kernel
 treats the stop as a contact at the lever arm s, the longest link (geometry.py). The penetration of this
 contact is δ = s φ, and its force is F = M/s. So a law M = K φⁿ becomes a force with the stiffness K/sⁿ⁺¹. The
-minimum impact speed of the contact [m/s] is s times the given one [rad/s].
+minimum impact speed of the contact [m/s] is s times the minimum impact speed of the stop [rad/s].
 
 Candidates have the same law if their parameters are given in the same place, such as the same wall
 (``law_origin``). Of such candidates, the kernel sets the law of the first one, and the others copy it

@@ -244,7 +244,7 @@ def correct_falling_impulses(d):
 
     The step sums forces with weights of both signs, so where a force is close to 0, its impulse may decrease
     by an error. Such an impulse is set to its value at the start of the step. At a rigid wall, the amount
-    that is added so is subtracted from the impulse of another held point, the one with the largest impulse in
+    that is added so is subtracted again, from the largest impulse that the wall gives another held point in
     the step: of points that nearly coincide, only the sum of the forces is accurate.
     """
     quadrature = d.quadrature

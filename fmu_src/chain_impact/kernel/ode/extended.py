@@ -85,7 +85,8 @@ from chain_impact.kernel.rows.geometry import (
 def gap_at(d, k):
     """Return the index in the extended state z of the clearance of the k-th active contact.
 
-    z lacks u and t, the last two entries of y; the clearances begin at the index that u has in y.
+    z has no u and t, which are the last two entries of y. So in z the clearances begin at the index that u
+    has in y.
     """
     return sundman_u_at(d.links) + k
 

@@ -1,10 +1,10 @@
 """The energy that dry friction dissipates in a step: the work of friction along the step's final motion.
 
-The rates of a step contain the power of friction. Two corrections change the motion of the step after its
-rates have been evaluated: the last iteration of an implicit step; and, at the end of any step, round-off and
-the projection onto constraints. At rest these corrections are larger than the motion itself, and friction
-forces stay large although the speed is zero. If the work of friction along the corrections were not counted,
-the energy balance would have an error that grows in every step.
+The rates of a step contain the power of friction. But two corrections change the motion of the step after its
+rates have been evaluated. The first is the last iteration of an implicit step. The second is made at the end
+of any step: round-off and the projection onto constraints. At rest these corrections are larger than the
+motion itself, and friction forces stay large although the speed is zero. If the work of friction along the
+corrections were not counted, the energy balance would have an error that grows in every step.
 """
 
 from chain_impact.kernel.chain.inputs import set_inputs
@@ -40,11 +40,11 @@ def correct_friction_energy(d, h):
 def power_of_correction(d, m):
     """Return the power [W] of sliding friction at stage m along the speeds that the last iteration added.
 
-    It is negative if friction dissipates more along the corrected than along the uncorrected speeds.
+    It is negative if friction dissipates more along the corrected speeds than along the uncorrected ones.
 
-    The friction forces are those of the evaluated rate. At rest the speeds in this rate may be far larger
-    than the corrected speeds. The dissipated energy contains the work of these forces along the uncorrected
-    speeds, so the same forces must be used to take this work back.
+    The friction forces are those of the evaluated rate. The dissipated energy contains the work of these
+    forces along the uncorrected speeds, so the same forces must be used to take this work back. At rest the
+    uncorrected speeds may be far larger than the corrected ones.
     """
     implicit, change, first = d.implicit, d.scratch.change, velocity_at(d.links)
     for j in range(coordinate_count(d.links)):
@@ -55,9 +55,9 @@ def power_of_correction(d, m):
 def uncounted_work(d):
     """Return the work [J] of dry friction along the part of the tried step that is not counted yet.
 
-    In an implicit step, this part is the motion from the last stage to the projected end. In an explicit
-    step, it is the change of the end by round-off and by the projection. The points must be located at the
-    end. The work is negative if friction dissipates energy.
+    In an implicit step, this part is the motion from the last stage to the projected end of the step. In an
+    explicit step, it is the change of the end by round-off and by the projection. The points must be located
+    at the end. The work is negative if friction dissipates energy.
     """
     change, y, z = d.scratch.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):

@@ -299,11 +299,11 @@ def replace_impulses(d, impulse):
 
 
 def solve_lcp(d, scale):
-    """Find impulses p ≥ 0 and motions u ≥ target with p·(u − target) = 0, from the set in ``in_active_set``.
+    """Find impulses p ≥ 0 and motions u ≥ target with p·(u − target) = 0, at points that rigid walls hold.
 
-    Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): candidates with p < 0 leave
-    the active set and those with u < target enter it. All of these candidates change at once as long as their
-    number falls; otherwise only the candidate with the highest number changes, which terminates if W is
+    Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587) begins with the active set in
+    ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once as
+    long as their number falls, otherwise only the one with the highest index, which terminates if W is
     positive definite (Murty 1974, Linear Algebra Appl 9:65). If the search does not terminate, the problem is
     recorded as unsolved. Arguments and stored results are as in ``solve_equality``; nothing is returned.
     """
