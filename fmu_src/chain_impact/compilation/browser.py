@@ -56,7 +56,7 @@ def compile_kernel(module: str, compiled: Path) -> None:
 
     Args:
         module: the text of the kernel in LLVM's language, as lower.py writes it.
-        compiled: the object file to write; temporary files are in the same folder.
+        compiled: the path of the object file to write; temporary files are written beside it.
 
     Raises:
         BuildError: when the compiler fails.

@@ -96,7 +96,8 @@ def _concerns(named: Any, folder: Path) -> bool:
 
     It does if it names no path, or a path inside or above the folder.
     """
-    # an error on an open file has the number of this file in place of a path, so it counts as concerned
+    # An error may have no path, or the number of an open file in place of a path. Its file may then be in the
+    # folder, so the error counts as one that concerns the folder.
     if not isinstance(named, str | bytes | os.PathLike):
         return True
     path = Path(os.fsdecode(named)).absolute()

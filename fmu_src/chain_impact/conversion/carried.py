@@ -200,10 +200,10 @@ class _Merger:
         return {**ours, "wall": walls}
 
     def _links(self, ours: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
-        """Return the tables of the links, and the numbers of the joints and ends that touch walls.
+        """Return the tables of the links, and the numbers of the link ends (points 0 to N) that touch walls.
 
-        If the file's elements have the lengths and points that the scene gives, the second result is None:
-        the same joints and ends touch as in the scene. ``ours`` are the scene's tables of links.
+        The second result is None if the file's elements have the lengths and points that the scene gives: the
+        link ends that touch are then those of the scene. ``ours`` are the scene's tables of links.
         """
         written, found = (data["chain"]["links"] for data in (self.written, self.found))
         points = [link.get("points", []) for link in found]
@@ -231,12 +231,12 @@ class _Merger:
     def _points(
         self, i: int, tables: Sequence[dict[str, Any]], length: float
     ) -> tuple[list[dict[str, Any]], set[int]]:
-        """Return the tables of the points of link ``i``, from 0, and those of its ends that touch walls.
+        """Return the tables of the points of a link, and the numbers of its ends that touch walls.
 
-        An end is given by the number of its point in the chain: i or i + 1.
+        The ends of the link with index ``i`` are the points ``i`` and ``i`` + 1 of the chain.
 
         Args:
-            i: the index of the link.
+            i: the index of the link, from 0.
             tables: its points in the conversion of the file's elements.
             length: the length of the link [m].
         """

@@ -23,8 +23,8 @@ from chain_impact.scene.reading import SceneError, UnknownNameError
 
 CARRIED = "chain_impact"
 """The name of the text element in files of this package that holds the data of the scene as JSON."""
-# [rad] or [m] MJCF needs both limits of a joint that has one; this number stands for the missing one, in
-# files that are written and in files that are read
+# [rad] or [m] MJCF needs both limits of a joint that has one limit. In a file that is written, this number
+# stands for the missing limit; in a file that is read, a limit of at least this size counts as missing.
 UNLIMITED = 1e9
 NO_KEYFRAME = "none"
 """The word that a user gives in place of a keyframe's name, so that the robot starts in the file's pose."""

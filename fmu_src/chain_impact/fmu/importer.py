@@ -200,8 +200,8 @@ def _in_place(kind: type) -> type:
 def _place_binaries(binaries: Path, folder: str) -> None:
     """Copy this machine's binaries to the folder ``folder`` of ``binaries``, in which fmpy looks for them.
 
-    This is necessary where ``folder`` is not the machine's own: on ARM, fmpy looks in the folder of x86-64.
-    The machine's own folder may have its name of FMI 2.0 or of FMI 3.0.
+    Nothing is copied if ``folder`` is the machine's own folder. On ARM it is not: fmpy looks in the folder of
+    x86-64. The machine's own folder has a name by FMI 2.0 or a name by FMI 3.0; both names are tried.
     """
     names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
     for name in names:

@@ -1,4 +1,4 @@
-"""The versions of the FMI standard."""
+"""The versions of the FMI standard for which FMUs are written, 2.0 and 3.0."""
 
 from __future__ import annotations
 

@@ -333,7 +333,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ; return where in the repetition contacts begin.
 
-    This is a fraction of the repeated step, near 1, or −1 for its end (see ``onset_fraction``).
+    The result is a fraction of the repeated step, near 1, or −1 for this step's end (see ``onset_fraction``).
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)

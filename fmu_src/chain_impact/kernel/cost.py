@@ -14,9 +14,9 @@ LONGEST_CALL = 20.0
 # The cost, in evaluations times N + 1 for N links, after which a long call returns, so that its caller can
 # stop the run. An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_COST = 20_000_000
-# A run ends with a fault after more than MOST_EVENTS × n events in EVENT_WINDOW [s]. n is the number of
-# candidates; if there is dry friction or a drive with a limit, the number of links is added, and 1 for a
-# slider. So many events are endless chattering: in a bounce of a microsecond the point rises only 1e-12 m.
+# A run ends with a fault after more than MOST_EVENTS × n events in EVENT_WINDOW [s] of simulated time. n is
+# the number of candidates. If there is dry friction or a drive with a limit, n also counts the links and the
+# slider. So many events are endless chattering: a bounce that lasts a microsecond is only 1e-12 m high.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 

@@ -100,9 +100,10 @@ def friction_counts_fit(d):
 
 
 def least_law(d):
-    """Return the least valid number of a law in the record: 1, or 0 if laws may still be missing.
+    """Return the least valid value of the laws' numbers in the record: 1, or 0 if laws may be missing.
 
-    Laws may be missing before the first start, and after a fault while no contact is active.
+    The number 0 stands for a missing law. Laws may be missing before the first start, and after a fault while
+    no contact is active.
     """
     started = d.chain.longest_link != 0.0 and d.statistics.status == OK
     return 1 if started or d.touch.active_count > 0 else 0
@@ -132,13 +133,13 @@ def advance_awhile(d, time):
 def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
-    If new values of inputs or parameters have been set that the run does not use yet, the function applies
-    them first. The instance must therefore be a copy of the running one, or reading outputs would change the
-    run.
+    The caller may have set new values of inputs or parameters that the run does not use yet. The function
+    applies them first, and so changes the instance. Therefore ``d`` must be a copy of the run's instance.
 
     Returns:
-        The status of the run, or the fault status that the new values cause. After such a fault the outputs
-        are those without the new values; before the next step the caller may still set other values.
+        The status of the run or, if the new values cause a fault, the status of this fault. After such a
+        fault the outputs are those without the new values. The caller may still set other values before the
+        next step.
     """
     observe(d)
     status = d.statistics.status
@@ -146,10 +147,10 @@ def observe_now(d):
 
 
 def observe_trial(d):
-    """Apply new values of inputs and parameters, and fill the outputs that they change at once.
+    """Apply the new values of inputs and parameters, and fill the outputs that these values change at once.
 
-    Return a status; after a fault all outputs stay unchanged. No run can continue from the instance
-    afterwards.
+    The result is a status; after a fault all outputs stay as they were. The function leaves ``d`` in a state
+    from which no run can continue.
     """
     counted = counted_cost(d)
     store_output_state(d)
@@ -171,14 +172,15 @@ def trajectory(d, words, times, spans, rows, of_state):
         d: the instance.
         words: all numbers of the record and of its tangent instances (8 bytes each), shape (M,).
         times: shape (T,), increasing [s].
-        spans: first index and length of each span of wanted numbers, shape (S, 2); W numbers in all.
-        rows: result, shape (T, W).
-        of_state: 1 if all wanted numbers are values of STATE_OUTPUTS (record/instance.py), without
-            derivatives: then the other outputs, and all derivatives, are not computed.
+        spans: the wanted numbers, as S spans of ``words``: first index and length of each, shape (S, 2). The
+            sum of the lengths is W.
+        rows: result, shape (T, W): the wanted numbers at each time.
+        of_state: 1 if all wanted numbers are values of STATE_OUTPUTS (record/instance.py), and none is a
+            derivative. Other outputs and derivatives are then not computed.
 
     Returns:
-        The number of rows that are filled. It is smaller than the number of times after a fault, when the log
-        of ended contacts is full, or after a second of computing.
+        The number of rows that are filled. It is smaller than T in three cases: after a fault, if the log of
+        ended contacts is full, and after about a second of computing.
     """
     log_capacity = len(d.contact_log.point) - d.candidates
     cost_limit = cost_so_far(d) + cost_of_a_call(d)
@@ -214,11 +216,11 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
         output_indices: indices of the words to return from the end of a run, shape (L,).
         rows: result, shape (R, L): the requested words. After a fault, outputs among the words have no
             meaning.
-        continuing: 1 if an earlier call has begun the first run, which this call continues.
+        continuing: 1 if an earlier call has begun the first run of ``values``; this call continues it.
 
     Returns:
-        The number of complete runs. If it is smaller than R, a second of computing has passed within the next
-        run, which a call with ``continuing`` continues.
+        The number of complete runs. It is smaller than R after about a second of computing. The next run has
+        then begun; a further call, with ``continuing`` 1 and with the values from this run on, continues it.
     """
     cost_limit = cost_of_a_call(d) + (cost_so_far(d) if continuing else 0)
     for r in range(len(rows)):

@@ -1,12 +1,13 @@
 """The equations of motion ẏ = f(y), which combine all parts of the model, and the energy balance.
 
-chain/state.py describes y. Six functions set ẏ. Each needs y and, as its name says, data that earlier calls
-have set. A "free" rate lacks the forces of constraints. The list says what each function needs:
+chain/state.py describes y. Six functions compute ẏ, the rate. Each function needs y and the data that the
+list says; earlier calls must have set these data. A "free" rate lacks the forces of constraints. In a "true"
+rate no contact force continues beyond its kink.
 
     rate_from_state             y alone; locates the points only if forces act on them
     rate_and_points_from_state  y alone; locates the points
     rate_from_points            the located points
-    true_rate_from_inputs       the located points and the inputs; no force continues beyond its kink
+    true_rate_from_inputs       the located points and the inputs
     free_rate_from_inputs       the located points and the inputs
     free_rate_from_loads        the link vectors, the inputs and the loads at all places
 """
@@ -126,9 +127,9 @@ def rate_from_points(d, y, rate):
 def true_rate_from_inputs(d, y, rate):
     """Set rate = f(y) with contact forces that are cut off at their kinks.
 
-    The stages of a step use forces that continue beyond their kinks. The inputs must be set and the points
-    located. The dissipated power in ẏ lacks the parts of contacts and of sliding friction, because callers
-    use the accelerations only.
+    The forces in the stages of a step, by contrast, continue beyond their kinks. The inputs must be set and
+    the points located. Callers use only the accelerations in ``rate``: its dissipated power lacks the parts
+    of contacts and of sliding friction.
     """
     apply_true_contacts(d)
     free_rate_from_loads(d, y, 0.0, rate)
@@ -194,10 +195,10 @@ def clear_stage_notes(d):
 
 
 def joint_moments(d, y):
-    """Set the sum of the joint moments on each link; return the powers [W] that drives dissipate and supply.
+    """Set the sum of the moments of joints on each link; return the dissipated and the supplied power [W].
 
-    The supplied power includes that of the force at the tip. The proximal joint of link i carries the torque
-    τ_i of its drive: +τ_i on link i, −τ_i on link i − 1. A free base has no joint to carry τ_1.
+    Drives dissipate power. Drives and the force at the tip supply power. The drive of the proximal joint of
+    link i exerts the torque +τ_i on link i and −τ_i on link i − 1. A free base has no joint, so τ_1 is 0.
     """
     dissipated, supplied = 0.0, 0.0
     # without inputs no force acts at the tip; its velocity is not read, because it is unknown in flight

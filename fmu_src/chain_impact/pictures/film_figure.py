@@ -1,4 +1,7 @@
-"""The figure on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
+"""The figure on which a film's frames are drawn: chain, trace, walls, arrows of forces, clock, energy curves.
+
+A small figure, or one for a recording without energies, has no energy curves.
+"""
 
 from __future__ import annotations
 

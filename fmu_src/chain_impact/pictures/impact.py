@@ -155,7 +155,12 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
-    """Return the text below the title: force, restitution, duration, lost energy, speed and impulse."""
+    """Return the text below the title, which tells of the peak force, the realised restitution and the like.
+
+    Its parts are the peak force (at a stop the peak moment), the realised restitution, the duration, the
+    energy that the chain loses, the impact speed and the impulse. A contact that lasts to the end of the run
+    has no restitution. A force or an impulse that is 0 or unknown is left out.
+    """
     parts = [
         restitution_text(impact),
         duration_text(impact, course),

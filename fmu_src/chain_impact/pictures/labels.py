@@ -69,7 +69,7 @@ class Label(NamedTuple):
 class Ink:
     """The pixels of a figure that are drawn on, and those that labels and leaders have taken.
 
-    Pixels with the colour of a ground are free, so labels may stand there.
+    Pixels with the colour of a ground (of figure, axes, walls or rest) are free, so labels may stand there.
     """
 
     def __init__(self, figure: Figure) -> None:

@@ -17,12 +17,14 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen, size_of
 from chain_impact.scene.half_planes import HalfPlane
 
-# VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall; both
-# relative to the size of the motion. √2 BAND must be less than NEAR of recording/view.py: a wall that is
-# farther away than NEAR is left out, and must then be outside of the margins.
+# VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall, if the
+# caller does not say it. Both are relative to the longer side of the view without margins. √2 BAND must be
+# less than NEAR of recording/view.py: then the margins alone do not reach a wall that is left out because it
+# is farther away than NEAR. If the view is larger, because of near walls or a wider band, it may reach such a
+# wall; ``view_of`` then adds this wall.
 VIEW_MARGIN, BAND = 0.04, 0.14
-# a position of a moving wall that is farther from the motion than this, relative to the size of the motion,
-# is not in view
+# the view is not extended to a position of a moving wall that is farther from the motion than this, relative
+# to the size of the motion
 FARTHEST = 1.0
 # FLATTEST: a motion whose height, relative to its width, is less than this has a scale of its own along y;
 # FLAT_MARGIN: the margin above and below it, relative to its height

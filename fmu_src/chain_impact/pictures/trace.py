@@ -31,8 +31,9 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     row = np.repeat(np.arange(len(steps)), parts)
     s = ((np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row])[:, None]
     h = steps[row, None]
-    # p is the position by Hermite interpolation between rows 0 and 1, a time h apart, at the fraction s of h:
-    # p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁), with the velocities v
+    # p is the position by Hermite interpolation from a row, with index 0, to the next row, with index 1, a
+    # time h later; s is the fraction of h, and v are the velocities:
+    # p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁)
     start, end = tip[row], tip[row + 1]
     before = (1.0 - s) ** 2 * ((1.0 + 2.0 * s) * start + s * h * speeds[row])
     after = s**2 * ((3.0 - 2.0 * s) * end - (1.0 - s) * h * speeds[row + 1])

@@ -1,4 +1,4 @@
-"""The course (history) of one impact: force, penetration and speed over time, also between rows."""
+"""The course (history) of one impact: force, penetration and speed over time, also between two rows."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
     None has the duration 0.
     """
     lasting = np.append(np.diff(changes["time"]) > 0.0, True)
-    changes = changes[lasting]  # of several changes at the same time, only the last one begins a phase
+    changes = changes[lasting]  # of several changes at the same time, only the last one counts
     changes = changes[np.append(True, np.diff(changes["mode"]) != 0)]
     ends = np.append(changes["time"][1:], np.nan)
     for change, end in zip(changes, ends, strict=True):
@@ -124,7 +124,7 @@ class Touch:
 
     @property
     def at_wall(self) -> bool:
-        """Whether the contact is of a point with a wall; no stop, joint or slider."""
+        """Whether this is a contact with a wall: not at a stop, nor friction in a joint or slider."""
         return self.wall not in ("", *STOPS, *SLIDER_STOPS)
 
 

@@ -209,7 +209,8 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
 def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right") -> np.ndarray:
     """Return the values of a piecewise polynomial at ``times``; its polynomials begin at the times ``at``.
 
-    At a jump, ``side`` ("left" or "right") says which of the two polynomials gives the value.
+    Before the first of these times, the first polynomial holds. At a jump, ``side`` ("left" or "right") says
+    which of the two polynomials gives the value.
     """
     k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
     return _at(powers[k], times - at[k])

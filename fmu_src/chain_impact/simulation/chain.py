@@ -358,7 +358,7 @@ class Chain:
 
 
 def _restored(scene: Scene, state: bytes) -> Chain:
-    """Return a chain of a scene in a saved state."""
+    """Return a chain of a scene in the ``state`` that ``save`` returned; ``__reduce__`` uses this."""
     chain = Chain(scene)
     chain.restore(state)
     return chain

@@ -312,7 +312,8 @@ def _with_functions(
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
     """Return the communication points together with the times of samples inside the run.
 
-    A sample that is at most ``same`` [s] from a communication point, or from the sample before, adds no time.
+    A sample that is at most ``same`` [s] from a communication point is left out. Of the other samples, one
+    adds no time if it is at most ``same`` after the sample before it, even if that sample adds none, either.
     """
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]

@@ -270,11 +270,11 @@ class Instance:
 
     @property
     def all_changes(self) -> np.ndarray:
-        """The collected changes of friction between sticking and sliding, see ``CHANGE_DTYPE``."""
+        """The changes of mode of dry friction collected since the start of the run, see ``CHANGE_DTYPE``."""
         return np.concatenate([np.zeros(0, CHANGE_DTYPE), *self.changes])
 
     def _take_changes(self) -> np.ndarray:
-        """Return the changes between sticking and sliding that the log has, and empty the log."""
+        """Return the changes of mode of dry friction that the log has, and empty the log."""
         log = self.record["changes"]
         count, room = int(log["count"]), len(log["time"])
         # if the log is full before it is read, its oldest changes are lost

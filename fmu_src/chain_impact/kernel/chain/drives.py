@@ -261,10 +261,10 @@ def drive_power(d, y, i):
 
 
 def drive_mode(unlimited, limit):
-    """Return the mode of a drive with a ``limit``, from the force ``unlimited`` that it would have without.
+    """Return the mode of a drive with a ``limit``; ``unlimited`` is the force that it has without the limit.
 
-    The mode is 0 up to the limit, and beyond it 1 or −1, the sign of the force. With the limit 0, the mode is
-    never 0: it is 1 for a force > 0, else −1.
+    The mode is 0 if the absolute value of this force is at most the limit; else it is 1 or −1, the sign of
+    the force. With the limit 0, the mode is never 0: it is 1 for a force > 0, else −1.
     """
     if abs(unlimited) > limit or limit == 0.0:
         return 1 if unlimited > 0.0 else -1

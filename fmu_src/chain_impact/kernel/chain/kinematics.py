@@ -128,7 +128,8 @@ def set_joint_places(d, values, first, vectors):
 def accelerate_points(d, y, rate):
     """Set the accelerations [m/s²] of all places for the state y and its ``rate`` ẏ.
 
-    The points must be located for y.
+    A joint's place gets the acceleration of the joint's angle times the length of the longest link. The
+    points must be located for y.
     """
     n, link, acceleration = d.links, d.scratch.link, d.scratch.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
@@ -186,10 +187,10 @@ def note_points_elsewhere(d):
 def move_points(d, link_vectors, change, response):
     """Set ``response`` to the motions of all places that the ``change`` of the coordinates causes.
 
-    ``change`` has the entries of the coordinates in y: x and y of the base, then the angles. The motion Δp of
-    a joint follows from the motion of the joint before and from the rotation Δθ of the link vector L between
-    both: Δp_{i+1} = Δp_i + Δθ_i L⊥. A change of the coordinates' rates gives the changes of velocities in the
-    same way.
+    ``change`` has the entries of the coordinates in y: x and y of the base, then the angles. Link i, counted
+    from 0, leads from joint i to joint i + 1. Its rotation Δθ_i turns its link vector L_i, so the motions Δp
+    of its joints follow from each other: Δp_{i+1} = Δp_i + Δθ_i L_i⊥. If ``change`` is a change of the
+    coordinates' rates, ``response`` gets the changes of the places' velocities.
     """
     n = d.links
     x, y = change[0], change[1]

@@ -1,14 +1,17 @@
 """Motions of a pinned base and of walls, given as functions of time.
 
-A channel is one such motion. In a scene with a moving base the first two channels are x and y of the base. A
-moving wall has two channels: the displacement along its inward normal n and the travel of its belt along t =
-(n_y, −n_x). In each piece of time of the inputs (chain/inputs.py) the position of a channel is a polynomial,
+A channel is one such motion, in one direction. In a scene with a moving base the first two channels are the
+motions of the base along x and y. A moving wall has two channels: the displacement of the wall along its
+inward normal n, and the travel of its belt along the direction (n_y, −n_x). The inputs of a run are divided
+into pieces of time (chain/inputs.py). In each piece the position s of a channel is a polynomial,
 
     s(t) = c₀ + x (c₁ + x (c₂ + …)),   x = (t − middle) scale,
 
-and velocity and acceleration are its derivatives. So position, velocity and acceleration always agree, and
-nothing drifts. The state does not contain the motion of the base: the base's coordinates and rates in the
-state are 0. The points are located with the position and velocity of the channels at the time of the state.
+with the time t, and the middle and scale of the piece. If a signal drives a channel, chain/signals.py gives
+its position. The velocity and the acceleration of a channel are the derivatives of its position. So all three
+always agree, and nothing drifts. The state does not contain the motion of the base: the entries of the base
+in the state are 0. The points are located with the positions and velocities of the channels at the time of
+the state.
 """
 
 from chain_impact.kernel.chain.input_fields import CHANNEL
@@ -34,8 +37,8 @@ def move_channels(d, time):
             half_a = half_a * x + v
             v = v * x + s
             s = s * x + moved.piece[piece.order - k, m]
-        # `added`, `added_rate` and `added_acceleration` are 0; in a tangent instance they have derivatives,
-        # those of the given position, velocity and acceleration of the channel
+        # `added`, `added_rate` and `added_acceleration` are 0. They serve a tangent instance: there they
+        # carry the derivatives of the given position, velocity and acceleration of the channel.
         moved.position[m] = (
             s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_acceleration[m])
         )
@@ -93,10 +96,11 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Estimate how far [m] any channel moves from its position at the middle of the inputs' present piece.
+    """Estimate the largest distance [m] of a channel from its position at the middle of the inputs' piece.
 
-    This is the largest sum of the absolute coefficients of a channel's polynomial without c₀, plus
-    ``travel_of_sines``, the sum of the amplitudes of all channels that sines drive.
+    The piece is the present one. The estimate is the sum of two numbers: the largest sum |c₁| + |c₂| + … of
+    the coefficients of any channel's polynomial, and ``travel_of_sines``, the sum of the amplitudes of all
+    channels that sines drive.
     """
     most = 0.0
     for m in range(d.channels):

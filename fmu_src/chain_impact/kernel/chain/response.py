@@ -1,21 +1,25 @@
 """The response of the chain to impulses: M + Jᵀ D J + K, eliminated by the recursion of chain/elimination.py.
 
-``factorize`` and ``solve`` solve linear systems with M + Jᵀ D J + K in O(N), for real, complex and dual
-numbers alike. M is the mass matrix, J maps rates of the coordinates to motions of the points, and D are
-impedances at the points. K = Σ κ_i χ_i χ_iᵀ with χ_i the gradient of ω_i − ω_{i−1}: against a change of its
-relative angular velocity each joint exerts κ_i (Δ_i − Δ_{i−1}) − μ_i, with the response Δ and an impulse μ_i
-in the joint. A free base has no joint, so κ_1 = 0.
+``factorize`` and ``solve`` solve linear systems with the matrix M + Jᵀ D J + K in O(N), for real, complex and
+dual numbers alike. M is the mass matrix. J maps rates of the coordinates to velocities of the points, and D
+are impedances (dampers) at the points. K = Σ κ_i χ_i χ_iᵀ, where κ_i is the resistance of joint i and χ_i the
+gradient of ω_i − ω_{i−1}. With the response Δ, joint i exerts the angular impulse κ_i (Δ_i − Δ_{i−1}) − μ_i
+against the change of its relative angular velocity; μ_i is a given impulse in the joint. A free base has no
+joint, so κ_1 = 0.
 
-The response minimises the quadratic form ½ Δᵀ (M + Jᵀ D J + K) Δ minus the work of the loads. A joint with
-resistance κ transmits a moment. The least value Z of this form over the outer part of the chain therefore
-depends on the motion a of the joint and on the rotation β of the link next to the joint on the inner side:
+The response minimises the quadratic form ½ Δᵀ (M + Jᵀ D J + K) Δ minus the work of the loads. The links are
+eliminated one after another, from both ends of the chain to the middle joint. The outer part of the chain at
+a joint is the part between this joint and the end of its arm. Z is the least value of the form over this
+part. Z depends on the motion a of the joint. Z also depends on the rotation β of the link on the inner side
+of the joint, because a joint with resistance κ transmits a moment:
 
-    Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
+    Z = ½ a·A a + β e·a + ½ p β² − b·a − t β.
 
-with A, e and p a symmetric 3×3 articulated inertia, and with the impulse b and the angular impulse t by which
-the loads on the outer part act at the joint. Link i adds its own inertia and its damper, and is eliminated,
-Δ_i = α. L, m r_C, I and x⊥ are those of chain/elimination.py, and τ is a moment on the link. The coefficients
-A', b', e', p' and t' belong to the part of the chain outside of link i, for which β is the α of link i:
+A, e and p are a symmetric 3×3 articulated inertia. The loads on the outer part act at the joint by the
+impulse b and the angular impulse t. Link i adds its own inertia and its damper, and is eliminated with its
+rotation Δ_i = α. L, m r_C, I and x⊥ are those of chain/elimination.py, and τ is a moment on the link. The
+coefficients A', b', e', p' and t' belong to the outer part at the outer joint of link i, for which β is the α
+of link i:
 
     h = m r_C⊥ + A' L⊥ + e',   H = I + m r_C² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -28,9 +32,9 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
 
 in which no digits cancel, however large κ is. As in chain/elimination.py, two arms meet at the middle joint:
 the inward arm begins at the base, the outward arm at the tip. The damper of the middle joint belongs to the
-outward arm. For this arm β is the α of the last link of the inward arm, so e, p and t of the outward arm add
-to h, H and s of that link. A light link at an end is eliminated before heavier links, because the sum with a
-heavier link would lose digits of the light one.
+outward arm. At the middle joint the β of the outward arm is the α of the inward arm's link there, so e, p and
+t of the outward arm add to h, H and s of this link. A light link at an end is eliminated before heavier
+links, because its sum with a heavier link would lose digits of the light one.
 
 In an implicit step κ and D may be complex, because they contain a complex shift (ode/extended.py). Even then
 no pivoting is needed: the argument of every shift is below 61°, so all quadratic forms lie in a sector of
@@ -110,11 +114,12 @@ def factorize(d, link_vectors, space, slot, coupled):
     Args:
         d: the instance.
         link_vectors: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        space: record with ``impedance``, which has ``xx, xy, yy`` of each point and site, D [kg], and
-            ``joint``, shape (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
-        slot: the slot of ``factors`` that is set.
-        coupled: whether joints may transmit moments; if not, the resistances κ_i, and in ``solve`` the
-            angular impulses μ_i, count as zero, which takes less time.
+        space: record of which two fields are used. ``impedance`` has D [kg] of each point and site as
+            ``xx, xy, yy``, and κ_i [kg·m²] of each joint as ``joint``, shape (N,). ``factors`` gets the
+            result, which ``solve`` uses.
+        slot: the slot of ``factors`` that gets the result.
+        coupled: whether joints may transmit moments. If not, all resistances κ_i count as zero here, and all
+            angular impulses μ_i in ``solve``; both functions then take less time.
     """
     n, middle, impedance = d.links, d.chain.meeting_joint, space.impedance
     space.factors.coupled[slot] = 1 if coupled else 0
@@ -129,10 +134,11 @@ def factorize(d, link_vectors, space, slot, coupled):
             last = inner + 1 == middle
             resistance = 0.0 if last else impedance.joint[inner + 1]
             if last and coupled:
-                # The vector e couples the motion a of the middle joint, which is the link's inner joint, with
-                # the link's rotation α. `eliminate` takes an e for the motion a' of the outer joint: e·a α =
-                # e·(a' − α L⊥) α. So −2 e·L⊥ adds to p, the inertia of the rotation. The link vector L begins
-                # at the middle joint, but the entry in ``link_vectors`` ends there: L is minus this entry.
+                # The outward arm's term e·a α couples the motion a of the middle joint with the rotation α of
+                # link `inner`. `eliminate` needs this term in the motion a' of the link's outer joint: a =
+                # a' − α L⊥, so e·a α = e·a' α − e·L⊥ α². The last term adds −2 e·L⊥ to p, as Z has ½ p α².
+                # L leads from the middle joint to the outer joint, and the entry in ``link_vectors`` the
+                # other way: L is minus this entry.
                 q += p + cross(2.0 * link_vectors.x[inner], 2.0 * link_vectors.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = eliminate(
@@ -145,11 +151,11 @@ def factorize(d, link_vectors, space, slot, coupled):
 
 
 def copy_factors(d, coupled):
-    """Copy the factors of the mass matrix, which ``accelerations`` has found, to the slot FREE.
+    """Copy the factors of the mass matrix, which ``accelerations`` has stored, to the slot FREE.
 
-    So ``solve`` can use them without a new factorization. ``coupled``: whether joints may transmit moments,
-    as for ``factorize``. In a chain with armatures the function does nothing, because
-    ``accelerations_with_armatures`` in rows/compliance.py has already set this slot.
+    So ``solve`` can use the factors without a new factorization. ``coupled`` tells whether joints may
+    transmit moments, as for ``factorize``. In a chain with armatures the slot is already set, by
+    ``accelerations_with_armatures`` in rows/compliance.py, so the function does nothing.
     """
     if d.chain.has_armatures:
         return
@@ -225,13 +231,13 @@ def solve(d, link_vectors, space, slot, change):
     Args:
         d: the instance.
         link_vectors: as for ``factorize``.
-        space: record with the result of ``factorize``, and with ``load``. The load has ``x, y`` of each point
-            [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link; τ_i is only read in a
-            scene with sites or centres of mass beside the lines. With forces as the load, the results are
-            accelerations.
+        space: record with the result of ``factorize``, and with ``load``. The load has the impulses ``x, y``
+            on each point [N·s], the impulses μ_i in the joints, ``joint``, shape (N,) [N·m·s], and the
+            angular impulses τ_i on the links, ``link`` [N·m·s]. τ_i is read only if
+            ``has_link_moments`` is true. If the load has forces and moments, Δ has accelerations.
         slot: the slot of ``factors`` that ``factorize`` has set.
-        change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
-            [rad/s]. Later entries of the array are not changed.
+        change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
+            angular velocities [rad/s]. Further entries of the array stay as they are.
     """
     n, middle, load, coupled = d.links, d.chain.meeting_joint, space.load, space.factors.coupled[slot] != 0
     bx, by, t = 0.0, 0.0, 0.0
@@ -285,7 +291,7 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
         t = factors.coupling[slot, i] * s - factors.complement[slot, i] * moment
         s += moment
     change[ANGLES + i] = s * factors.inverse[slot, i]
-    # impulse at the inner joint: b = b' − h (s + μ)/(H + κ); the variable ``s`` contains μ, too
+    # impulse at the inner joint: b = b' − h (s + μ)/(H + κ); here the variable ``s`` is the sum s + μ
     return bx - factors.gain_x[slot, i] * s, by - factors.gain_y[slot, i] * s, t
 
 

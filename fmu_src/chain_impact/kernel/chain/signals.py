@@ -1,14 +1,15 @@
 """Signals: inputs that the scene itself gives as functions of time.
 
-A signal is a sequence of polynomials; each begins at a time t_k, called a knot. In a signal of the form SINE
-a sine is added to the polynomial:
+A signal is a sequence of polynomials. Each polynomial begins at a time t_k, called a knot, and is used until
+the next knot. This part of the signal is a segment; `signal.segment` is the index of the knot at which the
+present segment begins. In a signal of the form SINE a sine is added to the polynomial:
 
     u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
 
-with the amplitude a, the phase ψ, the frequency f and its rate of change ḟ; r rises from 0 to 1.
-`signal.segment` is the knot in use. A segment is the part of a signal from one knot to the next. A step ends
-where a segment ends, and the next segment begins with the next step (events/segments.py). So at a jump the
-step before uses the value before the jump, and the step after the value after it.
+with the sine's start, its amplitude a, phase ψ, frequency f and rate of change ḟ of the frequency; r rises
+from 0 to 1. A step ends where a segment ends, and the next segment begins with the next step
+(events/segments.py). So the step that ends at a jump of a signal uses the value before the jump, and the next
+step the value after the jump.
 
 If a signal is the velocity or the acceleration of a base or a wall, this module integrates the signal to a
 position, so that position, velocity and acceleration always agree. The integrals of a sine are in sines.py.
@@ -90,7 +91,8 @@ def signal_bounds(d, j):
     x = time_since_knot(d, j, d.step.start + half)
     rate, bend, power = 0.0 * x, 0.0 * x, 1.0
     for n in range(1, signal.degree[j] + 1):
-        # c is coefficient n of the Taylor series at the middle of the step: the n-th derivative divided by n!
+        # c is coefficient n of the polynomial's Taylor series about the middle of the step: the n-th
+        # derivative there, divided by n!
         c, weight = knot.powers[k, n] + 0.0 * x, 1.0 + 0.0 * x
         for p in range(n + 1, signal.degree[j] + 1):
             weight *= x * (p / (p - n))
@@ -147,10 +149,11 @@ def moves_base_as_sine(d, j):
 def signal_rate(d, j):
     """Return an angular frequency [rad/s] that tells how fast signal j changes in the last step.
 
-    For a sine that has begun, it is the sine's largest one in the step. A polynomial of a degree above 3, as
-    of a smooth ramp, can move and be at rest at both ends of a step. It counts as half a period of a cosine
-    that lasts as long as the segment. The result is 0 for a polynomial of a lower degree, because its rates
-    at both ends of a step bound its motion.
+    For a sine that has begun, it is the largest angular frequency of the sine in the step. For a polynomial
+    of a degree above 3, as of a smooth ramp, it is π divided by the duration of the segment, as if the
+    segment were half a period of a cosine: such a polynomial can change within a step although it is at rest
+    at both ends. For a polynomial of a lower degree the result is 0, because the rates at both ends of a step
+    bound the change of the polynomial.
     """
     if is_sine(d, j):
         return largest_frequency(d, j)
@@ -184,17 +187,18 @@ rate_of_base = largest_rate(moves_base_as_sine)
 
 
 def travel_of_sines(d):
-    """Estimate the sum [m] of the amplitudes of all motions of base, walls or belts that sines drive.
+    """Estimate the sum [m] of the amplitudes of all motions of base, walls and belts that sines drive.
 
-    If a sine gives a velocity or an acceleration, the amplitude is that of the position, its integral.
+    An amplitude is always that of a position. If a sine gives a velocity or an acceleration, the position is
+    its integral.
     """
     signal, total = d.signal, 0.0
     for j in range(d.signals):
         if signal.form[j] == SINE and signal.input[j] == CHANNEL:
             i = signal.source[j]
             size = abs(signal.amplitude[i])
-            # if the frequency f falls to 0 at the rate ḟ, the integral of a sine with the amplitude a changes
-            # by about a/√|ḟ| while f passes 0
+            # While the frequency f passes 0 at the rate ḟ, the sine turns slowly, and the integral of a sine
+            # with the amplitude a changes by about a/√|ḟ|.
             slow = math.sqrt(abs(signal.frequency_rate[i]))
             falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
             for _ in range(signal.integrals[j]):
@@ -249,8 +253,9 @@ def knot_count(form, shape):
 def derive_signals(d, time):
     """Derive the polynomials of all signals from the given numbers, and begin the signals at ``time`` [s].
 
-    If a signal drives a velocity or an acceleration, its polynomials are integrated to give the position. The
-    polynomials of tables are not derived here: they are given, and already integrated.
+    If a signal gives a velocity or an acceleration of base, wall or belt, its polynomials are integrated, so
+    that they give the position. The polynomials of a table are not derived: they are given, and already
+    integrated.
     """
     signal = d.signal
     for j in range(d.signals):

@@ -2,29 +2,30 @@
 
     I_m = m-fold integral of r(s) sin Φ(s),   Φ = ψ + 2π (f s + ½ ḟ s²),   ω = Φ′,   g = Φ″
 
-Φ is the phase a time s after the start, with its value ψ at the start, the frequency f and its rate ḟ. The
-amplitude r is the smooth ramp from 0 to 1, or constantly 1. E_n is an n-fold integral of e^{iΦ}. Integration
-by parts gives
+s is the time since the start of the sine, and a prime is a derivative in s. Φ is the phase at s, ψ the phase
+at the start, f the frequency at the start, and ḟ the rate of change of the frequency. The amplitude r is the
+smooth ramp from 0 to 1, or constantly 1. E_n is an n-fold integral of e^{iΦ}. Integration by parts gives
 
     I_m = Im Σ_k c_k E_{m+k},   c_k = (−1)ᵏ (m+k−1 over k) r⁽ᵏ⁾,   k = 0…5
     E_{n+1} = (i E_{n−1} + ω E_n)/(n g),   E_0 = e^{iΦ}
 
 with the binomial coefficient (m+k−1 over k) and the derivatives r⁽ᵏ⁾ of r.
 
-E_n = e^{iΦ} K_n/(iω)ⁿ is the solution of this recurrence that falls with n. So the ratios of successive K_n
-are those of a continued fraction, which is exact for g = 0 and loses no digits for small g:
+One solution of the recurrence for E_n falls with n: E_n = e^{iΦ} K_n/(iω)ⁿ. The ratios of its successive K_n
+follow from a continued fraction, which is exact for g = 0 and loses no digits for small g:
 
     K_n/K_{n−1} = 1/(1 + i n y K_{n+1}/K_n),   y = g/ω²
 
 Source: W. Gautschi 1967, SIAM Rev 9:24.
 
-At the time s* at which the frequency passes zero, ω = 0, and near s* the fraction is not accurate. There E_1
-is a Fresnel integral: its value C at s*, plus a quadrature from s* on. As long as ω has the sign that it has
-at the start, the fraction gives the integral E_1 that is C at s*. After a change of this sign the fraction
-gives an integral that is −C at s*. The difference of both is the solution of the recurrence that begins with
-E_0 = 0, E_1 = 2C; it is added after the change of sign, so that the integral does not jump.
+At a time s* the frequency may pass zero. There ω = 0, and near s* the fraction is not accurate: E_1 is then
+computed as a Fresnel integral, its value C at s* plus a quadrature from s* to s. As long as ω has the sign
+that it has at the start, the fraction gives the integral E_1 that is C at s*. After the change of this sign
+the fraction gives another integral, which is −C at s*. The difference of both integrals is the solution of
+the recurrence that begins with E_0 = 0, E_1 = 2C. This solution is added after the change of sign, so that
+E_1 does not jump.
 
-In a rise during which Φ changes little, the terms c_k E_{m+k} are large and cancel; I_m is then computed by
+If Φ changes little during the rise of r, the terms c_k E_{m+k} are large and cancel; I_m is then computed by
 quadrature.
 """
 
@@ -163,13 +164,13 @@ def rise_coefficient(m, k, s, rise):
 
 
 def integral_at_standstill(d, i, begins_up):
-    """Return the phase Φ(s*) [rad] at the time s* of frequency zero, and C, the value of E_1 there.
+    """Return three numbers: the phase Φ(s*) [rad], and real and imaginary part of C, the value of E_1 at s*.
 
-    C is returned as its real and its imaginary part.
+    s* is the time at which the frequency is zero.
 
-    C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start. C changes its sign if ω < 0 at the
-    start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4. ``begins_up`` tells whether ω > 0 at
-    the start or, if ω = 0 at the start, after it.
+    C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} if g > 0 and ω > 0 at the start. If ω < 0 at the start, this value is
+    multiplied by −1. If g < 0, it is multiplied by −1, and the angle is Φ(s*) − π/4. ``begins_up`` tells
+    whether ω > 0 at the start or, if ω = 0 at the start, after it.
     """
     signal = d.signal
     rate = signal.frequency_rate[i]
@@ -195,9 +196,10 @@ def fresnel(middle, since, g, u, v):
 
 
 def integral_by_quadrature(d, i, m, s, rise):
-    """Return the m-fold integral I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt, by quadrature, for m ≤ 2.
+    """Return I_m, the m-fold integral of r sin Φ, at the time s [s] since the start of the sine; m is 1 or 2.
 
-    The integral extends from t = 0, the start of the sine, to s, within the rise r of duration ``rise``.
+    I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from t = 0 to t = s, by quadrature. At s the amplitude r still
+    rises; its rise lasts ``rise`` [s].
     """
     begin = TAU * d.signal.frequency[i]
     # `sine_integral` calls this function only for a turn up to LARGEST_TURN, which bounds the number of

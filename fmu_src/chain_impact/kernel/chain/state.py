@@ -1,11 +1,12 @@
-"""The state vector y and the indices of its entries, which all other modules take from the functions here.
+"""The state vector y, and functions for the indices of its entries, which all other modules use.
 
     y = (x₀, θ₁ … θ_N, ẋ₀, ω₁ … ω_N, dissipated energy, energy supplied by the inputs, u, t)
 
-The N + 2 coordinates, the position of the base [m] and the absolute link angles [rad], come first, and then
-their rates [m/s, rad/s]. The energies [J] count from the start of the run. The last two entries belong to the
-integration variable of a step: u = √(δ/δ*) of the regularized contact, with its penetration δ and its
-expected penetration δ* (ode/sundman.py), and the time t since the start of the step [s].
+The first N + 2 entries are the coordinates: the position x₀ of the base, x and y [m], and the absolute angles
+θ of the links [rad]. The next N + 2 entries are the rates of the coordinates [m/s, rad/s]. The energies [J]
+count from the start of the run. The last two entries belong to the integration variable of a step
+(ode/sundman.py). u = √(δ/δ*), with the penetration δ and the expected penetration δ* of the regularized
+contact; t is the time since the start of the step [s].
 """
 
 from chain_impact.kernel.functions import inlined

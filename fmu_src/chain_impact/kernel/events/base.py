@@ -1,8 +1,8 @@
 """The end of a run in which a wall reaches a pinned base; the scene prescribes the motions of both.
 
-The clearance g of the base follows from the channels alone, the prescribed motions of base and walls
-(chain/motion.py). As in crossing.py, with a bound |g̈| ≤ A over an interval of width w, g lies below its
-chord by at most A w²/8; an interval in which g may in this way fall to −OVERLAP is halved. So the search also
+The clearance g of the base from a wall follows from the prescribed motions of both alone (chain/motion.py).
+The search is like that of crossing.py. With a bound |g̈| ≤ A over an interval of width w, g lies below its
+chord by at most A w²/8. An interval in which g may therefore fall to −OVERLAP is halved. So the search also
 finds a wall that passes the base within a step and comes back.
 """
 

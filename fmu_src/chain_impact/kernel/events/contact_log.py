@@ -68,10 +68,10 @@ def update_extremes(d):
 
 
 def find_peaks(d, c, force_rate, time, reader):
-    """Return the peak force [N] and penetration [m] of candidate c up to a ``time`` [s] in the last step.
+    """Return the peak force [N] and the peak penetration [m] of candidate c from the onset to ``time`` [s].
 
-    The peaks are those since the onset. The points must be located and accelerated at ``time``; the third
-    result tells whether they are located at another time afterwards. ``force_rate`` [N/s] is dF/dt at
+    ``time`` is in the last step. The points must be located and accelerated at ``time``. The third result
+    tells whether the function has located the points at another time. ``force_rate`` [N/s] is dF/dt at
     ``time``; ``reader`` tells for whom the peaks are, OUTPUTS or SOLVER.
     """
     touch = d.touch
@@ -146,8 +146,8 @@ def update_own_to_output_time(d):
 def end_at_output_time(d):
     """Cut the last step at the communication point, and drop its events; the next step finds them again.
 
-    If the step ends at the communication point anyway, its onsets and changes of modes stay: the next step
-    would not find the arrival of a point that is already at the wall.
+    If the step ends at the communication point without a cut, its onsets and its changes of modes are not
+    dropped, because the next step would not find the arrival of a point that is already at the wall.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)

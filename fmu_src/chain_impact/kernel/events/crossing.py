@@ -1,14 +1,15 @@
 """The first time in a step at which a function of the motion falls through zero, by bounds or by samples.
 
-The zero of a function φ is located on the dense output of the step. φ is the clearance of a candidate without
-contact, the penetration of a candidate in contact; φ′ is its rate in the integration variable of the step. A
-suspect is a candidate that the search examines, because the test in exclusion.py does not exclude its events.
-θ is a fraction of the step, g a clearance.
+The search by bounds is for a function φ of each candidate. Without contact, φ is the clearance g. In contact,
+φ is the penetration, or u (chain/state.py) of the regularized contact. φ′ and φ″ are derivatives of φ in the
+integration variable of the step, and θ is a fraction of the step. The zero of φ is located on the dense
+output of the step. A suspect is a candidate that the search examines, because the test in exclusion.py does
+not exclude an event of this candidate.
 
 If only the signs of φ at both ends of a step were compared, a point that dips into a wall and returns would
-be missed. A bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A
-w²/8; and φ̇ does not change its sign if it has the same sign at both ends a and b and |φ̇_a| + |φ̇_b| > A w.
-An interval in which neither condition excludes an event is halved.
+be missed. So a bound |φ″| ≤ A over an interval of width w is used. By this bound, φ stays above its chord
+minus A w²/8. And φ′ does not change its sign in the interval from a to b if φ′_a and φ′_b have the same sign
+and |φ′_a| + |φ′_b| > A w. An interval in which neither condition decides whether there is an event is halved.
 """
 
 import math
@@ -33,7 +34,7 @@ from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import at_joint_stop, at_wall, normal_row
 
-FINEST_RESOLUTION = 1e-15  # the finest resolution of the search for events, as a fraction of a step
+FINEST_RESOLUTION = 1e-15  # the finest resolution of ``first_passage``, as a fraction of a step
 
 
 def first_passage(function, samples, resolution):
@@ -41,12 +42,13 @@ def first_passage(function, samples, resolution):
 
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
-        samples: function of d that returns the number of samples in the step. The search misses a function
-            that falls below zero and rises again between two samples.
+        samples: function of d that returns the number of samples up to ``end``. The search misses a fall
+            below zero from which ``function`` returns before the next sample.
         resolution: accuracy of the location, in the step's integration variable [s].
 
     Returns:
-        A function of (d, c, end) that returns the first such θ ≤ ``end``, or −1 if no sample is below zero.
+        A function of (d, c, end). It returns the first θ ≤ ``end`` at which ``function`` falls below zero, or
+        −1 if ``function`` is below zero at no sample.
     """
 
     def passage(d, c, end):
@@ -165,8 +167,8 @@ def check_candidate(d, c, a, b):
     rate_start, rate_end = d.search.phi_start_rate[c], d.search.phi_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # For an event φ must be negative at the end of the interval. At the step's end, and for a point in
-    # contact, φ must be below −`harmless`: a point beyond zero by a smaller distance may turn back.
+    # An event needs φ < 0 at the end b of the interval. If b is the end of the step, or if the point is in
+    # contact, an event needs φ < −`harmless`, because a point that is beyond zero by less may turn back.
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
@@ -178,10 +180,10 @@ def check_candidate(d, c, a, b):
         or not sag >= CROSSING_RESOLUTION * d.chain.longest_link
         or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
-        # If φ ends below −`harmless`, this is an onset even if φ does not fall at the end: at a loose
-        # tolerance the interpolant can put a point deep inside a wall although the point does not move
-        # inward. It is not the end of a contact: a point in contact that moves inward has not left the wall,
-        # even where the interpolant of a stiff step puts it outside.
+        # A point without contact whose φ ends below −`harmless` has an onset, even if φ does not fall at the
+        # end: at a loose tolerance the interpolant can put a point deep inside a wall although the point does
+        # not move inward. A point in contact has an event only if φ falls: a point that moves inward has not
+        # left the wall, even where the interpolant of a stiff step puts it outside.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
@@ -233,12 +235,13 @@ def locate_crossing(d, a, b):
 
 
 def find_root(d, c, a, b):
-    """Return θ in [a, b] at which the clearance φ of candidate c falls through zero; φ is negative at b.
+    """Return θ in [a, b] at which φ of candidate c falls through zero; φ must be negative at b.
 
-    The points must be located at b. The function also sets φ of all suspects at θ.
+    The points must be located at b. The function also sets φ of all suspects at the resulting θ.
 
-    Newton's method works inside an interval around the root that shrinks. Two cases with φ ≤ 0 at a need no
-    iteration: if φ does not rise at a, θ is a; if φ rises there and is linear up to round-off, θ is b.
+    θ is found by Newton's method inside a shrinking interval around the root. If φ ≤ 0 at a, two cases need
+    no iteration. If φ does not rise at a, the result is a. If φ rises at a and is linear in [a, b] up to
+    round-off, the result is b.
     """
     if d.search.phi_start[c] <= 0.0 and (d.search.phi_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.phi_start_rate[c] <= 0.0 else b
@@ -270,10 +273,10 @@ def find_root(d, c, a, b):
 def bound_curvature(d):
     """Set a bound on |φ″| of every suspect over the last step; φ is its clearance or penetration.
 
-    The bound on the acceleration of point k along the normal n is |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²), with
-    the base's acceleration a_0 and the lengths L_i of the links. It is far too large for a point that rests
-    on a stiff wall. An implicit step integrates the clearances of such points, and ``bound_curvatures`` then
-    sets smaller bounds.
+    The bound follows from one on the acceleration of point k along the normal n: |n·a_0| + Σ_{i≤k} L_i (|α_i|
+    + ω_i²), with the acceleration a_0 of the base and the lengths L_i of the links. For a point that rests on
+    a stiff wall this bound is far too large. After an implicit step, which integrates the clearances of such
+    points, ``bound_curvatures`` sets smaller bounds.
     """
     n = d.links
     # the second derivative of the clearance g in the step's variable s is d²g/ds² = p d(ġ)/ds + p′ ġ, with
@@ -294,7 +297,8 @@ def bound_curvature(d):
         v, a = motion_bounds(d, c, along_x, along_y)
         if d.channels > 0 and at_wall(d, c):
             speed, acceleration = prescribed_bounds(d, c)
-            # a channel is a function of time: it adds p = dt/ds times its acceleration to dġ/ds
+            # v and a are bounds on |ġ| and |dġ/ds|. A channel is a function of time t, so its acceleration
+            # times the bound p on dt/ds adds to the bound on |dġ/ds|.
             v, a = v + speed, a + p * acceleration
         of_links = links_curvature(d, c) if not at_joint_stop(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
@@ -317,13 +321,14 @@ def links_curvature(d, c):
 
 
 def motion_bounds(d, c, along_x, along_y):
-    """Return bounds on |ġ| and |dġ/ds| of candidate c's clearance g that follow from the base's motion.
+    """Return bounds on |ġ| and |dġ/ds| of candidate c's clearance g, for the part of the base's motion in g.
 
-    The bounds lack the motions of links and all prescribed motions. For a joint's stop they are complete, and
-    follow from the motion of the joint's angle alone. s is the step's variable.
+    The motions of links and all prescribed motions are not part of the bounds. At a joint's stop, however,
+    the bounds are complete: they follow from the motion of the joint's angle. s is the step's integration
+    variable.
 
-    ``along_x`` and ``along_y`` belong to the components x and y of the base's velocity: each is a pair of
-    bounds, of the component's size and of its derivative in s.
+    ``along_x`` and ``along_y`` belong to the components x and y of the base's velocity. Each is a pair: the
+    bound of the component's absolute value, and the bound of that of its derivative in s.
     """
     if at_joint_stop(d, c):
         link = d.candidate.point[c] - 1

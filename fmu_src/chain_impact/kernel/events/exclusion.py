@@ -22,10 +22,10 @@ SMALL_TURN = 1.0
 # of all its coefficients. Without the margin, round-off or a wrong estimate of the interpolant's error could
 # exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
-# If the rate δ̇ of the penetration exceeds RELATCH_RATIO times the impact speed v₀, v₀ is latched (fixed)
-# again, after it was latched at the onset of the contact. In a usual impact gravity adds only a thousandth to
-# δ̇, so that v₀ stays. With the ratio 2 a Hunt–Crossley law with the damping λ never has more than 1 + 2λ
-# times its elastic force.
+# The impact speed v₀ is latched at the onset of the contact. If the rate δ̇ of the penetration later exceeds
+# RELATCH_RATIO times v₀, v₀ is latched again. In a usual impact gravity adds only a thousandth to δ̇, so v₀
+# stays. With the ratio 2, the force of a Hunt–Crossley law with the damping λ is never more than 1 + 2λ times
+# its elastic part.
 RELATCH_RATIO = 2.0
 # If the rate of the penetration exceeds NEARLY_FAST times the limit at an end of a step, it may exceed the
 # limit inside the step, and the step is sampled. The limit is RELATCH_RATIO times the impact speed.
@@ -52,12 +52,12 @@ def remember_clearances(d, extent):
 
 
 def excludes_events(d):
-    """Return whether the states and rates at the ends of the last step exclude events of all candidates.
+    """Return whether states and rates at the two ends of the last step show that no candidate has an event.
 
-    The test relies on an estimate of the interpolant's error, not on a bound. The rate at the end of the step
-    must be known, and the points located and accelerated there. If the result is false, the clearances φ and
-    their rates φ′ of all candidates are known at both ends, and the candidates that the search examines are
-    chosen.
+    The test relies on an estimate of the interpolant's error, not on a bound. Before the call, the rate at
+    the end of the step must be known, and the points located and accelerated there. If the result is false,
+    the function has set φ and φ′ of all candidates at both ends of the step, and has chosen the candidates
+    that the search examines.
     """
     # an input that changes with the angular frequency `input_rate` may change the acceleration in the step as
     # a rotating link does
@@ -74,9 +74,9 @@ def excludes_events(d):
         d.search.phi_start_curve[c] = d.search.phi_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
-    # The error of the interpolant of a clearance φ is h⁶ φ⁽⁶⁾/46080, with the step size h. It is estimated as
-    # ten times the error for the tip of a stretched chain in uniform rotation or, if larger, for a motion
-    # that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|, with φ̈ of the rotation.
+    # The interpolant of a clearance φ has the error h⁶ φ⁽⁶⁾/46080, with the step size h. `error` is ten times
+    # this for the tip of a stretched chain in uniform rotation. If the motion may decay or oscillate with a
+    # rate ρ above the angular velocity of the rotation, |φ⁽⁶⁾| = ρ⁴ |φ̈| counts, with the φ̈ of the rotation.
     fade = (d.step.end - d.step.start) * d.chain.joint_rate_bound
     way = distance_per_radian(d)
     if d.channels > 0:
@@ -193,11 +193,11 @@ def nearly_fast(d, c):
 
 
 def stays_positive(d, c, error):
-    """Return whether φ of candidate c surely exceeds ``error`` − ``harmless_depth`` in the last step.
+    """Return whether φ of candidate c surely exceeds ``error`` − ``harmless_depth`` in the whole last step.
 
-    φ is the clearance, or the penetration of a contact; its value at the very start of the step is not
-    tested. The quintic Hermite interpolant of φ, from the value and the first two derivatives at both ends of
-    the step, is at least its smallest Bernstein coefficient.
+    φ is the clearance or, in contact, the penetration. Only the value of φ at the start of the step is not
+    tested. The test uses the quintic Hermite interpolant of φ, which follows from φ, φ′ and φ″ at both ends
+    of the step. This interpolant is nowhere less than the smallest of its Bernstein coefficients.
     """
     h = d.step.size
     b1 = d.search.phi_start[c] + h * d.search.phi_start_rate[c] / 5.0

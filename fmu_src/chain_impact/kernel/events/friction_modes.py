@@ -1,16 +1,17 @@
 """The modes of dry friction after an event: which elements stick, and which slide in which direction.
 
 An element that moves along the tangent t slides in the direction of its motion. The mode of an element at
-rest follows from the forces: it sticks if the force that holds it is within the limit of static friction;
-otherwise it slides, and friction acts against the motion that begins,
+rest follows from the forces. The element sticks if the force that holds it is within the limit of static
+friction. Otherwise it slides: a motion begins, and friction acts against this motion. The conditions are
 
     sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
 
 F_t is the friction force along t with the coefficient µ_s of static friction, F_n the normal force, s = ±1
-the direction of sliding, and t·a the tangential acceleration. The modes are found by pivoting, as in
-``solve_lcp``: all elements that violate their condition change their modes at once, as long as the number of
-such elements falls; other modes stay. If the pivoting does not end, the modes follow from forces within the
-limits of friction (rows/limits.py), which always exist.
+the direction of sliding, and t·a the tangential acceleration. The modes of elements at rest are found by
+pivoting, as in ``solve_lcp``. In each pivot all elements that violate the condition of their mode change
+their modes, and the others keep theirs. The pivots end when there is no such element. If the number of such
+elements stops falling before, the modes follow from forces within the limits of friction (rows/limits.py);
+such forces always exist.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
@@ -96,9 +97,10 @@ def reinit_modes(d, jumped):
 def set_slack(d, e):
     """Set the slack of element e: the speed [m/s] against its direction of sliding that counts as an error.
 
-    The slack is the tolerance times a link length per second for an element at rest whose mode is unchanged
-    or inconsistent with the forces: in the mode "slides" other forces may hold the element, and errors decide
-    whether it moves. In any other case the slack is 0. While an element sticks, its slack has no effect.
+    If the element is at rest, and its mode is unchanged or inconsistent with the forces, the slack is the
+    tolerance times the longest link per second: in the mode "slides", other forces may hold such an element,
+    and errors decide whether it moves. In any other case the slack is 0. The slack of an element that sticks
+    has no effect.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = (
@@ -171,8 +173,8 @@ def count_inconsistent_now(d):
 def choose_by_limits(d):
     """Let all undecided elements stick, except those whose forces reach their limits (rows/limits.py).
 
-    An element whose force is at its limit gets the mode "slides", although other forces may hold the element.
-    A motion of this element is then only an error, in either direction.
+    An element whose force is at its limit gets the mode "slides". Other forces may still hold this element;
+    if it then moves, in either direction, its motion is only an error.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:

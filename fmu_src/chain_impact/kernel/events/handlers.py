@@ -1,10 +1,10 @@
 """The handlers of events, and the size of the step after an event.
 
-ONSET and END are crossings of a clearance; they are found with bounds, so that none is missed (crossing.py).
-The other events are found by samples of a step, because it does no harm to locate such an event late
-(sampled.py lists them). When an event is applied, the points are located. ``handle_impact`` handles all
-simultaneous events at rigid walls together (impacts.py). If a point arrives at a rigid wall, contacts with a
-force law that begin at the same time begin after the impulses.
+The events ONSET and END are zeros of a clearance or a penetration. They are found with bounds, so that no
+event is missed (crossing.py). All other events are found by samples of a step, because it does no harm to
+locate them late; sampled.py lists them. The points must be located when a handler applies an event.
+``handle_impact`` handles all simultaneous events at rigid walls together (impacts.py). If a point arrives at
+a rigid wall, a contact with a force law that begins at the same time begins after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -86,9 +86,9 @@ def apply_events(d):
     """Apply the events at the end of the last step, and choose size and method of the next step.
 
     Returns:
-        Whether a force may have jumped. This is so at a kink and at a new impact speed; where a contact
-        begins or ends, if the force may jump there (``may_jump``); if a rigid wall holds a point or has an
-        event; and at every event of a scene with dry friction or a limit of a drive.
+        Whether a force may have jumped. The result is true in each of these cases: a contact crosses its kink
+        or gets a new impact speed; a contact begins or ends whose force may jump then (``may_jump``); a rigid
+        wall holds a point or has an event; the scene has dry friction or a drive with a limit.
     """
     # ``onset`` is the last candidate with a force law whose contact begins
     touch, onset, jumped = d.touch, -1, False

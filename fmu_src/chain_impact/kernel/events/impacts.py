@@ -1,20 +1,21 @@
 """Impact at a rigid wall: instantaneous impulses, and the set of contacts that stay active after them.
 
 Newton's law of impact is valid for any number of contacts at once, in the form of Moreau (1988, *Unilateral
-contact and dry friction in finite freedom dynamics*). For all touching candidates, arriving ones and held
-ones with ġ = 0, it reads
+contact and dry friction in finite freedom dynamics*). The law holds for all candidates that touch: those that
+arrive, and those that are held, with ġ = 0. It reads
 
     u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
 
-where u⁻ and u⁺ are the normal speeds before and after the impact, p the impulses, W the inverse of the mass
-matrix along the normals, and e the restitution. A held contact and a point that arrives slower than
-``contact.minimum_impact_speed`` have e = 0, so that a bouncing point comes to rest after finitely many
-impacts. Every impulse p > 0 does the work ½ p (u⁺ + u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A
-point that all but touches a wall and moves away from it has u⁻ > 0, so an impact could add energy; then the
-impact is computed with e = 0 for all contacts, which adds no energy.)
+where u⁻ and u⁺ are the normal speeds before and after the impact, away from the wall, p the impulses, W the
+inverse of the mass matrix along the normals, and e the restitution. a ⟂ b means that a or b is 0. A held
+contact has e = 0. A point that arrives slower than ``contact.minimum_impact_speed`` has e = 0, too, so that a
+bouncing point comes to rest after finitely many impacts. Every impulse p > 0 does the work ½ p (u⁺ + u⁻) =
+½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A point that all but touches a wall and moves away from it has
+u⁻ > 0, and could gain energy. An impact that would add energy is therefore computed with e = 0 for all
+contacts, which adds none.)
 
-A contact that separates with a speed above LEAST_REBOUND_SPEED and round-off ends. Forces F hold the other
-contacts, which are at rest, as long as the forces push:
+A contact ends if it separates with a speed above LEAST_REBOUND_SPEED and round-off. All other contacts are at
+rest. Forces F hold them as long as the forces push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
 
@@ -88,10 +89,10 @@ IMPACT_ROUND_OFF = 1e-9
 # it touch again: the larger of RELEASE_GAP times the longest link and RELEASE_OF_COORDINATES times the
 # coordinates whose round-off enters the clearance.
 RELEASE_GAP, RELEASE_OF_COORDINATES = 1e-13, 1e-14
-# A point all but touches a wall if its clearance is below NEAR_WALL_CLEARANCE times the clearance of a
-# released point. This distance also decides whether arriving points come to rest: their kinetic energy must
-# be at most the work of weight and dry friction over it. So both measures against endless impacts include a
-# point that has just been released.
+# The distance NEAR_WALL_CLEARANCE times the clearance of a released point has two uses, both against endless
+# impacts. A point with a smaller clearance all but touches its wall. And arriving points come to rest if
+# their kinetic energy is at most the work of weight and dry friction over this distance. So both uses include
+# a point that has just been released.
 NEAR_WALL_CLEARANCE = 10.0
 
 
@@ -260,9 +261,10 @@ def end_rebounding_contacts(d):
 def is_gentle(d):
     """Return whether all arriving points are so slow, or together have so little energy, that they stop.
 
-    LEAST_REBOUND_SPEED limits their speeds, NEAR_WALL_CLEARANCE their energy. In a gentle impact sticking
-    elements continue to stick. If the small impulses made a joint slide, its friction would lift points,
-    which would arrive gently again, and so on without end.
+    The limit of the speeds follows from LEAST_REBOUND_SPEED, the limit of the kinetic energy from
+    NEAR_WALL_CLEARANCE. Such an impact is gentle: elements that stick continue to stick. If the small
+    impulses could make a joint slide, its friction would lift points, these would arrive gently again, and so
+    on without end.
     """
     force = mean_mass(d) * d.links * (d.chain.gravity_size + d.chain.longest_link)
     slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)
@@ -296,9 +298,10 @@ def end_changed_contacts(d):
 
 
 def update_active_set(d):
-    """End the contacts with rigid walls that would have to pull their points; the others stay active.
+    """End each contact at a rigid wall that would have to pull its point; the other contacts stay active.
 
-    The state is projected onto the constraints first. A released point gets a small clearance.
+    Before the choice, the state is projected onto the constraints. The point of an ended contact gets a small
+    clearance.
     """
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):

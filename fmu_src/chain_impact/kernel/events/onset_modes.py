@@ -1,9 +1,9 @@
 """The mode of dry friction, sticks or slides, of a contact that begins without any tangential speed.
 
-At the onset the normal force F and the limit of friction are zero. So the forces just after the onset decide:
-F grows, and the tangential force that prevents sliding grows in proportion to F, with a factor that follows
-from the chain's inertia. The point sticks if this tangential force is at most µ_s F, with the static
-coefficient µ_s; otherwise the point slides in the direction against which this force acts.
+At the onset the normal force F and the limit of friction µ_s F are zero, with the coefficient µ_s of static
+friction. So the forces just after the onset decide the mode. F grows then. The tangential force T that would
+prevent sliding grows in proportion to F, with a factor that follows from the chain's inertia. The point
+sticks if T is at most µ_s F. Otherwise it slides in the direction against which T would act.
 """
 
 from chain_impact.kernel.cost import count_other_cost
@@ -53,9 +53,9 @@ def begins_at_rest(d, e):
 
 
 def force_after_onset(d, c):
-    """Return an estimate of the normal force [N] of candidate c, COMPARISON_TIME [s] after its onset now.
+    """Return an estimate of the normal force [N] of candidate c at COMPARISON_TIME [s] after its onset.
 
-    The point penetrates with its speed at the onset.
+    The onset is at the present time. The estimate assumes that the point keeps its speed at the onset.
     """
     speed = d.touch.onset_speed[c]
     force, _ = law_force(d, c, COMPARISON_TIME * speed, speed)

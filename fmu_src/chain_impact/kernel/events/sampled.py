@@ -1,4 +1,4 @@
-"""The events that are found by sampling a step. At each event one of these functions falls below zero.
+"""The events that are found by samples of a step. At each kind of event a function falls below zero.
 
     KINK             δ̇ or the force without the cut at 0; times −1 if the step starts beyond the kink
     RELATCH          RELATCH_RATIO v₀ − δ̇ of a contact with a force
@@ -7,23 +7,23 @@
     STICKING_ENDS    µ_s F_n − |F_t|, the limit of friction minus the friction force
     (drives)         least margin of a drive's torque or force to the end of the drive's mode
 
-δ is the penetration, v₀ the impact speed of the law, s = ±1 the direction of sliding, t·v the tangential
-speed, F_n the normal force, and F_t the friction force with the static coefficient µ_s. The stages and the
-ends of a step show for which of these events the step must be searched. An event that is found late causes
+δ is the penetration, v₀ the impact speed in the law, s = ±1 the direction of sliding, t·v the tangential
+speed, F_n the normal force, F_t the friction force, and µ_s the coefficient of static friction. The stages
+and the ends of a step show which of these events must be searched for. An event that is found late causes
 only a small error of energy.
 
 KINK: the force of a contact has a kink where it is cut off at 0 or, for a law that damps on approach only, at
-δ̇ = 0. A step across a kink would lose its order. So a step is computed with the force of one side, continued
-smoothly beyond the kink. If a stage or the end of the step is beyond the kink, the step is repeated to end at
-the kink, and the next step uses the force of the other side. A point without force that is still inside the
-wall moves as in flight until it leaves or the wall pushes again.
+δ̇ = 0. A step across a kink would lose its order. So a step uses the force of one side of the kink, continued
+smoothly beyond the kink. If a stage or the end of the step is beyond the kink, the step is repeated so that
+it ends at the kink; the next step uses the force of the other side. Where the force is cut off, a point that
+is still inside the wall moves as in flight until it leaves or the wall pushes again.
 
 The torque or force of a drive has a kink where it reaches its limit or falls below the limit. The mode of the
-drive stays until the end of the step.
+drive stays the same until the end of the step.
 
-RELATCH: v₀, which is latched (fixed) at the onset of the contact, gets a new value if δ̇ becomes much larger,
-in a second impact or, after a very slow onset, by gravity. Otherwise λ δ̇/v₀, with the damping factor λ, and
-the force would grow without bound.
+RELATCH: v₀ is latched at the onset of the contact. It is latched again if δ̇ becomes much larger than v₀, in
+a second impact or, after a very slow onset, by gravity. Otherwise the force would grow without bound, as it
+contains λ δ̇/v₀, with the damping factor λ.
 """
 
 from chain_impact.kernel.chain.drives import along_drive, mode_margin
@@ -99,19 +99,19 @@ def make_search(
     """Return a search of the last step for one kind of event.
 
     Args:
-        value: function of (d, c, θ) that falls below zero at the event.
+        value: function of (d, c, θ) that falls below zero at the event; c is an index, such as a candidate's.
         suspected: function of (d, c): whether stages and located points show that c may have an event.
         mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
-        members: a pair of functions: the first, of d, returns the number of c that are searched; the second,
-            of (d, k), returns the k-th of these.
+        members: two functions: that of d returns how many c are searched, that of (d, k) the k-th of them.
         samples: function of d that returns the number of samples of the step.
         resolution: accuracy of the location of the event, as in ``first_passage``.
 
     Returns:
-        A function of (d, earliest); ``earliest`` is the θ of the event found so far, −1 for none. If an event
-        of this kind happens before it (for −1: in the step), the function drops all marks, marks this event
-        and returns its θ, else it returns ``earliest``. The points must be located at ``earliest``, or at the
-        end for −1; afterwards the points of contacts are located at the result.
+        A function of (d, earliest). ``earliest`` is the θ of the earliest event found so far, −1 for none.
+        The function searches the step up to ``earliest`` or, for −1, up to its end. If it finds an event of
+        this kind, it drops all marks, marks this event and returns its θ, else it returns ``earliest``. The
+        points must be located at the end of the searched part of the step; afterwards the points of contacts
+        are located at the result.
     """
     count, member = members
     first_end = first_passage(value, samples, resolution)
@@ -331,11 +331,11 @@ def element_margin(d, e, theta):
 
 
 def margin_is_halved(d):
-    """Return whether the repeated step at least halves the margin of any mode that is marked to end.
+    """Return whether the repeated step at least halves the margin of one or more modes marked to end.
 
-    The margin at the end of the step (``element_margin``) is compared with that at its start. The dense
-    output of a long implicit step has errors, and may show an end of a mode that a shorter step does not
-    have. Without this check, steps with such false ends could follow each other without end.
+    The margin (``element_margin``) at the end of the step is compared with that at its start. The dense
+    output of a long implicit step has errors: it may show an end of a mode that a shorter step does not have.
+    Without this check, steps with such false ends could follow each other without end.
     """
     near = False
     for i in range(d.friction.count):

@@ -246,8 +246,8 @@ def set_kink_sides(d):
 def list_touching(d):
     """List the active contacts in ``touch.active_index``; contacts with a force law come first.
 
-    The function also counts the stops of joints among the active contacts, and lists the elements that have
-    dry friction.
+    The function also counts the stops of joints among the active contacts. It lists the elements that have
+    dry friction at present (active contacts, joints and the slider), and those of them that stick.
     """
     touch = d.touch
     touch.active_count = 0

@@ -113,8 +113,9 @@ def set_damping(d, c):
 def unit_of_damping(d, c, mass_power):
     """Return the factor by which f K^(1−s) m^s is multiplied to give the damping d of candidate c.
 
-    f and s belong to the law (laws.py), K is the stiffness and m the effective mass of the contact. The
-    factor is 1 for all candidates except the stops of joints.
+    f and s = ``mass_power`` belong to the law (laws.py); n and p are the exponents of δ in its spring and in
+    its damping. K is the stiffness and m the effective mass of the contact. The factor is 1 for all
+    candidates except the stops of joints.
 
     At a joint's stop the law holds for angles: its damping is d' = f K'^(1−s) m'^s with the stiffness
     K' = K rⁿ⁺¹ and the moment of inertia m' = m r², where r is the lever arm. The kernel uses lengths at the

@@ -351,7 +351,11 @@ def site_dtype(links: int, sites: int) -> np.dtype:
 
 @written_by("chain/motion.py", unmoved_offset="rows/geometry.py")
 def shift_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the present motion of each candidate's wall; only moving walls have motions."""
+    """Return the layout of the motion of each candidate's wall and belt.
+
+    Every candidate has a row. For a wall that does not move, and for a stop, ``channel`` is −1, and of the
+    other columns only ``unmoved_offset`` is set.
+    """
     return table(
         candidates,
         # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move

@@ -354,9 +354,11 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("stiffness", REAL, (candidates,)),
         # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law, packed
         ("damping", REAL, (candidates,)),
-        # N·m/rad, slope −∂F/∂ψ of the torque F of each drive, by the angle ψ of its joint; of the slider N/m
+        # N·m/rad, slope −∂F/∂ψ of the torque F of each drive, by its joint's angle ψ; the last entry is the
+        # slider's [N/m]
         ("drive_stiffness", REAL, (links + 1,)),
-        # N·m·s/rad, slope −∂F/∂ψ̇ of the torque F of each drive, by its joint's rate; of the slider N·s/m
+        # N·m·s/rad, slope −∂F/∂ψ̇ of the torque F of each drive, by its joint's rate ψ̇; the last entry is
+        # the slider's [N·s/m]
         ("drive_damping", REAL, (links + 1,)),
         # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
         # active contacts, packed

@@ -332,9 +332,10 @@ def repeat_step(d, t, h):
 
 
 def ends_regularized(d):
-    """Return whether the last step of d was truncated where its regularized contact ends.
+    """Return whether the dense output of d cut the last step where its regularized contact ends.
 
-    The force has a kink there, and d has computed the step beyond it. t makes only the part up to the kink.
+    The force has a kink there. d has computed the step beyond the kink, and does not repeat it to end there.
+    t makes only the part of the step up to the kink.
     """
     return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
 

@@ -37,8 +37,8 @@ GROWTH = 1.1  # each horizon is at least GROWTH × the horizon before
 # while the horizon grows, FINE_CHANGE with all data.
 ROUGH_CHANGE, FINE_CHANGE = 1e-2, 1e-9
 ROUGH_STEPS, FINE_STEPS = 10, 100
-# the least standard deviation that may be estimated, relative to the size of its column: smaller residuals
-# are the solver's errors, not noise
+# an estimated standard deviation is at least this, relative to the size of its column: smaller residuals are
+# the solver's errors, not noise
 LEAST_SIGMA = 1e-8
 # A column's degrees of freedom ν count as 0 below this limit, as round-off. A larger limit is not needed: a
 # small ν gives a large estimated σ, so the column has less weight in the next round, determines fewer

@@ -56,7 +56,8 @@ from chain_impact.studies.sweep.variation import Variation
 
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
-# [inch] the width for the names of choices, left of the panels, and the least width of a panel with dots
+# [inch] NAMES_WIDTH: the width left of the panels for the names of a parameter's choices, one at each row of
+# dots; DOTS_WIDTH: the least width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 MOST_SPLIT = 3  # of two varied numbers, one with at most this number of values has a line for each
 MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show

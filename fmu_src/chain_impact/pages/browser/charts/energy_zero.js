@@ -25,7 +25,7 @@ export function movedBy(energies, offset) {
     [name, offset && MOVED.includes(name) ? values.map((value) => value + offset) : values]));
 }
 
-/** Return the name of an energy with the number [J] that the chart adds to it, such as "total + 22 J". */
+/** Return an energy's name in the chart's legend; that of a moved energy (MOVED) contains the offset [J], such as "total + 22 J". */
 export function energyText(name, offset) {
   return offset && MOVED.includes(name) ? `${name} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : name;
 }

@@ -1,4 +1,4 @@
-// The strip at the top of the drawing: scale bar, ruler of forces, and legend of arrows. The chain never covers the strip.
+// The strip at the top of the drawing: scale bar, ruler of forces, and legend of arrows. The view of the motion lies below it.
 
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip, and distance of the text to the scale bar

@@ -11,8 +11,8 @@ const MOST = 20_000; // largest number of points of the drawn trace
 const CELL = 6; // [pixels] size of the cells in which the search for the trace divides the drawing
 
 /**
- * Return the points of the trace on the screen, each at least APART from the point before, and for each the frame at which the tip or ball
- * is there; between two frames it has a fraction.
+ * Return { positions, frames }. `positions` are the points of the trace on the screen, each at least APART from the point before. `frames`
+ * tells for each point at which frame the tip or ball is there; the number has a fraction if this is between two frames.
  */
 export function traceOf(recording, camera) {
   const count = recording.time.length;

@@ -21,7 +21,7 @@ function halfHull(points) {
   return hull.slice(0, -1);
 }
 
-/** Return the corners of the convex hull of discs, given by x, y and radius [m]; a disc counts as a polygon of CIRCLE_CORNERS corners. */
+/** Return the corners [x, y] of the convex hull of discs [x, y, radius] [m]; a disc counts as CIRCLE_CORNERS points, or as its centre. */
 function outlineOf(discs) {
   const rims = discs.flatMap(([x, y, radius]) => Array.from({ length: radius > 0 ? CIRCLE_CORNERS : 1 }, (_, k) =>
     [x + radius * Math.cos((2 * Math.PI * k) / CIRCLE_CORNERS), y + radius * Math.sin((2 * Math.PI * k) / CIRCLE_CORNERS)]));

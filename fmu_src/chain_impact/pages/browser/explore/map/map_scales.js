@@ -22,7 +22,7 @@ export function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-/** Return a text that is equal for maps, or requests of maps, of the same parameters with the same ends of the axes. */
+/** Return a text by which maps, or requests of maps, are compared: it is equal if the parameters and the ends of the axes are equal. */
 export function areaOf({ names, axes }) {
   return JSON.stringify([names, axes.map((axis) => [axis[0], axis.at(-1)])]);
 }
