@@ -1,11 +1,11 @@
 """No label overlaps a control on small screens, and no card another one, by the drawn boxes."""
 
-# Tests: pages/explore.py, pages/browser/explore/whole_charts.js
+# Tests: pages/explore.py, pages/browser/explore/whole_charts.js, pages/browser/explore/parameters/outcome.js
 
 import pytest
 
-from chain_impact import simulate
-from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, until
+from chain_impact import load_scene, simulate
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -249,3 +249,18 @@ def test_the_line_on_an_impact_is_whole_before_the_impact_and_in_it(show, model,
             go_to(page, onset - ahead)
             assert words in page.inner_text("#caption").replace("\u202f", " ")
             assert not page.evaluate(IS_CUT_OFF, "caption"), page.inner_text("#caption")
+
+
+def test_a_phone_shows_force_and_result_beside_the_slider_that_moves(show):
+    page = show(viewport=PHONE)
+    tops = [page.locator(name).bounding_box()["y"] for name in ("#stage", "#contact", "#parameters", "#list")]
+    assert tops == sorted(tops)
+    slider = page.get_by_role("slider", name="Restitution", exact=True)
+    slider.press("PageDown")
+    row = page.locator(".main-parameter").filter(has=slider)
+    until(page, "/largest/.test(document.querySelector('.outcome')?.textContent)")
+    restitution = float(page.evaluate("chainImpact.parameters['contact.restitution']"))
+    run = simulate(load_scene("four_link_box").with_values({"contact.restitution": restitution}))
+    until_told(page, f"{len(run.impacts)} impact")
+    largest = f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN"
+    assert row.locator(".outcome").inner_text() == f"{len(run.impacts)} impacts, largest {largest}"

@@ -17,6 +17,7 @@ import { Handles } from "./handles.js";
 import { UndoHistory } from "./history.js";
 import { GridMap } from "./map/map.js";
 import { OpenScene } from "./open_scene.js";
+import { outcomeBeside } from "./parameters/outcome.js";
 import { showParameterList } from "./parameters/parameter_list.js";
 import { showMainParameters } from "./parameters/sliders.js";
 import { Simulation } from "./simulation.js";
@@ -53,6 +54,7 @@ function withSteadyView(next) {
 // the engine (the worker with a kernel) that begin.js has started, or a new one
 const beginEngine = () => (window.begun.engines.pop() ?? window.begun.startEngine()).open(changes.scene);
 const choice = new CurveChoice(changes);
+const showOutcome = outcomeBeside(find("main-parameters"));
 const simulation = new Simulation(beginEngine, changes, choice, (parts, about) => {
   document.querySelector("footer").inert = !parts && Boolean(player.recording);
   if (parts) {
@@ -63,6 +65,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
   } else if (player.recording) {
     player.clock.set({ playing: false });
   }
+  showOutcome(parts ? player.recording : undefined);
   window.begun.finishLoad();
 });
 const openScene = new OpenScene(changes, choice, kit);
