@@ -1,6 +1,6 @@
 """The screen and its handles: dragging, the room, the trace, small screens, touch."""
 
-# Tests: pages/browser/explore/handles.js
+# Tests: pages/browser/explore/handles.js, pages/browser/explore/handle_text.js
 
 import re
 
@@ -328,3 +328,19 @@ def test_on_a_phone_controls_take_a_tenth_of_the_height(show, size):
     assert page.evaluate(CUT_OFF) == []
     page.locator("#loop").tap()
     assert page.locator("#loop").is_checked()
+
+
+def test_a_dragged_handle_tells_its_angle_until_it_is_dropped(show):
+    page = show()
+    x, y = reachable(page, "joint 1")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 30, y + 20, steps=4)
+    text = page.locator(".handle-text")
+    text.wait_for()
+    angle = np.degrees(float(parameters(page)["initial.angle[1]"]))
+    assert float(text.text_content().replace("\u2212", "-").removesuffix("°")) == pytest.approx(
+        angle, abs=0.06
+    )
+    page.mouse.up()
+    text.wait_for(state="detached")

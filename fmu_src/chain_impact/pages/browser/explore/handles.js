@@ -5,6 +5,7 @@ import { isCrossed } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";
 import { edgeBefore, edgesOf } from "../recording/free_region.js";
 import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
+import { SPOKEN, valueTextOf, writeAt } from "./handle_text.js";
 
 const ARROW_TIME = 0.1; // [s] the arrow of a velocity is as long as the way that a point would move in this time
 // largest length of an arrow of velocity, relative to the size of the view; if an arrow would be longer, all arrows stand for a shorter
@@ -20,12 +21,6 @@ const MOST_DECIMALS = 15;
 const STEPS_OF_KEYS = [4, 24]; // [pixels] distances by which an arrow key moves a grip: alone, and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SLIDER_VELOCITY = "initial.slider_velocity";
-const SPOKEN = {
-  site: (index, label) => `Point ${index}${label}: arrow keys move it on its link`,
-  joint: (index) => `Point ${index}: arrow keys move it`,
-  velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
-  wall: (name) => `Wall ${name}: arrow keys move it`,
-};
 
 /** Return a value that a handle gives, rounded to the decimals that a move by one pixel changes; `pixel`: its change by one pixel. */
 function byHand(value, pixel) {
@@ -187,6 +182,8 @@ export class Handles {
       group.circle(15).center(...screen(point)).addClass("joint-ring");
       group.circle(GRIP).center(...screen(point)).addClass("grip").attr(gripFor("joint", k));
     });
+    const { at, values } = this.dragged ?? {};
+    if (at) writeAt(group, valueTextOf(this.changes, values), at, drawing.size[0]);
     if (focused) this.element.querySelector(`[data-grip="${focused}"]`)?.focus({ preventScroll: true });
   }
 
@@ -299,7 +296,9 @@ export class Handles {
     const at = this.player.drawing.camera.toMetres(left, top);
     const { kind, index } = this.dragged;
     try {
-      this.changes.set(this[kind](at, index));
+      const values = this[kind](at, index);
+      this.changes.set(values);
+      Object.assign(this.dragged, { at: [left, top], values });
     } catch (error) {
       if (!(error instanceof RangeError)) throw error;
       // the scene refuses this position, so the handle stays at its old position

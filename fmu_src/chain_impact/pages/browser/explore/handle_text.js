@@ -1,0 +1,30 @@
+// The words of handles for screen readers, and the values that a dragged handle sets, as text beside it.
+
+import { numberText, withMinus } from "../base/format.js";
+import { presentUnit } from "./parameters/parameter_fields.js";
+
+export const SPOKEN = {
+  site: (index, label) => `Point ${index}${label}: arrow keys move it on its link`,
+  joint: (index) => `Point ${index}: arrow keys move it`,
+  velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
+  wall: (name) => `Wall ${name}: arrow keys move it`,
+};
+const ABOVE = 24; // [pixels] distance of the text from the middle of the handle
+const DEGREES = 180 / Math.PI;
+
+/** Return the values of changes that a handle sets: "−35.2°" for an angle, "1.2, 0.4 m/s" for a velocity. */
+export function valueTextOf(changes, values) {
+  const names = Object.keys(values);
+  const unit = presentUnit(changes, names[0]);
+  const numbers = names.map((name) => changes.valueOf(name));
+  if (unit === "rad") return `${withMinus((DEGREES * numbers[0]).toFixed(1))}°`;
+  return `${numbers.map((value) => withMinus(numberText(value))).join(", ")}\u202f${unit}`;
+}
+
+/** Write the text beside the dragged handle of a drawing, within the drawing's `width`. */
+export function writeAt(group, text, [x, y], width) {
+  const half = 4 * text.length;
+  const left = Math.min(Math.max(x, half), width - half);
+  const top = y > 2 * ABOVE ? y - ABOVE : y + ABOVE + 10;
+  group.plain(text).attr({ x: left, y: top }).addClass("handle-text");
+}
