@@ -104,7 +104,7 @@ def lankarani_nikravesh(e):
     allows_zero=False,
 )
 def gonthier(e):
-    """Close for all e: the largest error of the realised restitution is 0.032."""
+    """Close for all e > 0: the largest error of the realised restitution is 0.032."""
     return (1.0 - e * e) / e
 
 
@@ -117,7 +117,7 @@ def gonthier(e):
     allows_zero=False,
 )
 def zhang_sharf(e):
-    """Exact for one contact on its own, for all e."""
+    """Exact for one contact on its own, for all e > 0."""
     if e >= 1.0:
         return 0.0
     u = 1.0 - e
