@@ -174,7 +174,7 @@ def test_a_law_has_a_sentence_with_its_range_and_source():
     found = dict(rows["contact.model"]["items"])
     assert (
         found["zhang_sharf"]
-        == "Exact for one contact on its own, for all e. Zhang & Sharf 2009, J Appl Mech 76:051002."
+        == "Exact for one contact on its own, for all e > 0. Zhang & Sharf 2009, J Appl Mech 76:051002."
     )
 
 
