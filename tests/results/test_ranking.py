@@ -144,11 +144,12 @@ def test_a_second_run_checks_each_effect_of_the_picture(result):
     for effect in checked.effects:
         assert not effect.differs
         if effect.parameter == "contact.stiffness":
-            assert np.isnan(effect.simulated)
+            assert effect.simulated is None
         else:
             assert effect.simulated == pytest.approx(effect.change, rel=0.1)
             assert effect.simulated != effect.change
     assert "confirm 2 effects" in repr(checked)
+    assert "no run is possible with the new values of contact.stiffness" in repr(checked)
 
 
 def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
@@ -163,13 +164,20 @@ def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
     assert all(share in text.get_text() for axes in checked.plot().axes for text in axes.texts)
 
 
+def test_an_effect_whose_run_lacks_the_impact_is_refuted(result):
+    free = simulate(result.scene, stop_time=0.1)
+    checked = result.ranking("impact[1].speed", "link[2].mass").checked(lambda name, value: free)
+    (effect,) = checked.effects
+    assert np.isnan(effect.simulated)
+    assert effect.differs
+    assert "link[2].mass" in repr(checked).partition("differ")[2]
+    assert "run: none" in checked.plot().axes[0].texts[0].get_text()
+
+
 @pytest.mark.parametrize("quantity", ["joint_force", "impact[1].duration", "point[2].x", "max_penetration"])
 def test_a_second_run_has_the_same_quantity(result, quantity):
     ranking = result.ranking(quantity, "link[2].mass")
     assert ranking.value_in(result) == ranking.value
-    free = simulate(result.scene, stop_time=0.1)
-    if quantity.startswith("impact"):
-        assert np.isnan(ranking.value_in(free))
 
 
 def test_a_share_is_written_with_two_digits():

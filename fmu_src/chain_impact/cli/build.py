@@ -82,9 +82,8 @@ def run(options: argparse.Namespace) -> int:
     target = options.target or (TARGET if options.fmi == FMI_2 else "native")
     if (target, options.fmi) not in FMU_KINDS:
         raise UsageError(f"--target {target} is for FMI 2.0 only; for --fmi {options.fmi}: --target native")
-    for platform in {*options.platform} - {*TARGETS[target], "all"}:
-        has = f"is for {', '.join(TARGETS[target])} only"
-        raise UsageError(f"--target {target} {has}; for --platform {platform}: --target native")
+    for platform in {*options.platform} - {*TARGETS[target], "all"} if target != "native" else ():
+        raise UsageError(f"--platform {platform} needs --target native")
     scene = load_scene(options.source)
     with progress():
         fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)

@@ -37,11 +37,13 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
+from chain_impact.scene.names import AXES
 from chain_impact.scene.unit_text import in_brackets, with_unit
 
 # a change up to this counts as round-off; it is relative to the range of the output, or to the largest impact
 # speed for the change of an impact speed
 NO_CHANGE = 1e-12
+ROUND_OFF = 1e-9  # [1] a range of an output that is at most this, relative to its largest value, is round-off
 # the largest number of parameters with coloured curves: those with the largest effects; others are grey
 LARGEST_EFFECTS = 4
 STEEP = 300.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
@@ -128,16 +130,29 @@ def relative_changes(
 
 
 def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
-    """Return |change| of an output relative to ``span_of`` it, shape (T, P); 0 within impacts."""
-    parts = np.abs(np.nan_to_num(sensitivities.changes(output))) / span_of(recording, output)
+    """Return |change| of an output relative to ``span_of`` it, shape (T, P); 0 within impacts.
+
+    If a change at the start is larger than this span, as that of a shift can be, the changes are relative to
+    the change at the start.
+    """
+    parts = np.abs(np.nan_to_num(sensitivities.changes(output)))
+    parts /= max(span_of(recording, output), parts[:1].max(initial=0.0))
     parts[~calm(recording)] = 0.0
     return np.asarray(parts)
 
 
 def span_of(recording: Recording, output: str) -> float:
-    """Return what an output can change by: its range in the run, or that of all energies; 1 if it is 0."""
-    span = range_of(dict(recording.energies)) if output.startswith("energy.") else 0.0
-    return span or float(np.ptp(recording.columns[output])) or 1.0
+    """Return what an output can change by: its range in the run, or that of all energies.
+
+    The coordinates x and y of a point count as one output. The result is 1 if the range is round-off.
+    """
+    if output.startswith("energy."):
+        return range_of(dict(recording.energies)) or 1.0
+    head, _, last = output.rpartition(".")
+    names = [f"{head}.{axis}" for axis in AXES] if last in AXES else [output]
+    columns = [recording.columns[name] for name in names if name in recording.columns]
+    span = float(max(np.ptp(column) for column in columns))
+    return span if span > ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
 
 
 def holds(relative: np.ndarray) -> np.ndarray:
@@ -154,9 +169,15 @@ def finding(
     """Return the headline: the parameter that matters most, and what it does to which output.
 
     It is the one whose change first exceeds the range of an output or, if none does, the one with the largest
-    change relative to this range. A parameter with the value 0 is named only if no other has an effect: a
-    change by 0.01 of its unit does not compare with one by 1 %.
+    change relative to this range; among outputs of one unit, the output that changes most is named. A
+    parameter with the value 0 is named only if no other has an effect: a change by 0.01 of its unit does not
+    compare with one by 1 %.
     """
+    known = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
+    if not known[1:].any():
+        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on"
+    factor, unit = time_unit(float(np.ptp(recording.time)))
+    until = "" if known[-1] else f", known until {factor * recording.time[known][-1]:.3g} {unit}"
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
     if relative[:, ~is_zero].max(initial=0.0) > NO_CHANGE:
         relative = np.where(is_zero, 0.0, relative)
@@ -164,14 +185,24 @@ def finding(
     beyond = ~holds(relative)
     row, k = divmod(int(beyond.argmax() if beyond.any() else relative.argmax()), relative.shape[1])
     output, parameter = outputs[int(parts[:, row, k].argmax())], list(sensitivities.parameters)[k]
+    if not beyond.any():
+        alike = [name for name in outputs if sensitivities.units[name] == sensitivities.units[output]]
+        output = max(
+            alike, key=lambda name: np.nanmax(np.abs(sensitivities.changes(name)[:, k]), initial=0.0)
+        )
     if relative[row, k] <= NO_CHANGE:
         return f"{recording.name}: no parameter changes {', '.join(outputs)}"
     what = f"{recording.name}: {parameter} + {sensitivities.step_text(parameter)} changes {output} by"
     if beyond.any():
-        factor, unit = time_unit(float(np.ptp(recording.time)))
-        return f"{what} more than its range from {factor * recording.time[row]:.3g} {unit} on"
-    most = abs(sensitivities.changes(output)[row, k])
-    return f"{what} up to {with_unit(f'{most:.2g}', sensitivities.units[output])}"
+        whose = "the range of all energies" if output.startswith("energy.") else "its range"
+        return f"{what} more than {whose} from {factor * recording.time[row]:.3g} {unit} on{until}"
+    most = _largest(sensitivities, output, k)
+    return f"{what} up to {with_unit(f'{most:.2g}', sensitivities.units[output])}{until}"
+
+
+def _largest(sensitivities: Sensitivities, output: str, k: int) -> float:
+    """Return the largest change of an output by parameter k, in the unit of the output."""
+    return float(np.nanmax(np.abs(sensitivities.changes(output)[:, k]), initial=0.0))
 
 
 def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:

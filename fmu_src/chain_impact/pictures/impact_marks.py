@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
@@ -58,10 +59,10 @@ MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P":
 def draw_impacts(axes: Axes, recording: Recording) -> None:
     """Draw the peak force, or the impulse, of each impact over time.
 
-    If neither is known, the impact speeds are drawn. The marks stand at the times of the peak forces
-    (``impacts_at_peaks``). The look of a mark tells the point. At most MOST_OWN_MARKS points have a look of
-    their own: those with the hardest impacts. The marks of all other points are grey. The impacts in
-    ``peaks`` have a colour of their own.
+    If neither is known, the impact speeds are drawn. A stem leads from the onset to the mark at the time of
+    the peak force (``impacts_at_peaks``). The look of a mark tells the point. At most MOST_OWN_MARKS points
+    have a look of their own: those with the hardest impacts. The marks of all other points are grey. The
+    impacts in ``peaks`` have a colour of their own.
 
     Contacts that are long enough to be seen are thick, pale lines below the marks. Each kind of mark has a
     row of these lines, and the axis of time is below all rows. If there are impacts both at walls and at
@@ -78,7 +79,9 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         colour = mark["color"]
         stems = [(PEAK_COLOUR, 2.0 * STEM) if row in strongest else (colour, STEM) for row in hits]
         colours, widths = zip(*stems, strict=True)
-        axes.vlines(times[hits], 0.0, tops[hits], colors=colours, linewidths=widths)
+        feet, heads = np.stack([onsets, 0.0 * tops], axis=1), np.stack([times, tops], axis=1)
+        lines = np.stack([feet[hits], heads[hits]], axis=1)
+        axes.add_collection(LineCollection([*lines], colors=colours, linewidths=widths))
         look = mark | {"linestyle": "", "clip_on": False}
         form = MARK_SCALES.get(mark["marker"], 1.0)
         axes.plot(times[hits], tops[hits], **look, markersize=form * IMPACT_DOT, label=name)

@@ -13,7 +13,6 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.body import draw_bodies, draw_rail
-from chain_impact.pictures.contact_times import impacts_at_peaks
 from chain_impact.pictures.labels import Ink, Label, listed, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import largest_load, peaks
@@ -329,10 +328,10 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     The fastest impacts come first, and last the largest force in a joint, if it is known. Returns the numbers
     without room as text, or how many they are; "" if all have room.
     """
-    hits_at, labels, impacts = rings(axes, recording), [], impacts_at_peaks(recording)
+    hits_at, labels = rings(axes, recording), []
     for spot, hits in hits_at.items():
         numbers = [hit + 1 for hit in hits]
-        position, outward = _label_place(recording, impacts[hits[0]], spot)
+        position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
         whole = numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY)
         labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
@@ -380,15 +379,14 @@ def _label_place(
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
     """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
-    A ring is where the force is largest. Two impacts share a ring if they are at the same wall or stop,
+    A ring is where the point is at the onset. Two impacts share a ring if they are at the same wall or stop,
     closer than RING_DISTANCE.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}
-    impacts = impacts_at_peaks(recording)
-    walls = impacts["wall"]
+    walls = recording.impacts["wall"]
     for row in by_speed(recording).tolist():
-        x, y = recording.spot(impacts[row]).tolist()
+        x, y = recording.spot(recording.impacts[row]).tolist()
         near = (
             spot
             for spot, hits in hits_at.items()

@@ -86,7 +86,8 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
     axes.plot(along, up, color=PEAK_COLOUR, linewidth=1.4)
     shown = factor * shown_contact(impact, time, force)
     axes.set(xlim=(-0.03 * shown, 1.03 * shown), ylim=(0.0, HEADROOM * float(up.max())))
-    lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(float(np.ptp(time)), 's')}"
+    duration = float(impact["end"] - impact["onset"])
+    lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
     axes.set_xlabel(f"impact {row + 1}: time after the onset [{unit}]; {lasting}")
     axes.set_ylabel(f"{'moment' if recording.is_stop(impact['wall']) else 'force'} [{force_unit}]")
     give_ticks(axes)

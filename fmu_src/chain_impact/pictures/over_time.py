@@ -113,13 +113,13 @@ def name_time(axes: Axes, end: float) -> str:
 def draw_energy(axes: Axes, recording: Recording) -> None:
     """Draw the energies over time, with lines at impacts."""
     mark_impacts(axes, recording)
-    curves = energy_curves(recording)
+    time, curves = recording.detailed_energies[0], energy_curves(recording)
     tiny = tiny_curves(curves)
-    plot_curves(axes, recording.time, [curve for k, curve in enumerate(curves) if k not in tiny])
+    plot_curves(axes, time, [curve for k, curve in enumerate(curves) if k not in tiny])
     if tiny:
         values = [curves[k][0] for k in tiny]
         names = ", ".join(curves[k][1]["label"] for k in tiny)
-        fill_band(axes, recording.time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
+        fill_band(axes, time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
     axes.set_ylabel("energy [J]")
     over_all_time(axes, recording)
     legend_above(axes)
@@ -128,12 +128,14 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """Return a curve for each energy to draw: values, shape (T,), and properties with matplotlib's names.
 
+    The values are those of ``recording.detailed_energies``.
     The curve of the total energy is wide and behind the others. Another curve is dashed if it would hide an
     earlier curve, or if its energy is in ENERGY_PARTS.
     """
-    zero, shown = np.zeros(len(recording.time)), dict[str, np.ndarray]()
+    time, energies = recording.detailed_energies
+    zero, shown = np.zeros(len(time)), dict[str, np.ndarray]()
     for name in ENERGIES:
-        energy = recording.energies.get(name, zero)
+        energy = energies.get(name, zero)
         if energy.any() or name not in ("elastic", "supplied", *ENERGY_PARTS):
             shown[name] = energy
     shown, offset = without_gap(shown)

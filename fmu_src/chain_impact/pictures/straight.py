@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.contact_times import impacts_at_peaks
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.motion import RING_SIZE, plot_rings
 from chain_impact.pictures.over_time import over_all_time
@@ -76,15 +75,14 @@ def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
 
 
 def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray]) -> None:
-    """Draw a ring at each impact: when its force is largest, on the surface of its wall.
+    """Draw a ring at each impact: at its onset, on the surface of its wall.
 
     ``surfaces`` is a result of ``wall_surfaces``.
     """
-    peaks = impacts_at_peaks(recording)
-    hits = [(row["onset"], surfaces.get(recording.wall_names[row["wall"]])) for row in peaks]
+    hits = [(row["onset"], surfaces.get(recording.wall_names[row["wall"]])) for row in recording.impacts]
     spots = {
-        row: (float(time), float(np.interp(time, recording.time, at)))
-        for row, (time, at) in enumerate(hits)
+        row: (float(onset), float(np.interp(onset, recording.time, at)))
+        for row, (onset, at) in enumerate(hits)
         if at is not None
     }
     if spots:

@@ -197,6 +197,11 @@ class Recording:
         """Name of a known energy, such as kinetic → its values, shape (T,) [J]."""
         return self.columns_of("energy").get((0, ""), {})
 
+    @property
+    def detailed_energies(self) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
+        """Times [s], shape (T,), and ``energies`` at these times, for curves; here the times are the rows."""
+        return self.time, self.energies
+
     @cached_property
     def loads(self) -> dict[int, np.ndarray]:
         """Joint i → the force on link i there, shape (T, 2) [N]; empty if the forces are not known."""

@@ -22,6 +22,8 @@ from chain_impact.variables.impact_units import unit_at
 LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
 NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the largest force in a joint
 JOINTS = 8  # largest number of joints whose forces the summary lists
+# [1] a penetration larger than DEEP times the smallest body is probably a mistake: the stiffness is too small
+DEEP = 0.25
 NAMED_STICKING = 3  # largest number of contacts and joints that the summary names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
@@ -209,25 +211,30 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return one sentence, in a list, if a penetration is larger than the smallest body of the scene.
+    """Return one sentence, in a list, if a penetration is larger than ``deep``.
 
-    The sentence names the wall with the deepest penetration: the wall is too soft to stop the body. Otherwise
+    The sentence names the wall with the deepest penetration: the wall is too soft for the motion. Otherwise
     the list is empty.
     """
     walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)
-    smallest, body = smallest_body(scene)
-    if depths.max(initial=0.0) <= smallest:
+    if depths.max(initial=0.0) <= deep(scene):
         return []
+    smallest, body = smallest_body(scene)
     wall = scene.wall_names[impacts["wall"][depths.argmax()]]
     material = scene.contact.wall.get(wall)
     given = material.stiffness if material else None
     name, stiffness = ("contact", scene.contact.stiffness) if given is None else (f"wall.{wall}", given)
     unit = of_power("N/m", scene.contact.exponent)
     return [
-        f"a point goes farther beyond {wall} than {body}, {smallest:g} m: "
+        f"a point goes {depths.max():.3g} m beyond {wall}, and {body} is {smallest:g} m: "
         f"{name}.stiffness = {stiffness:g} [{unit}] is small for this motion"
     ]
+
+
+def deep(scene: Scene) -> float:
+    """Return the penetration [m] from which on the law of a small contact means little: see DEEP."""
+    return DEEP * smallest_body(scene)[0]
 
 
 def smallest_body(scene: Scene) -> tuple[float, str]:

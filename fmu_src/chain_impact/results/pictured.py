@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -143,6 +143,17 @@ class Pictured(Recording):
         units = {variable.name: variable.unit for variable in self.prepared.outputs}
         return curves_of(self, names, units, around=around, prepared=self.prepared, rerun=self.rerun)
 
+    @cached_property
+    def detailed_energies(self) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
+        """Times [s], shape (T,), and ``energies`` at these times, with many more times within impacts.
+
+        Without these times, curves would miss the largest elastic energy of short impacts.
+        """
+        if self.rerun is None:
+            return self.time, self.energies
+        found = self.curves([f"energy.{name}" for name in self.energies])
+        return found.time, {name.partition(".")[2]: values for name, values in found.values.items()}
+
     def plot_impact(
         self,
         number: int,
@@ -173,9 +184,8 @@ class Pictured(Recording):
         """
         from chain_impact import pictures
 
-        if not 1 <= number <= len(self.impacts):
-            raise ValueError(f"{self.name}: number = {number!r} must be {impact_numbers(len(self.impacts))}")
-        impact, course = self.impacts[number - 1], self.course_of_impact(number)
+        course = self.course_of_impact(number)
+        impact = self.impacts[number - 1]
         if ax is None:
             fill = partial(pictures.fill_impact, recording=self, number=number, course=course)
             return pictures.draw_figure(fill, path, size, pictures.IMPACT_SIZE)
@@ -187,8 +197,10 @@ class Pictured(Recording):
         """Return force, penetration and speed over time of an impact, by its number from 1 (``plot_impact``).
 
         Raises:
-            ValueError: when the run cannot be repeated.
+            ValueError: when the impact does not exist, or the run cannot be repeated.
         """
+        if not 1 <= number <= len(self.impacts):
+            raise ValueError(f"{self.name}: number = {number!r} must be {impact_numbers(len(self.impacts))}")
         if number not in self._courses:
             impact, stop = self.impacts[number - 1], float(self.time[-1])
             near = float(impact_ends(self.impacts, stop)[number - 1] - impact["onset"])

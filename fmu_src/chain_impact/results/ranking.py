@@ -49,7 +49,8 @@ class Effect(NamedTuple):
         step: the change of the parameter in words: "1 %", or "0.01 N·m" if its value is 0.
         change: the change of the quantity by this step, to first order, in the unit of the quantity.
         derivative: the derivative of the quantity with respect to the parameter.
-        simulated: the change of the quantity in a second run with this step; NaN without such a run.
+        simulated: the change of the quantity in a second run with this step; NaN if the quantity does not
+            exist in that run, such as an impact that is missing; None without a second run.
     """
 
     parameter: str
@@ -58,12 +59,16 @@ class Effect(NamedTuple):
     step: str
     change: float
     derivative: float
-    simulated: float = math.nan
+    simulated: float | None = None
 
     @property
     def differs(self) -> bool:
         """Whether a second run shows that the change of the quantity is not of first order."""
-        return abs(self.simulated - self.change) > FIRST_ORDER * max(abs(self.simulated), abs(self.change))
+        if self.simulated is None:
+            return False
+        # a comparison with NaN is False
+        least = FIRST_ORDER * max(abs(self.simulated), abs(self.change))
+        return not abs(self.simulated - self.change) <= least
 
     @property
     def told(self) -> str:
@@ -147,12 +152,15 @@ class Ranking:
             yield f"without effect: {', '.join(self.without)}"
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
-        checked = [effect for effect in self.effects if math.isfinite(effect.simulated)]
+        checked = [effect for effect in self.effects if effect.simulated is not None]
         if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects if effect not in checked):
             large = f"effects of more than {100.0 * LARGE_SHARE:g} %"
             yield f"{large} hold for smaller changes only: check them by another run"
         if checked:
             yield from self._check(checked)
+            drawn = itertools.chain(*self._blocks())
+            if not_run := [effect.parameter for effect in drawn if effect.simulated is None]:
+                yield f"no run is possible with the new values of {', '.join(not_run)}"
         for name in self.left_out:
             yield f"{name} is left out: it changes the unit of the stiffness"
         yield from (f"limit    {limit}" for limit in self.limits)
@@ -184,7 +192,7 @@ class Ranking:
             return
         yield f"check    runs with the new values: {len(other)} of {found} differ by more than {limit}"
         unit = in_brackets(unit_text(self.unit))
-        rows = [(each.parameter, f"{each.change:+.3g}", f"{each.simulated:+.3g}") for each in other]
+        rows = [(each.parameter, f"{each.change:+.3g}", _in_run(each)) for each in other]
         yield TextTable(("parameter", f"effect{unit}", f"in a run{unit}"), rows)
 
     def checked(self, run: Callable[[str, float], Recording | None]) -> Ranking:
@@ -201,7 +209,7 @@ class Ranking:
             recording = run(effect.parameter, effect.value + step_of(effect.value))
             if recording is not None:
                 found[effect.parameter] = self.value_in(recording) - self.value
-        effects = (e._replace(simulated=found.get(e.parameter, math.nan)) for e in self.effects)
+        effects = (e._replace(simulated=found.get(e.parameter)) for e in self.effects)
         return replace(self, effects=tuple(effects))
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
@@ -267,9 +275,7 @@ class Ranking:
             return f"{signed(100.0 * change / abs(self.value))} %" if self.value else signed(factor * change)
 
         texts = [
-            f"{told(effect.change)} (run: {told(effect.simulated)})"
-            if effect.differs
-            else told(effect.change)
+            f"{told(effect.change)} (run: {_in_run(effect, told)})" if effect.differs else told(effect.change)
             for effect in effects
         ]
         label = f"change{in_brackets(unit)}"
@@ -278,6 +284,11 @@ class Ranking:
         title = f"+ {words} of the value" if effects[0].value else f"+ {words}, as the value is 0"
         names = [effect.parameter for effect in effects]
         return {"names": names, "values": values, "texts": texts, "label": label, "title": title}
+
+
+def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
+    """Return the change in the second run as text; "none" if that run does not have the quantity."""
+    return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:

@@ -192,7 +192,7 @@ def check_start(scene: Contents) -> None:
                     wall.clearance(*at) < 0.0 for *at, _ in candidates.values()
                 )
                 turned = ["all points are inside: turn its normal?"] * (beyond and not angle_hints(scene))
-                asked = "".join(f"; {question}" for question in [*turned, *size_hints(scene)])
+                asked = "".join(f"; {question}" for question in [*turned, *length_hints(scene)])
                 raise SceneError(f"initial: {subject} the wall {name}; must be outside{asked}")
 
 
@@ -249,16 +249,20 @@ def hints(scene: Contents) -> list[str]:
 
 def size_hints(scene: Contents) -> list[str]:
     """Return questions on the first link that is probably in mm, and on a gravity probably in mm/s²."""
-    links, pull = scene.chain.links, math.hypot(*scene.gravity)
-    texts = [
-        f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
-        for i, link in enumerate(links, 1)
-        if link.length > LONG and link.mass < LIGHT * link.length
-    ][:1]
+    texts, pull = length_hints(scene), math.hypot(*scene.gravity)
     if IN_MM[0] < pull < IN_MM[1]:
         strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
         texts.append(f"{strong}: is it in mm/s²?")
     return texts
+
+
+def length_hints(scene: Contents) -> list[str]:
+    """Return a question, in a list, on the first link whose length is probably in mm."""
+    return [
+        f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
+        for i, link in enumerate(scene.chain.links, 1)
+        if link.length > LONG and link.mass < LIGHT * link.length
+    ][:1]
 
 
 def start_hints(scene: Contents) -> list[str]:

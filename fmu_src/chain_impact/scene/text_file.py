@@ -80,15 +80,18 @@ def comma_separated(text: str) -> str:
     mark = next((mark for mark in SEPARATORS if mark in head and head.count(mark) >= head.count(",")), None)
     if mark is None:
         return text
-    names, *rows = csv.reader(io.StringIO(text, newline=""), delimiter=mark)
-    marks = {found[1] for cell in itertools.chain(*rows) if (found := DECIMALS.fullmatch(cell.strip()))}
+    try:
+        names, *rows = csv.reader(io.StringIO(text, newline=""), delimiter=mark)
+    except csv.Error as error:
+        raise ValueError(str(error)) from None
+    cells = [[cell.strip() for cell in row] for row in rows]
+    marks = {found[1] for cell in itertools.chain(*cells) if (found := DECIMALS.fullmatch(cell))}
     if len(marks) > 1:
         raise ValueError("its numbers have decimal points and decimal commas; must have one of them")
     rewritten = io.StringIO()
-    decimals = [[DECIMALS.sub(_with_point, cell.strip()) for cell in row] for row in rows]
-    csv.writer(rewritten, lineterminator="\n").writerows([names, *decimals])
+    written = [
+        [cell.replace(",", ".") if DECIMALS.fullmatch(cell) else cell for cell in row] if any(row) else []
+        for row in cells
+    ]
+    csv.writer(rewritten, lineterminator="\n").writerows([names, *written])
     return rewritten.getvalue()
-
-
-def _with_point(number: re.Match[str]) -> str:
-    return number[0].replace(",", ".")

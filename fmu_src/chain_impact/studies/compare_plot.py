@@ -259,14 +259,18 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False)
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
     """Draw thin loops, and fill the area between the least and the largest force at each penetration.
 
-    A loop has the penetrations and the forces in the first impact with one law, shape (2, K).
+    A loop has the penetrations and the forces in the first impact with one law, shape (2, K). There is no
+    area if the penetration of any loop grows again after it has fallen: the loop then has several forces at
+    a penetration.
     """
-    if not loops:
+    for loop in loops:
+        axes.plot(*loop, color=GREY, linewidth=HAIRLINE)
+    turns = [np.count_nonzero(np.diff(np.diff(depth) > 0.0)) for depth, _ in loops]
+    if max(turns, default=2) > 1:
         return
     depths = np.linspace(0.0, max(loop[0].max() for loop in loops), BAND_POINTS)
     branches = []
     for depth, force in loops:
-        axes.plot(depth, force, color=GREY, linewidth=HAIRLINE)
         turn = int(depth.argmax())
         for part in (slice(0, turn + 1), slice(turn, None)):
             order = np.argsort(depth[part], kind="stable")
