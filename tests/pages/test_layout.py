@@ -264,3 +264,11 @@ def test_a_phone_shows_force_and_result_beside_the_slider_that_moves(show):
     until_told(page, f"{len(run.impacts)} impact")
     largest = f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN"
     assert row.locator(".outcome").inner_text() == f"{len(run.impacts)} impacts, largest {largest}"
+
+
+@pytest.mark.parametrize("width", [1280, 1366])
+def test_a_long_name_of_a_point_cuts_no_number_of_the_list(show, width):
+    page = show("hopper", viewport={"width": width, "height": 800})
+    until(page, "document.querySelectorAll('#impacts tbody tr').length > 2")
+    page.evaluate("document.querySelector('#impacts td:nth-child(3)').textContent = '14 (left heel)'")
+    assert page.evaluate("(list => list.scrollWidth <= list.clientWidth)(document.getElementById('impacts'))")
