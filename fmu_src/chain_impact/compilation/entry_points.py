@@ -57,7 +57,8 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 ):
     """Run from the start once for each row of parameters, and fill a row of outputs at the end of each run.
 
-    Return the number of complete runs; kernel/entry.py describes the arguments.
+    With ``continuing`` 1 the first run is continued. Return the number of complete runs, fewer than ``runs``
+    if the time of a call is over. kernel/entry.py describes the arguments.
     """
     return entry.run_each(
         d,

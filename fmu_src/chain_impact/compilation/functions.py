@@ -59,7 +59,10 @@ def compiled(function: FunctionType) -> Any:
 
 
 class Function(types.Dispatcher):
-    """numba's type for a function of the kernel; for some types of arguments another function replaces it."""
+    """numba's type for a function of the kernel.
+
+    For dual or complex arguments, the function that RULES or COMPLEX_RULES names is called in place of it.
+    """
 
     def __init__(self, function: FunctionType) -> None:
         self._function = function

@@ -1,4 +1,4 @@
-"""The joints of a robot that form a planar chain, and their places before any joint of the chain moves."""
+"""The joints of a robot that form a planar chain, and their places with all joints of the chain at zero."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ class NoChainError(SceneError):
 class Moving:
     """A joint of the chain, its body, and a point on its axis and the direction of its axis in space.
 
-    The point and the direction are those before any joint of the chain moves.
+    The point and the direction are those with the joints of the chain at zero; in the result of
+    ``joints_at_start`` they are those with all joints at their start.
     """
 
     joint: Joint

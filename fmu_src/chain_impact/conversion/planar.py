@@ -291,7 +291,7 @@ class _Conversion:
 
         The values are damping, stiffness, friction, armature, torque limit and stops. The angles [rad] and
         angular velocities [rad/s] are absolute, at the start. ``directions`` are the angles of the links
-        before any joint moves.
+        with the joints of the chain at zero.
         """
         angle, speed, before = 0.0, 0.0, 0.0
         angles, speeds, turned = [], [], []
@@ -352,7 +352,7 @@ class _Conversion:
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the base's parts of two tables: of [chain], which is ``slider`` or empty, and of [initial].
 
-        ``anchor`` is the place of joint 1 before any joint moves [m], ``gravity`` the gravity of the scene.
+        ``anchor``: place of joint 1 with the chain's joints at zero [m]; ``gravity``: the scene's gravity.
         """
         ways = [self.plan.flat(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":

@@ -27,13 +27,14 @@ class Ball(NamedTuple):
     """A ball that may touch a wall; its centre and radius become those of a point.
 
     Attributes:
-        at: centre in the plane before any joint moves, shape (2,) [m].
+        at: centre in the plane, with the joints of the chain at zero and all others at their start, shape
+            (2,) [m].
         radius: radius [m].
         name: name of the shape from which the ball comes.
         blur: distance [m] up to which places count as equal; it follows from ``PARALLEL``, the angle up to
             which directions count as parallel.
-        is_point: whether the shape is a point of a scene, which is kept even if it never touches a wall
-            first.
+        is_point: whether the shape is a point of a scene; its ball is kept, even if every wall touches
+            another ball first.
     """
 
     at: np.ndarray
@@ -130,7 +131,7 @@ def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) ->
 
     Args:
         balls: the balls of each link, from the base to the tip.
-        places: positions of the joints and the tip, before any joint moves [m].
+        places: positions of the joints and the tip, with the joints of the chain at zero [m].
     """
     kept = [list(found) for found in balls]
     for i in range(1, len(kept)):

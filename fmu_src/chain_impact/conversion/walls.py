@@ -44,7 +44,7 @@ class Walls:
         chosen: the joints of the chain.
         plan: the plane of the motion.
         parts: the bodies of each link.
-        places: positions of the joints and the tip in the plane, before any joint moves [m].
+        places: positions of the joints and the tip in the plane, with the joints of the chain at zero [m].
         start: position of the base [m] and angles of the links [rad] at the start.
     """
 

@@ -169,9 +169,9 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
-    """Yield pairs of an attribute and a sentence, for attributes that the variable must not have.
+    """Yield pairs of an attribute and a sentence, for those of its attributes that a variable must not have.
 
-    Its causality does not allow the attribute, or the FMU is not for model exchange.
+    Its causality does not allow the attribute or, in FMI 2.0, the FMU is not for model exchange.
     """
     of_fmi_2, causality = is_fmi_2(root.get("fmiVersion")), variable.causality
     if of_fmi_2 and causality in ("input", "independent") and "initial" in variable.attributes:

@@ -114,7 +114,10 @@ def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
 
 
 def _range(joint: int, limits: JointRange) -> dict[str, Any]:
-    """Return a joint with stops in the form of the page: its number, and angles of arc and stops [rad]."""
+    """Return a joint with stops in the form of the page: its number, from 1, and angles [rad].
+
+    The angles, those of both ends of its arc and of each stop, are relative to the previous link's direction.
+    """
     marks = [stop for stop in (limits.low, limits.high) if math.isfinite(stop)]
     return {"joint": joint, "arc": limits.arc, "marks": marks}
 

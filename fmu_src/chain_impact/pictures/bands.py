@@ -128,10 +128,10 @@ def _evenly(line: np.ndarray) -> np.ndarray:
 
 
 def _apart(first: np.ndarray, second: np.ndarray) -> float:
-    """Return the usual distance of two lines.
+    """Return the usual distance of two lines of evenly spaced points, each of shape (2, S).
 
-    For each line, the median of the distances of its points from the other line is found; the result is the
-    larger of both medians.
+    For each line, the median of the distances of its points from the nearest points of the other line is
+    found; the result is the larger of both medians.
     """
     distances = np.hypot(*(first[:, :, None] - second[:, None, :]))
     return float(max(np.median(distances.min(axis=along)) for along in (0, 1)))

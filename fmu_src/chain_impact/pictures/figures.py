@@ -250,11 +250,11 @@ def numbers_in_view(axis: Axis) -> list[Text]:
 
 
 def settle(figure: Figure, scaled: Axes | None = None) -> None:
-    """Arrange a figure: break its legends into rows, and its labels into lines, not longer than their axes.
+    """Arrange a figure: break legends above axes into rows, and labels longer than their axes into lines.
 
-    ``scaled`` are axes with equal scales along x and y. The layout is made before they get equal scales.
-    Equal scales can only make these axes narrower or lower, so their labels keep the room that the layout
-    gives them.
+    Numbers along x that would overlap are left out. ``scaled`` are axes that get equal scales along x and y
+    here, after the layout. Equal scales can only make these axes narrower or lower, so their labels keep the
+    room that the layout gives them.
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)

@@ -66,9 +66,10 @@ def is_flat(recording: Recording) -> bool:
 
 
 def seen_size(recording: Recording) -> float:
-    """Return the size of a motion [m] by which distances between poses are judged.
+    """Return the size [m] with which distances between poses are compared.
 
-    It is the height of a flat motion, which is drawn enlarged, and else the size of the motion.
+    It is the height of a motion that ``is_flat``, because this is drawn enlarged, and ``size_of`` of any
+    other motion.
     """
     return float(np.ptp(recording.points[..., 1])) if is_flat(recording) else size_of(recording)
 
@@ -115,7 +116,8 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
         if at not in near and beyond > 0.0:
             met[at] = wall
             along = int(np.abs(normal).argmax())
-            # the view ends ``band`` beyond a wall that is parallel to its edge
+            # Only the enlarged view reaches this wall. If the wall is parallel to an edge of the view, the
+            # view ends at most ``band`` × ``width`` beyond it.
             if abs(normal[along]) > STRAIGHT:
                 inwards = max(0.0, beyond - band * width)
                 view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * inwards

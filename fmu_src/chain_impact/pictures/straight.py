@@ -75,7 +75,7 @@ def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
 
 
 def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray]) -> None:
-    """Draw a ring at each impact: at its onset, on the surface of its wall.
+    """Draw a ring at each impact with a wall in ``surfaces``: at the onset, on the surface of this wall.
 
     ``surfaces`` is a result of ``wall_surfaces``.
     """

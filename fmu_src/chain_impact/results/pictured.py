@@ -80,12 +80,14 @@ class Pictured(Recording):
             size: width and height [inches]; with the height None, the contents determine the height. A slim
                 motion stands beside the other panels, a broad one above them; a ball on a straight line is
                 drawn over time.
-            panels: some of ``motion``, ``impact``, the force of the hardest impact over its time, ``energy``,
-                ``impacts`` and ``friction``; by default all panels for which the result has data.
+            panels: some of ``motion``, ``impact`` (the force of the hardest impact over its time),
+                ``energy``, ``impacts`` and ``friction``; by default those for which the result has data, but
+                for a single impact only one of ``impact`` and ``impacts``.
             curves: outputs by their names in the FMU, ``*`` for any text: ``["contact[*].y_min.force",
-                "point[4].y"]``. They are drawn in place of the panels, with a panel for each unit. The run is
-                repeated with more rows within impacts.
-            around: the number of an impact, from 1; the curves show only this impact and the time around it.
+                "point[4].y"]``. They are drawn in place of the panels, with a panel for each unit, or for
+                each quantity of a unit with many curves. The run is repeated with more rows within impacts.
+            around: the number of an impact, from 1, with ``curves`` only: they show only this impact and the
+                time around it.
             title: the title of the picture, by default the impact in view or a summary of the run; None for
                 no title.
             ax: axes of matplotlib to draw into, one for each panel; without ``panels`` or ``kind``, axes for

@@ -1,1 +1,1 @@
-"""The scene: a chain, walls and an initial state, read from TOML into frozen dataclasses."""
+"""The scene, read from TOML into frozen dataclasses: chain, walls, contact, initial state and more."""

@@ -48,7 +48,11 @@ class Wall:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    """The material of one wall, from ``box`` or ``walls``: the values that are not as in ``contact``."""
+    """A table [contact.wall.<name>]: the material of one wall, a side of ``box`` or an entry of ``walls``.
+
+    A value that the file does not give is None. Then that of ``contact`` applies; but if the wall has its own
+    friction, this is its static friction, too.
+    """
 
     stiffness: float | None = quantity(
         "N/m^exponent", "contact stiffness; if missing: as in [contact]", None, above=0.0

@@ -247,9 +247,9 @@ class Rerun:
     course: InputCourse
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        """Return the outputs at the ``times`` [s], increasing, shape (S,).
+        """Return the outputs at the increasing ``times`` [s], shape (S,): a structured array, shape (S,).
 
-        The function returns fewer rows if the solver cannot continue.
+        It has fewer rows if the solver cannot continue.
         """
         course = self.course.at(times)
         instance = Instance(self.prepared, course, ())

@@ -270,8 +270,8 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
-        # With an impulse the impact ends at its onset. The recorded end is later if the rigid wall then holds
-        # the point, which does not count here.
+        # With an impulse the impact ends at its onset. If the rigid wall then holds the point, the recorded
+        # end is later, or NaN if it holds the point to the end of the run; this does not count here.
         impact["end"] = impact["onset"]
         impact["duration"] = impact["separation_speed"] = impact["peak_force"] = 0.0
     values = {

@@ -103,8 +103,9 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
 
 
 def message(comparison: LawRuns, *, small: bool = False) -> str:
-    """Return the headline: the range of restitutions that the laws give the first impact.
+    """Return the headline: the range of the realised restitutions in the first impact under all laws.
 
+    Laws under which this impact does not end are left out; if it ends under none, the headline says so.
     ``small``: whether the headline is for a narrow figure, and must be short.
     """
     restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]

@@ -32,10 +32,10 @@ def parts_hint(name: str, names: Iterable[str]) -> str | None:
 
 
 def series_hint(hint: Hint) -> Hint:
-    """Return a function from a name that is no time series to a hint.
+    """Return a function that gives a hint for the name of something that a result does not have over time.
 
-    For an output that changes only at events or steps of the solver, the hint tells where the result has its
-    values. For any other name, the hint is the one that the function ``hint`` returns.
+    For a name that begins with ``impact.``, ``impact[`` or ``solver.``, the hint points to ``result.impacts``
+    and ``result.statistics``. For any other name it is that of the function ``hint``.
     """
 
     def found(name: str) -> str | None:

@@ -139,7 +139,7 @@ class PreparedScene:
 
     @cached_property
     def varied(self) -> list[Variable]:
-        """The parameters and inputs with respect to which the FMU has derivatives.
+        """The parameters and inputs in ``outputs.sensitivities``, for which the FMU has derivatives.
 
         Raises:
             UnknownNameError: when the scene names a variable that has no derivatives.

@@ -33,12 +33,14 @@ from chain_impact.kernel.functions import has_complex_rule, inlined
 
 @inlined
 def arm_of_link(d, link, i, outward):
-    """Return data of link i, relative to its inner joint, which is nearer to the middle of the chain.
+    """Return data of link i, from 0, relative to its inner joint, which is nearer to the middle of the chain.
 
+    ``link`` has the link vectors as ``x, y`` [m], from the proximal joint of a link to its other joint.
     ``outward``: whether the inner joint is the link's proximal joint.
 
     Returns:
-        L [m], x and y; m r_C [kg·m], x and y; and I + m r_C² [kg·m²].
+        Five numbers: x and y of L [m], and x and y of m r_C [kg·m], all from the inner joint and in the world
+        frame; and the inertia about this joint, I + m r_C² [kg·m²].
     """
     lx, ly = link.x[i], link.y[i]
     beside_x, beside_y = 0.0, 0.0

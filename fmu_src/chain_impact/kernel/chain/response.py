@@ -48,8 +48,9 @@ from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.functions import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix. HELD: the sum of mass
-matrix and impedances of constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
+"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix, with armatures and, in a
+projection, with the resistances of contacts with a force law. HELD: the same plus Jᵀ D J with the impedances
+D of the constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
 SLOTS = 3
 
 
@@ -95,7 +96,11 @@ COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge_ine
 
 
 def no_impedance(d, impedance):
-    """Set the impedances at all places to zero and, if joints may resist, those in all joints, too."""
+    """Set all numbers of ``impedance`` that are used to zero; ``factorize`` describes them.
+
+    They are the impedances D at points and sites, and at the places of joints if joints have places (``xx``
+    only); and the resistances κ in all joints, if any joint may resist (``joints_resist``).
+    """
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
     if d.chain.has_joint_places:

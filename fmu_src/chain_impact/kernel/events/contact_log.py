@@ -248,7 +248,7 @@ def end_contact(d, c, was_rigid):
     force since.
     """
     _, gap_rate = clearance(d, c)
-    # a point that a rigid wall held has no speed, so a negative rate is round-off
+    # a point leaves a rigid wall with a rate of 0 or more, so a negative rate is round-off
     log_with_peaks(d, c, d.contact_log.count, d.step.end, max(0.0, gap_rate) if was_rigid else gap_rate)
     d.contact_log.count += 1
     deactivate(d, c)

@@ -92,8 +92,8 @@ def apply_events(d):
     """
     # ``onset`` is the last candidate with a force law whose contact begins
     touch, onset, jumped = d.touch, -1, False
-    # after the end of a friction or drive mode, a kink and a new impact speed, the proposed step size remains
-    # valid
+    # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
+    # friction or drive mode and, in the loop below, after a kink or a relatch
     goes_on = pending_changes(d) + d.drive.event > 0
     # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)

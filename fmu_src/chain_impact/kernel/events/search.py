@@ -209,10 +209,14 @@ def onset_fraction(d):
 def onset_lateness(d, y):
     """Locate the points for a state y of the last step, and return by how much y is later than the onsets.
 
+    The candidates that are marked with an onset count.
+
     Returns:
-        Two values. The first is the time from the earliest onset to y, divided by the step size in seconds:
-        ∞ if a point does not arrive or is far from its onset, −∞ if there are no onsets. The second is the
-        largest depth [m] of an arriving point inside its wall.
+        Two values. The first is the time from the earliest onset to y, divided by the step size in seconds;
+        negative if y is earlier. It is ∞ if a candidate with an onset does not approach its wall in the state
+        y, or if its onset is farther away than LANDING_TIME, where a clearance of round-off counts as 0. It
+        is −∞ if there are no onsets. The second value is the largest depth [m] of a candidate with an onset
+        inside its wall; 0 if all are outside.
     """
     locate_points(d, y)
     latest, deepest = -math.inf, 0.0

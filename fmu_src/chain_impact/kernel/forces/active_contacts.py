@@ -1,8 +1,9 @@
-"""Contact of points with walls: onset, forces on the points, and the list of active contacts.
+"""Contacts at walls and stops: their beginning at an onset, their forces, and the list of active contacts.
 
-A candidate is a stop, or a point paired with a wall. The clearance g of a candidate is positive while point
-and wall are apart; the penetration is δ = −g, with the rate δ̇ > 0 during compression. An active candidate is
-in contact.
+events/crossing.py finds the onsets. A candidate is a stop, or a point paired with a wall. Its clearance g is
+positive while it does not touch: the distance from the wall or from a slider's stop, or the angle to a
+joint's stop times the lever arm. The penetration is δ = −g, with the rate δ̇ > 0 during compression. An
+active candidate is in contact.
 """
 
 from chain_impact.kernel.forces.force_formula import (

@@ -23,9 +23,10 @@ from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 # The increment, relative to δ, or to |δ̇| + v₀ for δ̇, of the central differences for the slopes of a user's
 # law. It is about the cube root of round-off, with which truncation and round-off cause equal errors.
 RELATIVE_INCREMENT = 1e-5
-# A contact turns from compression to restitution while |δ̇| is at most TURNING_RATE times v₀
-# √(tolerance/max(1, damping_over_elastic)). A force of the wrong side up to this rate changes the impulse by
-# at most a tenth of the tolerance, relative to the impulse.
+# If a law damps on approach only, a step may use the force of the wrong side of δ̇ = 0 while |δ̇| is at most
+# TURNING_RATE times v₀ √(tolerance/max(1, damping_over_elastic)), plus a margin for a contact at rest
+# (``turning_margin``). Up to the first part, the wrong force changes the impulse by at most a tenth of the
+# tolerance, relative to the impulse.
 TURNING_RATE = 0.3
 
 

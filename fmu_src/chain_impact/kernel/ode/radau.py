@@ -96,7 +96,10 @@ FAILED_CORRECTION = 1e20
 
 
 def shift_of(pair, h):
-    """Return the complex shift [s] of a pair of eigenvalues, for a step of size h."""
+    """Return the shift h μ [s] of a step of size h, for a complex eigenvalue μ of the matrix Q.
+
+    ``pair`` is the index of the eigenvalue in COMPLEX_EIGENVALUES.
+    """
     real, imaginary = COMPLEX_EIGENVALUES[pair]
     return complex(h * real, h * imaginary)
 

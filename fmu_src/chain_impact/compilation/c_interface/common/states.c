@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A saved state. Only a serialized state has a checksum. */
+/* A saved state. Its checksum is 0 until the state is serialized. */
 typedef struct {
     char magic[8];
     uint64_t size, checksum; /* the checksum covers all bytes from guid to the end of the state */

@@ -1,5 +1,5 @@
-// The handles with which the reader changes the start of the motion: joints, points of links, arrows of velocity and walls can be dragged
-// while the clock shows the start.
+// The handles with which the reader changes the start of the motion, the points of links and the walls, by dragging or with the arrow
+// keys, while the clock stands at the start: grips of base, joints, tip, points of links, arrows of velocity and walls.
 
 import { isCrossed } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";

@@ -125,7 +125,7 @@ export class Changes {
     this.replace(this.with({}, without(this.values, [name])), without(this.inputSteps, [name]));
   }
 
-  /** Replace all of the reader's changes by the given ones, and call the listeners. */
+  /** Replace the reader's changes by the given ones, without `inputSteps` only those of values, and call the listeners. */
   replace(values, inputSteps = this.inputSteps) {
     Object.assign(this, { values, inputSteps });
     this.#listeners.forEach((listener) => listener());

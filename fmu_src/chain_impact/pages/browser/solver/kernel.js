@@ -209,8 +209,9 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that still last, with their peaks so far. To make them known, the kernel cuts its last step at the present time,
-   * and puts these contacts into the log after the ended contacts.
+   * Return the contacts that still last, with their peaks so far. This changes the record: the kernel cuts its last step at the present
+   * time, and writes these contacts into the log after the ended ones, where they do not count as ended. So this is called only at the
+   * end of a run.
    */
   #unfinished() {
     this.exports.log_contacts(this.record);

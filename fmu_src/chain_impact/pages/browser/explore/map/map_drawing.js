@@ -129,7 +129,7 @@ function labelsOf({ ends, bins, isLogarithmic, shareOf }, factor, areCounts) {
   return ticks.map((tick, k) => [texts[k], shareOf(tick / factor)]);
 }
 
-/** Return words for the title of a scale: the extremes of the outputs beyond the ends of its colours, times `factor`; "" if none is. */
+/** Return words for the title of a scale: the extremes, times `factor`, that lie beyond the ends of its colours; "" if none does. */
 function beyondEnds({ extremes: [least, most], ends: [low, high] }, factor) {
   const words = [["down to", least, least < low], ["up to", most, most > high]];
   return words.map(([word, value, isBeyond]) => (isBeyond ? `, ${word} ${withMinus(digits(factor * value))}` : "")).join("");

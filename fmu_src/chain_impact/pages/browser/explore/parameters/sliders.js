@@ -214,7 +214,7 @@ export function mainParametersOf(changes) {
   }).filter(({ name }) => parameters.has(name)).concat(inputSliders(changes));
 }
 
-/** Return a function from the name of a parameter of the scene to its words, which are those of its slider if it has one. */
+/** Return a function from the name of a parameter of the scene to its words: those of its slider, or else words made from the name. */
 export function wordsFor(changes) {
   const labels = new Map(mainParametersOf(changes).map(({ name, label }) => [name, label]));
   return (name) => {
