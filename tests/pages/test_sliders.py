@@ -45,7 +45,7 @@ def test_a_slider_and_a_law_give_another_motion_and_reset_the_first_one(show):
     until(page, f"{SUBTITLE} === '{before}'")
     page.get_by_role("combobox", name="contact.model").first.select_option(label="flores")
     until_told(page, impacts_of({"contact.model": "flores"}))
-    assert "Flores, Machado, Silva & Martins 2011" in page.locator(".sentence").inner_text()
+    assert "Flores, Machado, Silva & Martins 2011" in page.locator(".sentence:not(.outcome)").inner_text()
 
 
 def test_the_name_of_a_field_for_speech_has_the_words_beside_it(show):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
@@ -55,3 +57,15 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
         if force[row] >= ALMOST_PEAK * impact["peak_force"] and time[row] - impact["onset"] > least:
             impact["onset"] = time[row]
     return impacts
+
+
+def peak_time(recording: Recording, row: int) -> float:
+    """Return the time [s] of the largest force in the impact of a row, as ``impacts_at_peaks`` does.
+
+    If the run can be repeated, a time later than the onset does not depend on the rows of the recording.
+    """
+    time, result = float(impacts_at_peaks(recording)["onset"][row]), cast("Any", recording)
+    if time == recording.impacts["onset"][row] or getattr(recording, "rerun", None) is None:
+        return time
+    course = result.course_of_impact(row + 1)
+    return float(course.time[(course.force >= FIRST * course.force.max()).argmax()])

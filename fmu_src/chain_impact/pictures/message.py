@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.contact_times import has_impulses, impacts_at_peaks
+from chain_impact.pictures.contact_times import has_impulses, peak_time
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.names import brief_hit, what_touches
 from chain_impact.pictures.style import force_text, headline, is_narrow, raised
@@ -90,7 +90,8 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
     shown = place(recording, most[0].row) if short and most and not title else ""
-    results = [*first, *told[bool(shown) :], load_text(recording)]
+    # the texts in ``first`` of curves of forces in joints tell the largest ones themselves
+    results = [*first, *told[bool(shown) :], "" if any(first) else load_text(recording)]
     if short and not title:
         results += [*([counted(recording)] if most else []), dissipated(recording)]
     known = conditions(recording, *results, touches=has_contact(recording))
@@ -160,9 +161,9 @@ def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
 def place(recording: Recording, row: int) -> str:
     """Return words for the impact in a row: "impact 1: ball hits y_min at 0.5 s with 2 m/s, peak at 0.7 s".
 
-    The time of the peak is told if it is seen to be later than the onset (``impacts_at_peaks``).
+    The time of the peak is told if it is seen to be later than the onset (``peak_time``).
     """
-    impact, peak = recording.impacts[row], impacts_at_peaks(recording)["onset"][row]
+    impact, peak = recording.impacts[row], peak_time(recording, row)
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
     speed = f"{impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
     at = f"{factor * impact['onset']:.4g} {unit}"

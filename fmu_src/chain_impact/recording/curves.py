@@ -189,6 +189,7 @@ def between(recording: Recording, low: float, high: float, *, close: bool) -> np
     if close:
         return np.linspace(low, high, CLOSE_TIMES)
     impacts = recording.impacts[:FOLLOWED]
-    ended = impacts[impacts["end"] > impacts["onset"]]
+    # the end of a contact that lasts is NaN
+    ended = impacts[np.nan_to_num(impacts["end"]) > impacts["onset"]]
     inside = np.linspace(ended["onset"], ended["end"], WITHIN).ravel()
     return np.asarray(inside[(inside >= low) & (inside <= high)])

@@ -23,7 +23,7 @@ LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
 NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the largest force in a joint
 JOINTS = 8  # largest number of joints whose forces the summary lists
 # [1] a penetration larger than DEEP times the smallest body is probably a mistake: the stiffness is too small
-DEEP = 0.25
+DEEP = 0.5
 NAMED_STICKING = 3  # largest number of contacts and joints that the summary names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (

@@ -104,8 +104,8 @@ def simulate(
         progress: called with the finished fraction, 0 to 1, if given.
 
     Warns:
-        SceneWarning: when a point goes farther beyond a wall than a quarter of the length of the shortest
-            link, or a ball than a quarter of its radius; when inputs give a motion that contradicts itself;
+        SceneWarning: when a point goes farther beyond a wall than half the length of the shortest
+            link, or a ball than half its radius; when inputs give a motion that contradicts itself;
             or when a target moves and its velocity is not given.
 
     Raises:
