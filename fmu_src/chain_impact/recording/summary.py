@@ -24,6 +24,7 @@ NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the la
 JOINTS = 8  # largest number of joints whose forces the summary lists
 # [1] a penetration larger than DEEP times the smallest body is probably a mistake: the stiffness is too small
 DEEP = 0.5
+RADIUS = "the radius of the ball"  # a soft ball may go as deep as its radius
 NAMED_STICKING = 3  # largest number of contacts and joints that the summary names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
@@ -234,7 +235,8 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
 
 def deep(scene: Scene) -> float:
     """Return the penetration [m] from which on the law of a small contact means little: see DEEP."""
-    return DEEP * smallest_body(scene)[0]
+    size, body = smallest_body(scene)
+    return size if body == RADIUS else DEEP * size
 
 
 def smallest_body(scene: Scene) -> tuple[float, str]:
@@ -248,5 +250,5 @@ def smallest_body(scene: Scene) -> tuple[float, str]:
     centre = ends.get(link.center_of_mass) if link.center_of_mass_offset == 0.0 else None
     is_free_link = scene.chain.base == "free" and len(scene.chain.links) == 1
     if is_free_link and scene.touching_points == (centre,):
-        return scene.contact.radius or np.inf, "the radius of the ball"
+        return scene.contact.radius or np.inf, RADIUS
     return link.length, "the length of the shortest link"

@@ -105,7 +105,7 @@ def simulate(
 
     Warns:
         SceneWarning: when a point goes farther beyond a wall than half the length of the shortest
-            link, or a ball than half its radius; when inputs give a motion that contradicts itself;
+            link, or a ball than its radius; when inputs give a motion that contradicts itself;
             or when a target moves and its velocity is not given.
 
     Raises:
