@@ -16,7 +16,7 @@ pytestmark = needs_browser
 AT_REST = {"initial.velocity": (0.0, 0.0), "initial.angular_velocities": (0.0,) * 4}
 PLACES = """() => document.querySelector('.trace').getAttribute('points').trim().split(/\\s+/).map((place) =>
   place.split(',').map(Number))"""
-STILL = "!document.body.classList.contains('computing')"
+STILL = "document.getElementById('stage').ariaBusy === 'false'"
 
 
 def settle(page):

@@ -44,6 +44,7 @@ export class Simulation {
 
   /** Simulate with the present parameters as soon as the present run has ended, or has taken PATIENCE. */
   soon() {
+    find("stage").ariaBusy = "true";
     clearTimeout(this.#nextRun);
     const left = this.#started + PATIENCE - performance.now();
     if (left > 0) this.#nextRun = setTimeout(() => this.#run(), left);
@@ -75,6 +76,7 @@ export class Simulation {
     if (suspects.length === 1) markFailing(suspects[0], faultText(result, scene));
     this.show(result.parts, { changed, scene, values, inputSteps });
     if (this.#nextRun) this.soon();
+    else find("stage").ariaBusy = "false";
   }
 
   /**
