@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
     target = options.target or (TARGET if options.fmi == FMI_2 else "native")
     if (target, options.fmi) not in FMU_KINDS:
         raise UsageError(f"--target {target} is for FMI 2.0 only; for --fmi {options.fmi}: --target native")
-    for platform in {*options.platform} - {*TARGETS[target], "all"} if target != "native" else ():
+    for platform in {*options.platform} & ({*PLATFORMS} - {*TARGETS[target]}):
         raise UsageError(f"--platform {platform} needs --target native")
     scene = load_scene(options.source)
     with progress():

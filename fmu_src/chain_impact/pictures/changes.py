@@ -187,9 +187,7 @@ def finding(
     output, parameter = outputs[int(parts[:, row, k].argmax())], list(sensitivities.parameters)[k]
     if not beyond.any():
         alike = [name for name in outputs if sensitivities.units[name] == sensitivities.units[output]]
-        output = max(
-            alike, key=lambda name: np.nanmax(np.abs(sensitivities.changes(name)[:, k]), initial=0.0)
-        )
+        output = max(alike, key=lambda name: _largest(sensitivities, name, k))
     if relative[row, k] <= NO_CHANGE:
         return f"{recording.name}: no parameter changes {', '.join(outputs)}"
     what = f"{recording.name}: {parameter} + {sensitivities.step_text(parameter)} changes {output} by"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.recording.course import Course
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 
@@ -60,13 +61,19 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
     return impacts
 
 
+def course_in_run(recording: Recording, row: int) -> Course | None:
+    """Return the course of the impact in a row; None for a recording whose run cannot be repeated."""
+    result: Any = recording
+    return result.course_of_impact(row + 1) if getattr(recording, "rerun", None) is not None else None
+
+
 def peak_time(recording: Recording, row: int) -> float:
     """Return the time [s] of the largest force in the impact of a row, as ``impacts_at_peaks`` does.
 
     If the run can be repeated, a time later than the onset does not depend on the rows of the recording.
     """
-    time, result = float(impacts_at_peaks(recording)["onset"][row]), cast("Any", recording)
-    if time == recording.impacts["onset"][row] or getattr(recording, "rerun", None) is None:
+    time = float(impacts_at_peaks(recording)["onset"][row])
+    course = course_in_run(recording, row) if time > recording.impacts["onset"][row] else None
+    if course is None:
         return time
-    course = result.course_of_impact(row + 1)
     return float(course.time[(course.force >= FIRST_EXACT * course.force.max()).argmax()])

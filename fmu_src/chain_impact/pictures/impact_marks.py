@@ -75,13 +75,12 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     groups, lanes = point_groups(recording, tops), 0
     sizes = mark_sizes(recording, tops, [hits for *_, hits in groups])
     strongest = {peak.row for peak in peaks(recording)}
+    lines = np.stack([onsets, np.zeros(len(tops)), times, tops], axis=1).reshape(-1, 2, 2)
     for name, mark, hits in groups:
         colour = mark["color"]
         stems = [(PEAK_COLOUR, 2.0 * STEM) if row in strongest else (colour, STEM) for row in hits]
         colours, widths = zip(*stems, strict=True)
-        feet, heads = np.stack([onsets, 0.0 * tops], axis=1), np.stack([times, tops], axis=1)
-        lines = np.stack([feet[hits], heads[hits]], axis=1)
-        axes.add_collection(LineCollection([*lines], colors=colours, linewidths=widths))
+        axes.add_collection(LineCollection([*lines[hits]], colors=colours, linewidths=widths))
         look = mark | {"linestyle": "", "clip_on": False}
         form = MARK_SCALES.get(mark["marker"], 1.0)
         axes.plot(times[hits], tops[hits], **look, markersize=form * IMPACT_DOT, label=name)

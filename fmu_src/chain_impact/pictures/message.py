@@ -123,9 +123,14 @@ def peak_of(recording: Recording, row: int) -> list[Peak]:
 
 def hardness(recording: Recording, row: int) -> str:
     """Return words for how hard the impact in a row is: "peak force 12.6 kN, with 2.92 m/s"."""
-    impact = recording.impacts[row]
-    speed = f"with {impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
+    speed = f"with {speed_text(recording, row)}"
     return ", ".join([*(f"{peak.words} {peak.value}" for peak in peak_of(recording, row)), speed])
+
+
+def speed_text(recording: Recording, row: int) -> str:
+    """Return the impact speed of the impact in a row, with its unit: "2.92 m/s"."""
+    impact = recording.impacts[row]
+    return f"{impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
 
 
 def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
@@ -165,10 +170,11 @@ def place(recording: Recording, row: int) -> str:
     """
     impact, peak = recording.impacts[row], peak_time(recording, row)
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
-    speed = f"{impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
     at = f"{factor * impact['onset']:.4g} {unit}"
     later = f", peak at {factor * peak:.4g} {unit}" if peak > impact["onset"] else ""
-    return f"impact {row + 1}: {brief_hit(recording, impact)} at {at} with {speed}{later}"
+    return (
+        f"impact {row + 1}: {brief_hit(recording, impact)} at {at} with {speed_text(recording, row)}{later}"
+    )
 
 
 class Load(NamedTuple):
@@ -187,7 +193,8 @@ def largest_load(recording: Recording) -> Load | None:
     """
     found: list[tuple[float, int, int]] = []
     for joint, force in recording.loads.items():
-        peaks = recording.columns.get(f"joint[{joint}].peak_force", np.hypot(*force.T))
+        name = f"joint[{joint}].peak_force"
+        peaks = recording.columns[name] if name in recording.columns else np.hypot(*force.T)
         found.append((float(peaks.max()), joint, int(peaks.argmax())))
     if not found or not max(found)[0] > 0.0:
         return None

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 
+from chain_impact.pictures.contact_times import course_in_run
 from chain_impact.pictures.impact_marks import HEADROOM
 from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.message import peaks
@@ -59,17 +58,16 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
         return None
     row, impact = hardest.row, recording.impacts[hardest.row]
-    result: Any = recording
-    if getattr(recording, "rerun", None) is not None:  # it is a ``Result`` that can repeat its run
-        course = result.course_of_impact(row + 1)
+    if (course := course_in_run(recording, row)) is not None:
         return (row, course.time, course.force) if len(course.time) else None
     end = recording.time[-1] if lasts(impact) else impact["end"]
     inside = (recording.time >= impact["onset"]) & (recording.time <= end)
     place = int(impact["point"]), recording.wall_names[impact["wall"]]
     forces = (touch.force for touch in recording.touches if (touch.point, touch.wall) == place)
     force = next(forces, None)
-    known = force is not None and np.count_nonzero(inside) >= LEAST_ROWS
-    return (row, recording.time[inside], force[inside]) if known and force is not None else None
+    if force is None or np.count_nonzero(inside) < LEAST_ROWS:
+        return None
+    return row, recording.time[inside], force[inside]
 
 
 def draw_one_impact(axes: Axes, recording: Recording) -> None:

@@ -9,15 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.recording.joint_stops import at_stop
+from chain_impact.recording.pacing import impact_ends
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # number of times at which the course of an impact is computed
-# number of equally spaced times in a contact that lasts longer than the argument ``near`` of course_of
+# number of equally spaced times in a contact that lasts longer than an impact
 LASTING_SAMPLES = 4000
-# [1] time from the onset to the first sample after it, relative to the duration of the contact, if this is
-# longer than ``near``
+# [1] time from the onset to the first sample after it, relative to the duration of a contact that lasts
+# longer than an impact
 SOON = 1e-6
 
 Rerun = Callable[[np.ndarray], np.ndarray]
@@ -53,20 +54,18 @@ def course_of(
     impact: np.void,
     *,
     until: float = math.nan,
-    near: float = 0.0,
 ) -> Course:
     """Return the course of one impact.
 
     The run is repeated up to the end of the impact, with additional rows within the impact. The repeated run
-    is identical bit by bit, because additional rows do not change the solution.
+    is identical bit by bit, because additional rows do not change the solution. If the contact lasts longer
+    than an impact (``impact_ends``), more samples lie just after the onset and in the time of an impact.
 
     Args:
         prepared: the prepared scene.
         rerun: ``Result.rerun``.
         impact: the impact, a row of ``Result.impacts``.
         until: the end of the course [s] for a contact whose end is NaN.
-        near: a duration [s]. In a contact that lasts longer, more samples lie just after the onset and in the
-            first ``near`` seconds. If it is 0, all samples have equal distances.
 
     Raises:
         ValueError: when the run of the result cannot be repeated.
@@ -76,6 +75,7 @@ def course_of(
     onset, end = float(impact["onset"]), float(impact["end"])
     end = until if math.isnan(end) else end
     inside = np.linspace(onset, end, SAMPLES if end > onset else 0)
+    near = float(impact_ends(np.array([impact], impact.dtype), end)[0]) - onset
     if 0.0 < near < end - onset:
         shares = np.union1d(np.geomspace(SOON, 1.0, SAMPLES), np.linspace(0.0, 1.0, LASTING_SAMPLES))
         times = np.union1d((end - onset) * shares, np.linspace(0.0, near, SAMPLES))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,9 +23,7 @@ from chain_impact.variables.impact_units import unit_at
 LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
 NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the largest force in a joint
 JOINTS = 8  # largest number of joints whose forces the summary lists
-# [1] a penetration larger than DEEP times the smallest body is probably a mistake: the stiffness is too small
-DEEP = 0.5
-RADIUS = "the radius of the ball"  # a soft ball may go as deep as its radius
+DEEP = 0.5  # [1] ``Body.deep`` of a link, relative to its length
 NAMED_STICKING = 3  # largest number of contacts and joints that the summary names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
@@ -212,35 +211,43 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return one sentence, in a list, if a penetration is larger than ``deep``.
+    """Return one sentence, in a list, if a penetration is larger than ``Body.deep`` of the smallest body.
 
     The sentence names the wall with the deepest penetration: the wall is too soft for the motion. Otherwise
     the list is empty.
     """
     walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)
-    if depths.max(initial=0.0) <= deep(scene):
+    body = smallest_body(scene)
+    if depths.max(initial=0.0) <= body.deep:
         return []
-    smallest, body = smallest_body(scene)
     wall = scene.wall_names[impacts["wall"][depths.argmax()]]
     material = scene.contact.wall.get(wall)
     given = material.stiffness if material else None
     name, stiffness = ("contact", scene.contact.stiffness) if given is None else (f"wall.{wall}", given)
     unit = of_power("N/m", scene.contact.exponent)
     return [
-        f"a point goes {depths.max():.3g} m beyond {wall}, and {body} is {smallest:g} m: "
+        f"a point goes {depths.max():.3g} m beyond {wall}, and {body.words} is {body.size:g} m: "
         f"{name}.stiffness = {stiffness:g} [{unit}] is small for this motion"
     ]
 
 
-def deep(scene: Scene) -> float:
-    """Return the penetration [m] from which on the law of a small contact means little: see DEEP."""
-    size, body = smallest_body(scene)
-    return size if body == RADIUS else DEEP * size
+class Body(NamedTuple):
+    """A body of the scene.
+
+    Attributes:
+        words: words for the size.
+        size: the size [m].
+        deep: a larger penetration [m] is probably a mistake, because the stiffness is too small.
+    """
+
+    words: str
+    size: float
+    deep: float
 
 
-def smallest_body(scene: Scene) -> tuple[float, str]:
-    """Return the size [m] of the smallest body, and words for it: the shortest link, or a ball's radius.
+def smallest_body(scene: Scene) -> Body:
+    """Return the smallest body: the shortest link, or a ball with its radius as the size.
 
     A free chain of one link is a ball if only its centre of mass touches. The length of this link has no
     meaning. A ball without a radius counts as infinitely large, so that it is never the reason of a hint.
@@ -250,5 +257,6 @@ def smallest_body(scene: Scene) -> tuple[float, str]:
     centre = ends.get(link.center_of_mass) if link.center_of_mass_offset == 0.0 else None
     is_free_link = scene.chain.base == "free" and len(scene.chain.links) == 1
     if is_free_link and scene.touching_points == (centre,):
-        return scene.contact.radius or np.inf, RADIUS
-    return link.length, "the length of the shortest link"
+        radius = scene.contact.radius or np.inf
+        return Body("the radius of the ball", radius, radius)  # a soft ball may go as deep as its radius
+    return Body("the length of the shortest link", link.length, DEEP * link.length)

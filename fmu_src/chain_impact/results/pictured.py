@@ -11,7 +11,6 @@ import numpy as np
 
 from chain_impact.recording.course import Course, Rerun, course_of
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
-from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.passing import passing
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
@@ -205,8 +204,7 @@ class Pictured(Recording):
             raise ValueError(f"{self.name}: number = {number!r} must be {impact_numbers(len(self.impacts))}")
         if number not in self._courses:
             impact, stop = self.impacts[number - 1], float(self.time[-1])
-            near = float(impact_ends(self.impacts, stop)[number - 1] - impact["onset"])
-            self._courses[number] = course_of(self.prepared, self.rerun, impact, until=stop, near=near)
+            self._courses[number] = course_of(self.prepared, self.rerun, impact, until=stop)
         return self._courses[number]
 
     @cached_property

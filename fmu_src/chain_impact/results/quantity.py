@@ -24,7 +24,7 @@ OF_FMU = {"time": "onset", "speed": "impact_speed"}
 """Name of a quantity in the FMU's ``impact[j]`` → its column in ``Result.impacts``, if the names differ."""
 
 
-class Quantity(NamedTuple):
+class RankedQuantity(NamedTuple):
     """A quantity of a run.
 
     Attributes:
@@ -44,7 +44,7 @@ class Quantity(NamedTuple):
     value_in: Callable[[Recording], float]
 
 
-def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str) -> Quantity:
+def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str) -> RankedQuantity:
     """Return the quantity with a name, as in ``Result.ranking``.
 
     Raises:
@@ -72,7 +72,7 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
 
 def _largest(
     recording: Recording, sensitivities: Sensitivities, name: str, field: str, *, at_stops: bool
-) -> Quantity:
+) -> RankedQuantity:
     """Return the largest value of a column among all impacts at walls or (``at_stops``) at joint stops."""
     values = _at(recording, field, at_stops=at_stops)
     if not np.nanmax(values, initial=0.0) > 0.0:
@@ -93,7 +93,7 @@ def _largest_in(recording: Recording, field: str, *, at_stops: bool) -> float:
     return float(np.nanmax(_at(recording, field, at_stops=at_stops), initial=0.0))
 
 
-def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> Quantity:
+def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> RankedQuantity:
     """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
@@ -108,14 +108,14 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
     again = partial(_impact_in, number=number, field=field)
-    return Quantity(float(value), units[field], where, slope[number - 1], abs(float(value)), again)
+    return RankedQuantity(float(value), units[field], where, slope[number - 1], abs(float(value)), again)
 
 
 def _impact_in(recording: Recording, number: int, field: str) -> float:
     return float(recording.impacts[field][number - 1]) if number <= len(recording.impacts) else math.nan
 
 
-def _joint_force(recording: Recording, sensitivities: Sensitivities) -> Quantity:
+def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQuantity:
     """Return the largest force in any joint during the run, with its derivatives."""
     names = [
         name
@@ -133,14 +133,14 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> Quantity
     return found._replace(where=where, value_in=partial(_largest_end_in, names=names))
 
 
-def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> Quantity:
+def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> RankedQuantity:
     """Return the value of an output at the end of the run, with its derivatives."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))
     where = f"at the end, t = {recording.time[-1]:g} s"
     slopes = sensitivities.slopes[-1, sensitivities.columns[name]]
     again = partial(_largest_end_in, names=[name])
-    return Quantity(float(values[-1]), sensitivities.units[name], where, slopes, size, again)
+    return RankedQuantity(float(values[-1]), sensitivities.units[name], where, slopes, size, again)
 
 
 def _largest_end_in(recording: Recording, names: Sequence[str]) -> float:

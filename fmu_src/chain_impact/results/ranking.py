@@ -31,7 +31,7 @@ LARGE_SHARE = 0.2
 # [1] largest difference between an effect to first order and the change in a second run, relative to the
 # larger one; with a larger difference, the text gives both
 FIRST_ORDER = 0.25
-# [1] an effect that is at most this, relative to ``Quantity.size``, is round-off and counts as none
+# [1] an effect that is at most this, relative to ``RankedQuantity.size``, is round-off and counts as none
 LEAST_EFFECT = 1e-12
 NAMED_STEPS = 2  # the largest number of different steps that the heading of a block of bars lists
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
@@ -153,7 +153,7 @@ class Ranking:
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
         checked = [effect for effect in self.effects if effect.simulated is not None]
-        if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects if effect not in checked):
+        if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects if effect.simulated is None):
             large = f"effects of more than {100.0 * LARGE_SHARE:g} %"
             yield f"{large} hold for smaller changes only: check them by another run"
         if checked:

@@ -17,7 +17,7 @@ from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import in_order
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
-from chain_impact.recording.summary import deep, hints
+from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
@@ -192,7 +192,7 @@ def _warn(instance: Instance, result: Result) -> None:
     """Warn of points deeper in walls than the smallest body, and of positions that contradict velocities."""
     scene = result.scene
     # ``hints`` takes long, and has nothing to say unless a penetration is this deep, which is rare
-    if result.impacts["max_penetration"].max(initial=0.0) > deep(scene):
+    if result.impacts["max_penetration"].max(initial=0.0) > smallest_body(scene).deep:
         warn(scene.name, hints(scene, result.impacts))
     if result.prepared.sizes.channels and instance.record["moved"]["contradiction"]:
         warn(scene.name, instance.contradictions)

@@ -17,7 +17,6 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.course import course_of
 from chain_impact.recording.impacts import common_count
-from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.text import as_html, as_text
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
@@ -283,9 +282,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     values_of_run: dict[str, Any] = {name: float(value) for name, value in values.items()}
     if not math.isfinite(impact["end"]):
         return values_of_run
-    (end,) = impact_ends(np.array([impact], impact.dtype), float(result.time[-1]))
-    near = float(end - impact["onset"])
-    course = course_of(result.prepared, result.rerun, impact, near=near)
+    course = course_of(result.prepared, result.rerun, impact)
     values_of_run["energy_lost"] = course.energy_lost
     values_of_run["loop"] = np.array([course.penetration, course.force])
     return values_of_run
