@@ -309,7 +309,7 @@ class Instance:
         table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
         impacts = table.T.take(numbers, 0, mode="wrap")
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
-        if not self.record["quadrature"]["computed"]:
+        if not self._integers.item(at.integrates):
             rows["impulse"] = np.nan
         if not self.prepared.sizes.loads:
             rows["joint_force"] = np.nan

@@ -233,7 +233,7 @@ def _too_large(what: str, count: float, columns: int) -> SceneError:
 
 def _row_times(stop: float, step: float) -> np.ndarray:
     """Return the times of rows [s]: multiples of the step below the stop time, and the stop time."""
-    times = np.arange(np.ceil(stop / step * (1 - STEP_ROUND_OFF)) + 1.0)
+    times = np.arange(math.ceil(stop / step * (1 - STEP_ROUND_OFF)) + 1.0)
     times *= step
     times[-1] = stop
     return times

@@ -105,6 +105,7 @@ class LogWords(NamedTuple):
         collected: word with the number of ended contacts that a reader has already collected.
         active: word with the number of contacts that still last; the list has them after the ended ones.
         changes: word with the number of changes between sticking and sliding that wait to be collected.
+        integrates: word that is 1 if steps integrate impulses, else 0.
         first: first word of the list's columns, which follow each other.
         room: number of rows of each column (not an index).
     """
@@ -114,6 +115,7 @@ class LogWords(NamedTuple):
     collected: int
     active: int
     changes: int
+    integrates: int
     first: int
     room: int
 
@@ -121,9 +123,9 @@ class LogWords(NamedTuple):
 @cache
 def log_words(counts: Counts) -> LogWords:
     """Return where a record with these counts has the status and the list of contacts."""
-    layout, changes = layout_of(*counts), ("changes", "count")
-    of_log = ("contact_log", "count"), ("contact_log", "collected"), ("touch", "active_count"), changes
-    paths = ("statistics", "status"), *of_log, ("contact_log", "point", 0)
+    layout, of_log = layout_of(*counts), (("contact_log", "count"), ("contact_log", "collected"))
+    others = ("touch", "active_count"), ("changes", "count"), ("quadrature", "computed")
+    paths = ("statistics", "status"), *of_log, *others, ("contact_log", "point", 0)
     words = [word_index(layout, path) for path in paths]
     return LogWords._make([*words, layout["contact_log"]["point"].shape[0]])
 
