@@ -30,7 +30,7 @@ LANGUAGES = (".py", ".c", ".h")
 
 @cache
 def fingerprint() -> str:
-    """Return 16 hexadecimal digits that change only with the sources, the compilers or the platforms."""
+    """Return 16 hexadecimal digits that change only with the sources, COMPILERS, or targets in PLATFORMS."""
     platforms = {name: (platform.target, platform.cpu) for name, platform in PLATFORMS.items()}
     digest = hashlib.sha256(repr((COMPILERS, platforms)).encode())
     for source in sorted(_sources()):

@@ -25,7 +25,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 # two numbers that differ by at most SAME, absolutely or relatively, are the same up to round-off
 SAME = 1e-12
 ABSENT: Any = object()
-"""Stands for a value that does not exist."""
+"""Stands for the value of a key that a table does not have."""
 BODY = ("shape", "height", "points")
 """The keys of a link for its outline and its points."""
 
@@ -159,8 +159,8 @@ class _Merger:
     def _merged(self, key: str, ours: Any, written: Any, found: Any) -> Any:
         """Return the scene's value ``ours`` if ``written`` and ``found`` are the same, else ``found``.
 
-        Tables, and lists of equal length, are merged entry by entry; a wall that is not in ``found`` is left
-        out. ``key`` is the name of the value for messages.
+        Tables, and lists of equal length, are merged entry by entry; a wall that is in ``written``, but not
+        in ``found``, is left out. ``key`` is the name of the value for messages.
         """
         if key.startswith("walls.") and found is ABSENT and isinstance(written, dict):
             self.changed.append(key)

@@ -10,7 +10,7 @@ from enum import IntEnum
 
 from chain_impact.recording.text import few
 
-# a difference whose `size` is at most NEGLIGIBLE gives no warning, unless it always changes the motion
+# a difference whose `size` is at most NEGLIGIBLE gives no warning, unless its `effect` is MOTION
 NEGLIGIBLE = 0.02
 LINE_NAMES = 6  # largest number of names in a line; the line counts further ones: "and 3 more"
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # titles under which differences are reported
@@ -37,11 +37,11 @@ class Difference:
         effect: what the difference changes.
         differs: True if the scene has the part in another form, False if the scene does not have it.
         size: how large the difference is, such as a distance divided by the length of its link; 0 if unknown.
-            Differences are reported from the largest one.
-        joints: names of joints; if all of them are held, the difference has no effect and is not reported.
-            Without names it is always reported.
-        bodies: indices of bodies, −1 for the world; if all of them belong to the same link, the difference
-            has no effect and is not reported. Without indices it is always reported.
+            Differences of equal ``effect`` are reported from the largest one.
+        joints: names of joints; if there are names, and all these joints are held, the difference has no
+            effect and is not reported.
+        bodies: indices of bodies, −1 for the world; if there are indices, and all these bodies belong to the
+            same link or all to none, the difference has no effect and is not reported.
     """
 
     kind: str

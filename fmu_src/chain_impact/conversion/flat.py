@@ -93,11 +93,11 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
 
 
 def near(value: float) -> float:
-    """Return a number, but 0 in place of a number that may be round-off."""
+    """Return ``value``, or 0 if its magnitude is below NUMBER_ROUND_OFF."""
     return 0.0 if abs(value) < NUMBER_ROUND_OFF else value
 
 
 def _cleaned(axis: np.ndarray) -> np.ndarray:
-    """Return a direction without round-off, so that one along an axis of the robot has components 0 and 1."""
+    """Return a direction without round-off; one along an axis of the robot has only components 0 and ±1."""
     whole = np.rint(axis)
     return np.where(np.abs(axis - whole) < NUMBER_ROUND_OFF, whole, axis) + 0.0

@@ -55,7 +55,7 @@ class Contacts:
         return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
     def _touch(self, geom: int, other: int) -> bool:
-        """Return whether two shapes can touch by MuJoCo's rules.
+        """Return whether two shapes can touch, by these rules of MuJoCo.
 
         None can if the file disables contacts. Else two shapes can if the file lists them as a pair.
         Otherwise they can if ``contype`` of one shape and ``conaffinity`` of the other have a bit in common,
@@ -126,7 +126,7 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # an ellipsoid is replaced by the box around it
+        else:  # ``outline`` replaces an ellipsoid by the box around it
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         walls = list(filter(self._is_wall, self.still))

@@ -62,7 +62,7 @@ def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Differen
     """Yield a difference for tendon ``t`` if the tendon has an effect on the motion.
 
     The tendon has one if one of its fields in FORCES is not 0 and the file does not disable this effect.
-    ``off`` has the names of all flags that the file sets.
+    ``off`` has the names (mjDSBL_…) of all flags by which the file disables features.
     """
     acting = [
         field.removeprefix("tendon_")

@@ -101,7 +101,7 @@ class Drives:
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
         """Return ``joint``, MuJoCo's joint ``j``, with all its actuators.
 
-        ``zero`` is MuJoCo's angle or position of the joint where the scene's angle or position is 0.
+        ``zero`` is MuJoCo's angle or position of the joint in the file's pose, where that of ``joint`` is 0.
         """
         for a in self.at.get(j, []):
             joint = self._geared(joint, a)
@@ -250,7 +250,7 @@ class Drives:
 
         They are a torque at the start, if the joint has no spring that could hold it, and controls of servos
         that are not targets, or have limits. ``stiffness`` is that of all springs of the joint together;
-        ``torque`` is the torque of all drives where the scene's angle or position is 0.
+        ``torque`` is the torque of all drives in the file's pose, without velocity.
         """
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:

@@ -24,7 +24,7 @@ class Compiled(NamedTuple):
         spec: the elements of the file.
         model: MuJoCo's compiled model.
         stand_ins: names of the meshes and other parts that stand-ins replace.
-        differences: the parts that could not be read, and MuJoCo's warnings.
+        differences: the files that could not be read, bodies without a mesh's mass, and MuJoCo's warnings.
     """
 
     spec: Any

@@ -40,7 +40,7 @@ class Choices(NamedTuple):
         plane: directions, in the robot's axes, of the scene's x and y axes, such as ``-x,z``; None for the
             default of ``plan_of``.
         tip: name of the frame at which the last link ends; None for the frame farthest from the last joint.
-        keyframe: the keyframe at which the robot starts; None for the first one of the file.
+        keyframe: name of the keyframe at which the robot starts, or NO_KEYFRAME; None for the first one.
     """
 
     joints: Sequence[str] = ()
@@ -129,7 +129,7 @@ class _Conversion:
         return Converted(_rounded(data), remarks[0], remarks[1], remarks[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
-        """Return the table ``inputs`` that drives need, or {}; a free base has no joint 1 to drive."""
+        """Return ``{"inputs": {key: True}}`` of keys that drives need, or {}; a free base has no joint 1."""
         free, slides = self.chosen.base == "free", self.chosen.base == "slider"
         inputs = {name for hinge in self.hinges[free:] for name in hinge.joint.inputs}
         for name in self.slides[0].joint.inputs if slides else ():
@@ -210,8 +210,8 @@ class _Conversion:
     def _tip(self) -> np.ndarray:
         """Return the end of the last link relative to the last joint, in the plane [m].
 
-        It is the frame that the user has chosen, or the frame farthest from the joint; without frames, it is
-        twice as far from the joint as the centre of mass.
+        It is the frame that the user has chosen, or the frame farthest from the joint; each body's origin is
+        a frame, too. If all frames are at the joint, it is twice the vector to the link's centre of mass.
         """
         part, hinge = self.parts[-1], self.hinges[-1]
         ends: dict[str, np.ndarray] = {}

@@ -129,6 +129,8 @@ def is_within(inner: Ball, outer: Ball, joint: np.ndarray) -> bool:
 def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) -> list[list[Ball]]:
     """Return the balls of each link, without those that always lie inside a ball of a neighbouring link.
 
+    Balls with ``is_point`` always stay.
+
     Args:
         balls: the balls of each link, from the base to the tip.
         places: positions of the joints and the tip, with the joints of the chain at zero [m].
@@ -147,10 +149,10 @@ def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) ->
 
 
 def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:
-    """Return the tables of a link's points.
+    """Return the tables of a link's points: x along the link, y to its left, radius [m], and name if any.
 
     ``joint`` is the position of the joint at which the link begins, and ``along`` the unit vector along the
-    link.
+    link, with the joints of the chain at zero.
     """
     counts, seen = Counter(ball.name for ball in balls), Counter[str]()
     tables: list[dict[str, Any]] = []

@@ -1,4 +1,4 @@
-"""A scene as MJCF: elements for MuJoCo, and a text with the data of the scene, which MJCF cannot hold."""
+"""A scene as MJCF: elements for MuJoCo, and a text with all data of the scene, even those without element."""
 
 from __future__ import annotations
 

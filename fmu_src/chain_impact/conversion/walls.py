@@ -127,7 +127,7 @@ class Walls:
         return coefficients[-1]
 
     def _points(self, touching: set[int], balls: Sequence[list[Ball]]) -> dict[str, Any]:
-        """Return the key ``points`` of [contact], the numbers of joints and ends that touch walls.
+        """Return ``{"points": numbers}`` for [contact]: the numbers of joints and ends that touch walls.
 
         A link that can touch walls and has no balls touches them with its two ends, except a pinned base and
         a joint inside a ball of a neighbouring link. The result is empty if the scene's default is right: if

@@ -100,7 +100,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 def listening() -> Iterator[Callable[[], list[str]]]:
     """Context that collects the messages of FMUs that this thread runs.
 
-    It yields a function that returns the messages so far, at first those of slaves in Python.
+    It yields a function that returns the messages so far: those of slaves in Python, then those by callback.
     """
     _here.said, _here.logged = [], []
     try:
