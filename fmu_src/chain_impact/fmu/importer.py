@@ -32,7 +32,8 @@ from chain_impact.system import HOST, PLATFORMS
 WARNING = 1
 SLAVES = "chain_impact.fmu"
 """The name of the logger to which the slaves in Python (slave.py) write their errors."""
-# the messages of the FMU that the calling thread runs: `logged` by callback, `said` by the logger SLAVES
+# two lists of the messages of FMUs that the calling thread runs: `logged` has those sent by FMI's callback,
+# `said` those of slaves in Python, which the logger SLAVES gets
 _here = threading.local()
 
 
@@ -174,7 +175,8 @@ def _callbacks() -> Any:
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
-    # without fmpy's library for messages, as on ARM, they come without the values to be written into them
+    # where fmpy's library for messages is missing, as on ARM, messages keep their format signs, such as %s,
+    # and have no values in their place
     with suppress(Exception):
         from fmpy.logging import addLoggerProxy
 
@@ -200,8 +202,9 @@ def _in_place(kind: type) -> type:
 def _place_binaries(binaries: Path, folder: str) -> None:
     """Copy this machine's binaries to the folder ``folder`` of ``binaries``, in which fmpy looks for them.
 
-    Nothing is copied if ``folder`` is the machine's own folder. On ARM it is not: fmpy looks in the folder of
-    x86-64. The machine's own folder has a name by FMI 2.0 or a name by FMI 3.0; both names are tried.
+    Nothing is copied if ``folder`` is the machine's own folder. On ARM it is not, because fmpy looks for the
+    binary of an FMI 2.0 FMU in the folder of x86-64. The machine's own folder has a name by FMI 2.0 or a name
+    by FMI 3.0; both names are tried.
     """
     names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
     for name in names:

@@ -22,8 +22,8 @@ from chain_impact.scene.signals import family
 from chain_impact.scene.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
 
-# An input jumps at a row if its values just before and just after the row differ by more than JUMP × the
-# input's largest value; a smaller difference is round-off.
+# An input jumps at a row if its values just before and just after the row's time differ by more than JUMP ×
+# the input's largest absolute value in the run; a smaller difference is round-off.
 JUMP = 1e-9
 
 
@@ -38,10 +38,10 @@ def driven_rows(
 
     The inputs have the same values as in a scene in which the user's table is a signal: its rows are
     interpolated in the same way, and derivatives and integrals of an input are computed from it. The returned
-    table has a row for each communication point and for each row of the user's table. fmpy joins rows by
-    straight lines, so a jump needs two rows at the same time, at which fmpy also makes a communication point.
-    Inputs that nothing drives are left out of the returned description, because fmpy would print a warning
-    for each of them.
+    table has a row for each communication point and for each row of the user's table within the run. fmpy
+    joins rows by straight lines, so a jump needs two rows at the same time, at which fmpy also makes a
+    communication point. Inputs that nothing drives are left out of the returned description, because fmpy
+    would print a warning for each of them.
 
     Args:
         description: the model description of the FMU, in fmpy's form.
@@ -104,6 +104,7 @@ def driven_rows(
 def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tuple[np.ndarray, np.ndarray]:
     """Return an input as polynomials of time: their start times [s] and their coefficients.
 
+    Row k of the coefficients has those of polynomial k, in ascending powers of the time since its start.
     ``members`` are an input with its integrals before it and its derivatives after it (``family``). The
     result is for the member with the index ``k``; if the table does not have it, it is computed from a member
     that the table has.

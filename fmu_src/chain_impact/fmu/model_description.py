@@ -154,9 +154,9 @@ def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: 
 def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
     """Return for each output its number, and the numbers of the inputs on which it depends directly.
 
-    The number of a variable is its index in FMI 2.0, and its value reference in FMI 3.0. These dependencies
-    are those after the start. For the start none are given: FMI then assumes that an output depends on all
-    known values, which is true.
+    Both are texts; the second has the numbers with spaces between them. The number of a variable is its index
+    in FMI 2.0, and its value reference in FMI 3.0. These dependencies are those after the start. For the
+    start none are given: FMI then assumes that an output depends on all known values, which is true.
     """
     inputs = " ".join(str(number) for number, variable in numbered if variable.causality == "input")
     return [

@@ -23,7 +23,7 @@ def platforms_of(path: str | Path) -> list[str]:
 
 
 def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tuple[str, Finding | None]:
-    """Return the binary that an importer loads on this machine, and None.
+    """Return the path in the FMU of the binary that an importer loads on this machine, and None.
 
     If the FMU has no such file, return "" and a finding.
 

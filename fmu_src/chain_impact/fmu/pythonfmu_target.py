@@ -22,13 +22,13 @@ ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 """
 """The script of an FMU, which pythonfmu's wrapper executes again for every new instance.
 
-The wrapper never frees the code and the names of an executed script. So this script does nothing but import
-the slave, which Python loads only once in a process.
+The wrapper never frees the code of an executed script. So this script is short: it imports the slave, which
+Python loads only once in a process, and takes the reference to its names that the wrapper gives back.
 """
 
 
 def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dict[str, bytes]:
-    """Return all files of the FMU, as path in the FMU → content.
+    """Return the files with which the FMU runs, as path in the FMU → content; build.py adds others.
 
     Args:
         prepared: the scene that the FMU simulates.

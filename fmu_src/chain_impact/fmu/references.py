@@ -39,17 +39,20 @@ REFERENCE_ROWS = 100
 SHORTER = 10
 # A chain amplifies each error at every impact, so results are reliable only for some time. A second run, at
 # the scene's own tolerance, tells for how long: the table ends where an output of this run deviates from the
-# reference results by more than the scene's tolerance or ASTRAY, whichever is larger. The table allows an
-# importer's outputs TOLERANCE_FACTOR × the largest deviation of the second run before this end, and at least
-# LEAST_TOLERANCE. The scene's tolerance, ASTRAY and LEAST_TOLERANCE are relative to the largest value of all
-# outputs with the same unit. Outputs that are whole numbers may not deviate.
+# reference results by more than the scene's tolerance or ASTRAY, whichever is larger, or where an onset
+# deviates. The table allows each output of an importer TOLERANCE_FACTOR × the largest deviation of this
+# output in the second run before this end, and at least LEAST_TOLERANCE. The scene's tolerance, ASTRAY and
+# LEAST_TOLERANCE are relative to the largest absolute value of all outputs with the same unit. Outputs that
+# are whole numbers may not deviate.
 ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
 # Outputs are not compared closer to the onset or the end of a contact than EVENT_DISTANCE × the communication
 # step, because they change too fast there.
 EVENT_DISTANCE = 1e-4
-# a run ends when its evaluations of the equations of motion × links reach MOST_WORK, in about 0.2 s
+# a run ends when its number of evaluations of the equations of motion × links reaches MOST_WORK, after about
+# 0.2 s of computing
 MOST_WORK = 2_000_000
-# amplitude of the torques and forces that are given as inputs, relative to the magnitudes of `nominal_values`
+# amplitude of the torques that are given as inputs, relative to the inertial moment of `nominal_values` per
+# link; the amplitude of a tip force is that of a torque divided by the length of the longest link
 SWING = 0.1
 # amplitude of a motion of base or wall that is given as input, relative to the length of the longest link
 MOVED = 0.01
@@ -221,7 +224,10 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
 
 
 def _agreed_until(exact: np.ndarray, usual: np.ndarray, close: float) -> float:
-    """Return the time [s] up to which the onsets of two runs differ by at most ``close`` [s]."""
+    """Return the time [s] up to which the onsets of two runs differ by at most ``close`` [s].
+
+    ``exact`` and ``usual`` are the onsets [s] of each run in order of time. If all agree, the result is ∞.
+    """
     count = min(len(exact), len(usual))
     first = int(np.argmax(np.append(np.abs(exact[:count] - usual[:count]) > close, True)))
     return float(min([math.inf, *exact[first:], *usual[first:]]))
@@ -236,7 +242,7 @@ class _Table(NamedTuple):
     Attributes:
         time: communication points, shape (T,) [s].
         columns: name of an input or output → its values, shape (T,); NaN where it is not compared.
-        allowed: name → tolerance; NaN for an input.
+        allowed: name → tolerance; NaN for an input and for the time.
     """
 
     time: np.ndarray

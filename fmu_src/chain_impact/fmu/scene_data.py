@@ -20,7 +20,8 @@ class SceneData(NamedTuple):
 
     Attributes:
         point_names: number of a point → its name, for the points that have a name.
-        rules: name of a parameter → the rule by which its value follows from others, unless it is set.
+        rules: name of a parameter → the text of the rule by which its value follows from others, unless it is
+            set.
     """
 
     point_names: dict[int, str]

@@ -26,7 +26,8 @@ TABLE_TYPES, TABLE_KINDS = ("real", "integer"), ("fixed", "tunable", "input", "o
 VARIABLE = {
     # the lowest and the highest value that may be set
     **dict.fromkeys(("low", "high"), "d"),
-    # word: where the value in use is; set_word: where the value that was set is; both get a new value
+    # indices of words in the record: word, of the value in use; set_word, of the value that was set. A new
+    # value is written to both.
     **dict.fromkeys(("word", "set_word"), "q"),
     "length": "q",  # number of words from `word` on: 1, or more for an array
     # indices in TABLE_TYPES and TABLE_KINDS

@@ -102,7 +102,7 @@ class Trial:
         """Return a communication step [s] that the FMU should accept.
 
         It is the fixed internal step of the FMU, else the step of its default experiment, else 1/500 of the
-        duration of this experiment.
+        duration of this experiment, which is 1 s if no stop time is given; 1 ms if the duration is not > 0.
         """
         experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
         fixed = _number(stepper, "fixedInternalStepSize", 0.0)
@@ -190,7 +190,9 @@ class Trial:
     def restored(self, how: str, state: Any, time: float, step: float) -> None:
         """Take a step, restore the state before it, repeat the step, and report a variable that then differs.
 
-        ``how`` names the call whose result, ``state``, is restored; ``time`` and ``step`` are in seconds.
+        ``time``, of the ``state`` before the step, and ``step`` are in seconds. ``how`` is the name of the
+        call that is tested, for the finding: SetFMUState, or DeserializeFMUState if this call made the
+        ``state``.
         """
         self.step(time, step)
         first = self.values()

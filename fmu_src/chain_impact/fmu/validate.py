@@ -108,7 +108,10 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
 
 
 def _end(code: int, said: str) -> str:
-    """Return words for how a process ended: by a signal, or with an exit code and its last line of errors."""
+    """Return words for how a process ended: by a signal, or with an exit code and its last line on stderr.
+
+    ``code`` is −1 times the signal's number, or the exit code; ``said`` is the text on stderr.
+    """
     if code < 0:
         return f"crashes the process: {signal.Signals(-code).name}"
     last = said.strip().splitlines()[-1:]

@@ -115,7 +115,7 @@ def advance(d, time, log_capacity, cost_limit):
 
 
 def log_is_full(d, capacity):
-    """Return whether ``capacity`` ended contacts wait or, if it is limited, friction's log could overflow."""
+    """Return whether ``capacity`` ended contacts wait or, unless it is UNLIMITED, friction's log is full."""
     if d.contact_log.count - d.contact_log.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
@@ -161,9 +161,9 @@ def onset_due(d):
 
 
 def reinit_if_changed(d, time):
-    """Set prescribed motions until ``time`` [s]; re-initialize if an input or parameter has changed.
+    """Set the course of prescribed motions up to ``time`` [s]; re-initialize if a changed value needs it.
 
-    Return a status.
+    ``must_reinit`` tells whether an input or a parameter needs it. Return a status.
     """
     if d.channels > 0 and d.statistics.status == OK:
         set_status(d, interpolate_motion(d, time))
@@ -270,7 +270,7 @@ def check_solved(d, status):
 
 
 def find_step(d):
-    """Try smaller and smaller steps until one is accepted, which ends at its first event; return a status."""
+    """Try smaller and smaller steps until one is accepted, up to its first event, if any; return a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
     if d.signals > 0:

@@ -31,8 +31,8 @@ from chain_impact.kernel.functions import has_dual_rule
 # the largest excess of a drive's force F over the drive's limit that counts as round-off, relative to the
 # limit
 DRIVE_EXCESS = 1e-12
-# the largest error of a spring's force that counts as round-off, relative to the stiffness times the sizes of
-# position and target, k (|ψ| + |ψ_t|)
+# the largest error of a spring's force that counts as round-off, relative to the stiffness k times the sum of
+# the sizes of position and target: |ψ_t| and the absolute values of the coordinates in ψ
 SPRING_ROUND_OFF = 1e-14
 
 

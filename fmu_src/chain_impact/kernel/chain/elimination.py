@@ -7,8 +7,8 @@ equation for α_i, ∂Z/∂α_i = 0 with the Gibbs function Z (docs/computation.
 
 A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
 equations remain. The accelerations are then computed from the middle outward. The two arms of the chain are
-independent, so a processor overlaps their operations, which halves the time of a short chain. In a pinned
-chain the base takes the place of the middle joint.
+independent, so a processor overlaps their operations, which halves the time of a short chain. In a chain with
+a pinned or sliding base, the base takes the place of the middle joint, and there is one arm.
 
 The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation matrix
 appears: L is the vector along a link from the link's joint nearer to the middle, r_C the vector from that
@@ -102,8 +102,9 @@ def eliminate_end(d, y, i, outward):
 def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     """Return A and b at the inner joint of link i, from A' at its outer joint and the force d there.
 
-    d is the force at the outer joint without accelerations. The function stores h/H, 1/H and h₀/H of the link
-    for ``accelerate_link`` and ``copy_factors``.
+    d, the components dx and dy, is the force at the outer joint without accelerations. ``w2`` is ω², and
+    ``inverse`` 1/H. The function stores h/H, 1/H and h₀/H of the link for ``accelerate_link`` and
+    ``copy_factors``.
     """
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.chain.mass[i], d.chain.gravity[0], d.chain.gravity[1]
@@ -152,7 +153,7 @@ def accelerations(d, y, rate):
             links [rad/s²]. The function also stores the factors that ``copy_factors`` needs for the response
             to other loads.
     """
-    # In the first call ``middle`` is a constant, so the compiler makes faster code for it.
+    # In the call for a chain with a base joint, ``middle`` is a constant, so its code is faster.
     if d.chain.has_base_joint:
         arms(d, y, rate, 0)
     else:

@@ -28,7 +28,7 @@ DERIVED is the lowest double; no scene gives this number as a value.
 
 
 def given_or_derived(given, derived):
-    """Return the value ``given``, or the value ``derived`` if ``given`` is DERIVED: no value is given.
+    """Return the value ``given``, or ``derived`` if ``given`` is DERIVED, which means that no value is given.
 
     In the second case the term ``given − DERIVED`` is 0. In a tangent instance this term has the derivatives
     with respect to the value, as if the derived value had been given.
@@ -55,6 +55,8 @@ def inertia_of_box(mass, length, height):
 
 def corner_of_box(number, length, height):
     """Return the coordinates [m] of a corner of a box: along the link, and to the left of the link's line.
+
+    Both are measured from the link's proximal joint.
 
     Args:
         number: the number of the corner: 1 and 2 lie to the right, 3 and 4 to the left, 1 and 3 at the

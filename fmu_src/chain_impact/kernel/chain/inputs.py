@@ -11,7 +11,8 @@ use in `moved.piece`. The caller sets the coefficients together with `given.piec
 velocity v and acceleration a at a time t₀. The motion to the next communication point, at t₁ = t₀ + h, is a
 cubic. The cubic begins with the present position and velocity, and ends with the position s + v h + ½ a h²
 and the velocity v + a h of a uniform acceleration. So position and velocity are continuous, and a uniform
-acceleration is followed exactly. Errors do not add up, because the end depends on the given position s only.
+acceleration is followed exactly. Errors do not add up, because the end follows from the given values s, v and
+a only, and not from the present position.
 A motion without new values continues. If a velocity is given without a position, as always for a belt, the
 speed changes at a uniform rate to the given value, and the position is the integral of the speed.
 """
@@ -44,8 +45,8 @@ ACCELERATION_ROUND_OFF = 1e-14
 # which is stored as `change_rate`. The value is small, because a cubic has no sixth derivative, to which the
 # error of a step's interpolant is proportional (events/exclusion.py).
 CUBIC_CHANGE = 0.5
-# the largest time from the end of a step to the end of a piece of the inputs at which both count as equal,
-# relative to the present time
+# the largest distance of two times that count as equal, relative to the time at the end of the last step:
+# this end, and the time at which a piece of the inputs or a segment of a signal ends
 SAME_TIME = 4e-15
 
 
@@ -196,7 +197,7 @@ def begin_motion(d, time):
     """Begin all prescribed motions at a ``time`` [s], the start of a run.
 
     If ``motion.interpolates`` is 1, each motion begins with a polynomial of the given position, velocity and
-    acceleration; else with the given polynomial.
+    acceleration, a belt with that of the given velocity; else with the given polynomial.
     """
     given, moved, piece = d.motion, d.moved, d.given.piece
     moved.began, moved.until, moved.contradiction = time, time, 0
@@ -301,8 +302,8 @@ def record_given(d, j, now):
     """Record the values that are given to channel j at the communication point ``now`` [s].
 
     Return False if the position of a wall jumps, else True. A base without a given velocity gets the mean
-    velocity since its previous given position. The first contradiction between position and velocity is
-    stored in `moved.contradiction`.
+    velocity since its previous given position. The channel of the first contradiction between position and
+    velocity, or of a jump, is stored in `moved.contradiction`, counted from 1.
     """
     given, moved = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
