@@ -27,7 +27,7 @@ LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "models": lambda: {name: load_scene(name).description for name in model_names()},
     "laws": lambda: {law.id: law.source for law in CONTACT_LAWS.values()},
 }
-"""Name of a list that ``--list`` prints → function that returns its entries as name → description."""
+"""Name of a list that ``--list`` prints → function that returns its entries as name → text beside it."""
 
 
 def add(verbs: Verbs) -> None:

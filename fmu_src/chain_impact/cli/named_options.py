@@ -10,7 +10,7 @@ from chain_impact.simulation.record_scene import value_of
 
 START = r"(?:^|(?<=: ))"  # where the words of a fault begin: at the start, or after the name of the scene
 Change = tuple[int, int, str]
-"""A change of the text of an error: first character to replace, first character to keep, new text."""
+"""A change of an error's text: index of the first character to replace, index after the last, new text."""
 
 
 def typed_in(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, str]]:

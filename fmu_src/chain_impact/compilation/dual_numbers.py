@@ -160,7 +160,7 @@ _ONE = ir.Constant(ir.DoubleType(), 1.0)
 
 
 def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
-    """Return the code of a sum, difference or product for each pair of types in ``_KINDS``.
+    """Return the codes of a sum, difference or product: of two duals, dual and float, float and dual.
 
     ``operation`` is the name of LLVM's instruction for the values. ``slopes(a, b)`` returns the derivatives
     of the result with respect to a and to b.

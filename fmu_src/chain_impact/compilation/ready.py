@@ -59,7 +59,7 @@ def require_compilers(purpose: str) -> None:
 
 
 def for_release() -> bool:
-    """Return whether a wheel for release is being built, which has a kernel for each number of links."""
+    """Return whether a wheel for release is being built, which has all kernels of SIZES."""
     return os.environ.get(RELEASE) == "1"
 
 

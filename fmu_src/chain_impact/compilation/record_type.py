@@ -50,11 +50,11 @@ class Field:
     """A part of the instance: a record, a number or an array.
 
     Attributes:
-        offset: distance of its start from the start of the instance [byte].
-        size: its size [byte].
+        offset: distance of its start from the start of the instance [byte], as a function of the counts.
+        size: its size [byte], as a function of the counts.
         fields: the names of a record's parts; empty for a number or an array.
         kind: numba's type of the number, or of the entries of the array.
-        shape: the shape of the array; empty for a number or a record.
+        shape: the shape of the array, as functions of the counts; empty for a number or a record.
         stride: distance from an entry to the next in a column of a table [byte]; 0 for an array without gaps.
     """
 
