@@ -2,7 +2,7 @@
 
 
 def clear_numbers(part):
-    """Set all numbers of a part of the record to zero."""
+    """Set all numbers of a part of the record, also those of its subparts, to zero."""
     part.clear()
 
 

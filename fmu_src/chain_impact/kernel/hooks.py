@@ -1,10 +1,11 @@
 """The hooks: functions that a run calls at fixed points, such as after each step.
 
-The functions of this module do nothing. In a kernel that carries derivatives, the functions of HOOKS in
-kernel/tangent/entry.py replace them. A user's contact law (kernel/forces/user_law.py) is linked in the same
-way: see EXTERNAL in compilation/functions.py. Two tables replace other functions when a kernel is compiled:
-RULES in kernel/tangent/rules.py, for dual numbers, and COMPLEX_RULES in kernel/chain/response.py, for complex
-numbers; ``has_dual_rule`` and ``has_complex_rule`` mark the functions that they replace.
+The functions of this module do nothing or return a constant. In a kernel that carries derivatives, the
+functions of HOOKS in kernel/tangent/entry.py replace them. A user's contact law (kernel/forces/user_law.py)
+is linked in the same way: see EXTERNAL in compilation/functions.py. Two tables replace other functions when a
+kernel is compiled: RULES in kernel/tangent/rules.py, for dual numbers, and COMPLEX_RULES in
+kernel/chain/response.py, for complex numbers; ``has_dual_rule`` and ``has_complex_rule`` mark the functions
+that they replace.
 """
 
 
@@ -25,7 +26,7 @@ def on_observe(_d):
 
 
 def on_observe_trial(_d):
-    """Do nothing; a trial of new values calls this hook when the outputs that change at once are set."""
+    """Do nothing; a trial of new values calls this hook when the outputs that they change at once are set."""
 
 
 def on_truncate(_d):

@@ -154,7 +154,7 @@ def clear_run(d, time):
 def derive_chain(d):
     """Derive parameters that are not given, constants of the recursion, scales, and ``has_joint_stops``.
 
-    They follow from the given parameters of chain and slider.
+    They follow from the given parameters of chain, slider, sites, stops and contact.
     """
     chain = d.chain
     d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact.exponent)
@@ -167,7 +167,8 @@ def derive_chain(d):
         inertia = inertia_of_box(chain.mass[i], chain.length[i], chain.height[i])
         chain.inertia[i] = given_or_derived(chain.given_inertia[i], inertia)
         chain.center_of_mass_ratio[i] = c / chain.length[i]
-        # the inertia I + m r_C² of the link about its proximal joint
+        # the inertia I + m c² of the link about its proximal joint, with the distance c of its center of mass
+        # along the link; a distance beside the link's axis adds to it below
         chain.proximal_inertia[i] = chain.inertia[i] + chain.mass[i] * c * c
         to_distal = chain.length[i] - c
         chain.distal_inertia[i] = chain.inertia[i] + chain.mass[i] * to_distal * to_distal
@@ -197,8 +198,8 @@ def derive_chain(d):
 def derive_sites(d):
     """Derive what depends on sites, and let the chain's reach include the sites.
 
-    Derived are the first site of each link, the position of each corner of a box, and each site's radius and
-    position relative to the length of its link.
+    Derived are the first site of each link; the position [m] of each corner of a box; and of each site the
+    radius [m], and the position divided by the length of its link.
     """
     before, s, chain = 0.0, 0, d.chain
     for i in range(d.links):

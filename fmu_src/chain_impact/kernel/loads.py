@@ -114,8 +114,9 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 def sum_from_tip(d, at_tip, x, y):
     """Change x and y from what each link needs to the forces, or impulses, in the joints.
 
-    An entry of a link is its mass times (a_C − g), minus the forces on it. The force in a joint is the sum of
-    these entries from its link to the tip, minus the force ``at_tip``.
+    An entry of a link is its mass times (a_C − g), minus the forces of walls on it; or the integral of this
+    over time. The force in a joint is the sum of these entries from its link to the tip, minus the force, or
+    impulse, ``at_tip``.
     """
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
@@ -141,9 +142,9 @@ def wall_force(d, c, along_normal, along_tangent):
 def fill_loads(d, y, rate):
     """Fill the outputs of forces and moments of joints and walls, for the accelerated points.
 
-    The outputs of contact forces must be filled. The moment of a joint is the whole moment on its outer link:
-    of drive, dry friction and stops, minus the torque that accelerates the armature. With this definition
-    each link obeys Euler's law.
+    The outputs of contact forces and of dry friction must have been filled. The moment of a joint is the
+    whole moment on its outer link: of drive, dry friction and stops, minus the torque that accelerates the
+    armature. With this definition each link obeys Euler's law.
     """
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)

@@ -186,8 +186,8 @@ def fill_friction(d):
             out.drive_sticking[k] = sticks
         else:
             out.sticking[e] = sticks
-            # the friction force along t is −s µ F_n, with the mode s = ±1, the coefficient µ of sliding and
-            # the true normal force F_n, which ends at the kink of the law
+            # the friction force of a sliding element along t is −s µ F_n, with the mode s = ±1, the
+            # coefficient µ of sliding and the true normal force F_n, which is never negative
             sliding = -mode * d.law.friction[e] * d.output.force[e]
             out.force[e] = d.element.force[e] if mode == STICKS else sliding
 

@@ -48,7 +48,7 @@ def _table():
     patterns, remainders = [], []
     for j in range(POWER_COUNT):
         power, root = 1 << FIXED, 2 << FIXED
-        for bit in reversed(range(POWER_COUNT_BITS)):  # a factor √2, √√2, … for each bit of the index j
+        for bit in reversed(range(POWER_COUNT_BITS)):  # the factors √2, √√2, … where a bit of j is 1
             root = math.isqrt(root << FIXED)
             power = power * root >> FIXED if j >> bit & 1 else power
         high, low = in_two_doubles(power, FRACTION)
@@ -74,7 +74,7 @@ def exp_of_common(high, low):
 
 
 def exp_of_sum(high, low):
-    """Return e^(high + low), for any ``high`` and a number ``low`` that is far smaller than ``high``."""
+    """Return e^(high + low), for any ``high`` but NaN, and a ``low`` that is far smaller than ``high``."""
     if abs(high) < COMMON:
         return exp_of_common(high, low)
     if high > OVERFLOW:

@@ -24,8 +24,8 @@ from chain_impact.kernel.mathematics.doubles import (
 # MANTISSA_INTERVALS: the number of intervals of the mantissa m, each with a row in the table. WIDTH_BITS: an
 # interval contains 2^WIDTH_BITS doubles.
 MANTISSA_INTERVALS, WIDTH_BITS = 256, 44
-# FIRST: the bits of the start of the first interval of the mantissa, near √½. MIDDLE: the number of the
-# interval in which c = 1; it extends as far below 1 as above 1, so that ln x loses no digits near x = 1.
+# FIRST: the bits of the start of the first interval of the mantissa, near √½. MIDDLE: the index, from 0, of
+# the interval in which c = 1; it extends as far below 1 as above 1, so that ln x loses no digits near x = 1.
 MIDDLE = 150
 FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
 # number of bits after the binary point in the larger parts of ln 2 and ln c; the sum k ln 2 − ln c of these

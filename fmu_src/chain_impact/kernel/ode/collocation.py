@@ -73,7 +73,7 @@ from chain_impact.kernel.rows.constraints import any_constraint
 
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
-SLOW_CONVERGENCE = 0.2  # above this convergence rate of Newton's iteration, shorter steps are cheaper
+SLOW_CONVERGENCE = 0.2  # above this ratio of a Newton correction to the one before, shorter steps cost less
 # Stages are predicted with degree 5, 4 or 3 if their step ends at most this many sizes of the last step after
 # the end of the last step, else with degree 1. Size and end are those that the last step had before a cut.
 EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
@@ -82,7 +82,7 @@ EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # solution 0.7, complex ones 2.5 times as much; estimate and projection take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 FORCELESS_PART = 1e-3  # a contact that ends within this part of a step has hardly any force left
-DECAY_TIMES = 3.0  # size of a first step, in decay times of its fast motion, at a tolerance of 1
+DECAY_TIMES = 3.0  # size of a step after an event, in decay times of its fast motion, at a tolerance of 1
 
 
 def _coefficients():
@@ -116,7 +116,7 @@ def factorize(d, h):
 
 
 def solve(d, h, size):
-    """Replace ``implicit.parts``, right-hand sides of ``size`` entries, by the solutions for size h."""
+    """Replace ``implicit.parts``, right-hand sides of ``size`` entries, by the solutions for step size h."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
     for pair in range(PAIRS):
@@ -148,7 +148,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 
 
 def prepare(d, h):
-    """Prepare a step; return its size [s]: h, changed to suit the end of a contact and a fast motion."""
+    """Prepare a step; return its size [s]: h, or less if an end of a contact or a fast motion requires it."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)
@@ -157,7 +157,7 @@ def prepare(d, h):
 
 
 def set_weights(d):
-    """Set the weights 1/(tolerance × scale) of errors in the components of z; 0 without error control."""
+    """Set the weights of errors in z: 1/(tolerance × scale), or 0 for components that are not controlled."""
     weight = d.implicit.weight
     for j in range(supplied_at(d.links), extended_size(d)):
         weight[j] = math.inf
@@ -168,7 +168,7 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return a step size ≤ h: PAST_END × the time to the end of a contact, a kink, if this is less than h."""
+    """Return a step size [s] ≤ h: PAST_END × the time to an end of a contact, if this is less than h."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
         # near its end a contact has hardly any force, so ġ hardly changes, and the end is about −g/ġ away; an
@@ -345,7 +345,7 @@ def set_dense(values, j, stages, at, degree):
 
 
 def match_clearances(d):
-    """Make the coordinates of the dense output agree with the integrated clearances at thirds of the step.
+    """Make the dense output agree with the integrated clearances and their rates at thirds of the step.
 
     Dry friction does work in this correction; its loss of energy counts as dissipated.
     """

@@ -51,8 +51,8 @@ AUTO = 1
 ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
-# ONSET_ORDER of the implicit method is 3/2 + 2: the force is proportional to δ^(3/2), and the motion is its
-# double integral
+# ONSET_ORDER of the implicit method is 3/2 + 2, for the default exponent: the elastic force is proportional
+# to δ^(3/2), and the motion is the double integral of the force
 ONSET_ORDER = (8, 3.5)
 # The size of a step that passes the end of a contact, divided by the predicted time until this end. The
 # prediction has an error of some hundredths; with a ratio closer to 1 a step could end just before the end of
@@ -61,7 +61,7 @@ PAST_END = 1.04
 
 
 def prescribed_method(choice):
-    """Return the number of the method that ``choice``, a `solver.method`, prescribes, or −1 for `auto`."""
+    """Return the method, EXPLICIT or IMPLICIT, for the number ``choice`` in SOLVER_METHODS; −1 for auto."""
     return choice - AUTO - 1
 
 
@@ -150,7 +150,7 @@ def store_flight_size(d):
 
 
 def propose_flight_size(d):
-    """Propose the step size that ``store_flight_size`` has stored when the flight ended."""
+    """Propose the step size that ``store_flight_size`` has stored last, as at the end of a flight."""
     propose_size(d, d.step.flight_size)
 
 

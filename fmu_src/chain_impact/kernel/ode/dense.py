@@ -206,7 +206,7 @@ def clear_quadratures(d):
 
 
 def quadrature_rates(d, factor, out):
-    """Set ``out`` to ``factor`` times the rates of the quadratures that are integrated, packed.
+    """Set ``out`` to ``factor`` times the rates of the integrated quadratures, in the order of ``index``.
 
     The rate of the state must have just been evaluated.
     """
@@ -350,7 +350,7 @@ def reset_quadratures(d):
 
 
 def add_impulses_of_impact(d):
-    """Add the impulses of rigid walls in the impact that was just solved to the totals of quadratures."""
+    """Add the impulses of rigid walls and stops in the impact just solved to the totals of quadratures."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])
 
