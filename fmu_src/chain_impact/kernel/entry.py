@@ -180,7 +180,7 @@ def trajectory(d, words, times, spans, rows, of_state):
 
     Returns:
         The number of rows that are filled. It is smaller than T in three cases: after a fault, if the log of
-        ended contacts is full, and after about a second of computing.
+        ended contacts or that of dry friction is full, and after about a second of computing.
     """
     log_capacity = len(d.contact_log.point) - d.candidates
     cost_limit = cost_so_far(d) + cost_of_a_call(d)
@@ -219,8 +219,9 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
         continuing: 1 if an earlier call has begun the first run of ``values``; this call continues it.
 
     Returns:
-        The number of complete runs. It is smaller than R after about a second of computing. The next run has
-        then begun; a further call, with ``continuing`` 1 and with the values from this run on, continues it.
+        The number of complete runs; a run with a fault counts as complete. The number is smaller than R after
+        about a second of computing. The next run has then begun; a further call, with ``continuing`` 1 and
+        with the values from this run on, continues it.
     """
     cost_limit = cost_of_a_call(d) + (cost_so_far(d) if continuing else 0)
     for r in range(len(rows)):

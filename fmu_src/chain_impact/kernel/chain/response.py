@@ -16,10 +16,10 @@ of the joint, because a joint with resistance κ transmits a moment:
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β.
 
 A, e and p are a symmetric 3×3 articulated inertia. The loads on the outer part act at the joint by the
-impulse b and the angular impulse t. Link i adds its own inertia and its damper, and is eliminated with its
-rotation Δ_i = α. L, m r_C, I and x⊥ are those of chain/elimination.py, and τ is a moment on the link. The
-coefficients A', b', e', p' and t' belong to the outer part at the outer joint of link i, for which β is the α
-of link i:
+impulse b and the angular impulse t. Link i adds its own inertia, and the impedances D at its outer joint and
+at its sites, which the formulas leave out; it is eliminated with its rotation Δ_i = α. L, m r_C, I and x⊥ are
+those of chain/elimination.py, and τ is a moment on the link. The coefficients A', b', e', p' and t' belong to
+the outer part at the outer joint of link i, for which β is the α of link i:
 
     h = m r_C⊥ + A' L⊥ + e',   H = I + m r_C² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -31,9 +31,9 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
 in which no digits cancel, however large κ is. As in chain/elimination.py, two arms meet at the middle joint:
-the inward arm begins at the base, the outward arm at the tip. The damper of the middle joint belongs to the
-outward arm. At the middle joint the β of the outward arm is the α of the inward arm's link there, so e, p and
-t of the outward arm add to h, H and s of this link. A light link at an end is eliminated before heavier
+the inward arm begins at the base, the outward arm at the tip. The resistance κ of the middle joint belongs to
+the outward arm. At the middle joint the β of the outward arm is the α of the inward arm's link there, so e, p
+and t of the outward arm add to h, H and s of this link. A light link at an end is eliminated before heavier
 links, because its sum with a heavier link would lose digits of the light one.
 
 In an implicit step κ and D may be complex, because they contain a complex shift (ode/extended.py). Even then
@@ -237,9 +237,10 @@ def solve(d, link_vectors, space, slot, change):
         d: the instance.
         link_vectors: as for ``factorize``.
         space: record with the result of ``factorize``, and with ``load``. The load has the impulses ``x, y``
-            on each point [N·s], the impulses μ_i in the joints, ``joint``, shape (N,) [N·m·s], and the
-            angular impulses τ_i on the links, ``link`` [N·m·s]. τ_i is read only if
-            ``has_link_moments`` is true. If the load has forces and moments, Δ has accelerations.
+            on each point 0…N [N·s], the impulses μ_i in the joints, ``joint``, shape (N,) [N·m·s], and the
+            angular impulses τ_i on the links, ``link`` [N·m·s]. τ_i is read only if ``has_link_moments`` is
+            true. ``move_site_loads`` must have replaced the loads at sites. If the load has forces and
+            moments, Δ has accelerations.
         slot: the slot of ``factors`` that ``factorize`` has set.
         change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
             angular velocities [rad/s]. Further entries of the array stay as they are.

@@ -7,12 +7,13 @@ present segment begins. In a signal of the form SINE a sine is added to the poly
     u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
 
 with the sine's start, its amplitude a, phase ψ, frequency f and rate of change ḟ of the frequency; r rises
-from 0 to 1. A step ends where a segment ends, and the next segment begins with the next step
-(events/segments.py). So the step that ends at a jump of a signal uses the value before the jump, and the next
-step the value after the jump.
+from 0 to 1, or is 1 from the start on. A step ends where a segment ends, and the next segment begins with the
+next step (events/segments.py). So the step that ends at a jump of a signal uses the value before the jump,
+and the next step the value after the jump.
 
-If a signal is the velocity or the acceleration of a base or a wall, this module integrates the signal to a
-position, so that position, velocity and acceleration always agree. The integrals of a sine are in sines.py.
+If a signal is the velocity or the acceleration of a base, a wall or a belt, this module integrates the signal
+to a position, so that position, velocity and acceleration always agree. The integrals of a sine are in
+sines.py.
 """
 
 import math
@@ -238,7 +239,8 @@ def set_segment(d, j, k, lap):
 def knot_count(form, shape):
     """Return the number of knots of a signal of a ``form``, and of a ``shape`` if it is a ramp.
 
-    Signals of steps and tables have a knot for each given time; for these the result is the least number, 1.
+    A constant has one knot. Signals of steps and tables have a knot for each given time; for these the result
+    is the least number, 1.
     """
     if form == SINE:
         return SINE_KNOTS

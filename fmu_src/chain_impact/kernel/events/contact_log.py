@@ -290,7 +290,8 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         c: the candidate.
         row: the number of the row since the start of the run; row numbers beyond the length of the log start
             again at its beginning.
-        end: the time at which the contact ends [s]; NaN if the contact has not ended.
+        end: the time at which the contact ends [s]; for a contact that lasts, NaN or, for the outputs
+            ``latest``, the communication point.
         separation_speed: rate ġ of the clearance at ``end`` [m/s], or NaN.
         peak_force: the largest force so far [N].
         max_penetration: the largest penetration so far [m].

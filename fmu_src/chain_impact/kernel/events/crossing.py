@@ -101,8 +101,9 @@ def locate_at(d, theta):
 # An interval in which the clearance φ can deviate from its chord by less than CROSSING_RESOLUTION, relative
 # to a link length, is not halved: the deviation is round-off.
 CROSSING_RESOLUTION = 1e-15
-# A point skims a wall, it moves along the wall, if its clearance φ and the change of φ in an interval are
-# below SKIMMING_CLEARANCE, relative to a link length. Example: a point of a link that lies along a wall.
+# A point skims a wall, that is, it moves along the wall, if its clearance φ and the change of φ in an
+# interval are below SKIMMING_CLEARANCE, relative to the longest link. Example: a point of a link that lies
+# along a wall.
 SKIMMING_CLEARANCE = 1e-13
 # For a point that skims a wall, an interval of at most this fraction of the step is not halved.
 FINE_INTERVAL = 2.0**-8
@@ -116,7 +117,8 @@ def find_crossing(d):
     """Return the fraction θ of the last step at which a suspect's contact first begins or ends, or −1.
 
     It is −1 if none does, or if the cost exceeds its limit. The candidates with an event at θ are marked.
-    Before, none may be marked, and the clearances φ and their rates φ′ at the step's start must be set.
+    Before the call none may be marked, and the clearances φ and their rates φ′ at the step's start must be
+    set.
     """
     a, b = 0.0, 1.0
     while not cost_exceeded(d):
@@ -180,10 +182,11 @@ def check_candidate(d, c, a, b):
         or not sag >= CROSSING_RESOLUTION * d.chain.longest_link
         or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
-        # A point without contact whose φ ends below −`harmless` has an onset, even if φ does not fall at the
-        # end: at a loose tolerance the interpolant can put a point deep inside a wall although the point does
-        # not move inward. A point in contact has an event only if φ falls: a point that moves inward has not
-        # left the wall, even where the interpolant of a stiff step puts it outside.
+        # A point without contact whose φ begins at −`harmless` or above, and ends below, has an onset, even
+        # if φ does not fall at the end: at a loose tolerance the interpolant can put a point deep inside a
+        # wall although the point does not move inward. A point in contact has an event only if φ falls: a
+        # point that moves inward has not left the wall, even where the interpolant of a stiff step puts it
+        # outside.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
@@ -202,7 +205,7 @@ def skims_wall(d, c, width):
 
 
 def nearly_linear(d, c, part):
-    """Return whether the clearance φ of candidate c is linear, up to round-off, over ``part`` of the step."""
+    """Return whether φ of candidate c is linear, up to round-off, over a fraction ``part`` of the step."""
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.chain.longest_link
 

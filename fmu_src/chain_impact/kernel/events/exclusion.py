@@ -155,7 +155,7 @@ def distance_per_radian(d):
 def remains_far(d):
     """Return whether the last step surely has no event, because all points were far from all walls.
 
-    A contact with a force is allowed only if it is the regularized contact and lasts.
+    A contact with a force law is allowed only if it is the regularized contact, lasts, and has no kink.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
@@ -225,7 +225,7 @@ def stays_in_contact(d, c, error):
 def measure_all(d, y):
     """Set φ and its derivatives φ′ and φ″ of every candidate for the state y, and ``search.safe_distance``.
 
-    The points must be located and accelerated.
+    This is the least clearance of the candidates without contact. The points must be located and accelerated.
     """
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]

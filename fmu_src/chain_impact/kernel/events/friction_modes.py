@@ -185,7 +185,7 @@ def choose_by_limits(d):
 
 
 def any_force_over_limit(d):
-    """Return whether the force of any sticking element exceeds its limit."""
+    """Return whether any undecided element sticks with a force that exceeds its limit, beyond round-off."""
     for i in range(d.friction.stuck_count):
         if is_inconsistent(d, d.element.stuck[i]):
             return True
@@ -243,7 +243,7 @@ def acceleration_error(d):
 
 
 def clear_changes(d):
-    """Clear the log of mode changes: at a run's start, and at its end, where nobody reads the log."""
+    """Clear the log of mode changes: at a run's start, and within a run whose log nobody reads."""
     d.changes.count = 0
 
 
