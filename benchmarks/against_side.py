@@ -12,9 +12,12 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.library import kernel_library
-from chain_impact.compilation.signatures import SIGNATURES
 from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
 
+try:
+    from chain_impact.compilation.signatures import SIGNATURES
+except ImportError:  # an older commit
+    SIGNATURES = dict.fromkeys(["initialize", "advance", "observe"], "")
 try:
     from chain_impact.variables.prepared import PreparedScene
 except ImportError:  # an older commit
