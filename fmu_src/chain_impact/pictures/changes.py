@@ -47,8 +47,8 @@ ROUND_OFF = 1e-9  # [1] a range of an output that is at most this, relative to i
 # the largest number of parameters with coloured curves: those with the largest effects; others are grey
 LARGEST_EFFECTS = 4
 STEEP = 300.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
-MOST_POWERS = 4  # the largest number of ticks, at powers of ten, on each side of 0 at such an axis
-# up to this value such an axis is about linear, and beyond it logarithmic; relative to its least tick above 0
+MOST_POWERS = 4  # the largest number of ticks, at powers of ten, on each side of 0 at a logarithmic axis
+# up to this value a logarithmic axis is about linear (``fit_scale``); relative to its least tick above 0
 LINEAR = 0.3
 ENDED = "a curve ends where a change exceeds the range of an output in the run"
 JUMP = ", where changes jump as they shift in time"
@@ -94,7 +94,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
 
 
 def calm(recording: Recording) -> np.ndarray:
-    """Return whether each row is outside of all impacts, shape (T,).
+    """Return whether each row is outside of all impacts that end in the run, shape (T,).
 
     A parameter also shifts impacts in time; within an impact, where all quantities change fast, this makes
     the derivatives very large.
@@ -109,7 +109,7 @@ def short_contacts(recording: Recording) -> np.ndarray:
 
 
 def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
-    """Return whether each row of the recording is inside one of ``impacts``, shape (T,)."""
+    """Return whether each row is inside one of ``impacts`` that ends in the run, shape (T,)."""
     rows = np.zeros(len(recording.time), bool)
     for impact in impacts:
         rows |= (recording.time >= impact["onset"]) & (recording.time <= impact["end"])
@@ -132,8 +132,8 @@ def relative_changes(
 def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
     """Return |change| of an output relative to ``span_of`` it, shape (T, P); 0 within impacts.
 
-    If a change at the start is larger than this span, as that of a shift can be, the changes are relative to
-    the change at the start.
+    If a change at the start is larger than this span, as that of a shift can be, the changes by all
+    parameters are relative to the largest change at the start.
     """
     parts = np.abs(np.nan_to_num(sensitivities.changes(output)))
     parts /= max(span_of(recording, output), parts[:1].max(initial=0.0))
@@ -142,9 +142,10 @@ def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> n
 
 
 def span_of(recording: Recording, output: str) -> float:
-    """Return what an output can change by: its range in the run, or that of all energies.
+    """Return what an output can change by: its range in the run or, for an energy, the range of all energies.
 
-    The coordinates x and y of a point count as one output. The result is 1 if the range is round-off.
+    For a component x or y of a vector, it is the larger range of both. The result is 1 if the range is
+    round-off.
     """
     if output.startswith("energy."):
         return range_of(dict(recording.energies)) or 1.0
@@ -284,9 +285,9 @@ def draw_speeds(
 def fit_scale(axes: Axes, changes: np.ndarray, least: float, usual: np.ndarray | None = None) -> None:
     """Set the scale of the vertical axis for ``changes``, and draw a line at 0.
 
-    The scale is linear. But if the largest |change| is more than STEEP times the median |change| in
-    ``usual``, by default all changes, the scale is logarithmic on both sides of 0. If no |change| exceeds
-    ``least``, all changes are round-off, and the axis goes from −1 to 1.
+    The scale is linear. But if the largest |change| is more than STEEP times the median |change|
+    above 0 in ``usual``, by default all changes, the scale is logarithmic on both sides of 0. If no |change|
+    exceeds ``least``, all changes are round-off, and the axis goes from −1 to 1.
     """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     sizes, usual_sizes = (

@@ -14,12 +14,13 @@ from chain_impact.recording.recording import Recording
 # the least time within a contact, relative to the run's duration, that is seen: a shorter contact is no thick
 # line, and the peak of its force stands at its onset
 SEEN_CONTACT = 0.01
-# the least force of a row that counts as the peak of a contact, relative to the peak force between all rows
+# the least force of a row that counts as the peak of a contact, relative to the peak force, which includes
+# times between rows
 ALMOST_PEAK = 0.98
-# the first row with so much of the largest force is its time, so that round-off chooses no time of a constant
-# force
+# the time of the largest force is that of the first row with at least this part of it, so that round-off
+# chooses no time of a constant force
 FIRST = 1.0 - 1e-4
-FIRST_EXACT = 1.0 - 1e-7  # the same for the course of an impact, whose times are close to each other
+FIRST_EXACT = 1.0 - 1e-7  # the same as FIRST for the rows of an impact's course, which are close in time
 
 
 def contact_ends(recording: Recording) -> np.ndarray:

@@ -40,8 +40,8 @@ DASHES = ("-", "--", ":")
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
-# the largest number of characters of a name with which the legend is beside the panel; with a longer name it
-# is above
+# the largest number of characters of a name with which the legend is beside the panel, or a panel with one
+# curve has the name as its label; with a longer name the legend is above
 WIDEST = 28
 # a unit in LOAD_UNITS gets a prefix if the largest |value| in the panel is not 0, and is less than
 # SMALL_VALUE or at least LARGE_VALUE

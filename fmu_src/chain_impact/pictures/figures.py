@@ -165,9 +165,9 @@ def least_figure(
 ) -> Figure:
     """Return the lowest figure that has room for all panels, among the heights that are tried.
 
-    These heights are the multiples of STEP above ``height`` [inches], which is itself too low; HIGHER limits
-    their number. ``mean`` is as in ``has_room``; ``lacks`` is the result of ``lacking_height`` at ``height``,
-    inf if it is unknown; ``free_height`` is as in ``StyledFigure``.
+    These heights are ``height`` [inches], which is itself too low, rounded up to a multiple of STEP, plus 1
+    to HIGHER − 1 times STEP. ``mean`` is as in ``has_room``; ``lacks`` is the result of ``lacking_height`` at
+    ``height``, inf if it is unknown; ``free_height`` is as in ``StyledFigure``.
 
     Raises:
         ValueError: when no tried height is enough.

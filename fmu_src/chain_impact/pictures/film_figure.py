@@ -54,7 +54,7 @@ ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 SCENE, ENERGY = (0.02, 0.09, 0.6, 0.79), (0.69, 0.12, 0.29, 0.6)
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
 CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.838)
-CAPTION_FRAMES = 40  # how many frames the caption of an impact stays after the impact; 2 s in a gif
+CAPTION_FRAMES = 40  # how many frames the caption of an impact stays after the contact's end; 2 s in a gif
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
@@ -228,7 +228,7 @@ class Film:
         """Move the chain to its pose in a frame; return the artists to draw, in order.
 
         Args:
-            frame: the number of the frame.
+            frame: the index of the frame, from 0.
             rate: simulated seconds per second on the screen.
         """
         time, places = self.times[frame], self.points[frame]

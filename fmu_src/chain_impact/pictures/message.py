@@ -90,7 +90,7 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
     shown = place(recording, most[0].row) if short and most and not title else ""
-    # the texts in ``first`` of curves of forces in joints tell the largest ones themselves
+    # only a picture of curves gives texts in ``first``: of its impact, or of the largest forces that it shows
     results = [*first, *told[bool(shown) :], "" if any(first) else load_text(recording)]
     if short and not title:
         results += [*([counted(recording)] if most else []), dissipated(recording)]
@@ -102,8 +102,8 @@ def peaks(recording: Recording) -> list[Peak]:
     """Return the largest peak force at walls, and the largest moment at a stop of a joint, if there are any.
 
     Under an impulsive law, the largest impulse replaces them. Only impacts that end count for it: the impulse
-    of a contact that lasts to the end of the run grows with the duration of the run. If the law is unknown,
-    an impact with an impulse and without a force tells that the law is impulsive.
+    of a contact that lasts to the end of the run grows with the duration of the run. The law also
+    counts as impulsive if an impact has an impulse and no known force, as in a recording without the law.
     """
     found = []
     for is_stop in (False, True):
@@ -186,7 +186,7 @@ class Load(NamedTuple):
 
 
 def largest_load(recording: Recording) -> Load | None:
-    """Return the largest force in any joint; None if the forces in joints are not known.
+    """Return the largest force in any joint; None if the forces in joints are not known, or all 0.
 
     The force includes times between rows if ``joint[i].peak_force`` is known; the row is the first one that
     has it.
@@ -203,7 +203,7 @@ def largest_load(recording: Recording) -> Load | None:
 
 
 def load_text(recording: Recording) -> str:
-    """Return words for the largest force in a joint: "joint 2 bears up to 621 N, at 0.5 s"; "" if unknown."""
+    """Return words for the largest force in a joint: "joint 2 bears up to 621 N, at 0.5 s"; "" if none."""
     load = largest_load(recording)
     if load is None:
         return ""
