@@ -120,7 +120,8 @@ FAST_SINE = 0.35
 # Number of evaluations of the right-hand side in a step: stages 1 to 11. Stage 0 is known, and ``find_rate``
 # (last_step.py) counts the evaluation at the end of the step.
 STEP_EVALUATIONS = END_STAGE - 1
-# number of evaluations of the right-hand side that only the dense output needs
+# the cost of the dense output, as a number of evaluations of the right-hand side: one more than its stages 13
+# to 15, for its other operations
 DENSE_EVALUATIONS = STAGES - END_STAGE
 
 
@@ -268,7 +269,8 @@ def attempt(d, h):
 def error_estimate(d, h):
     """Return the error of the tried step of size h, relative to the tolerance.
 
-    The result is infinite if a rate is not finite, or if the error is larger than SQUARE_OVERFLOWS.
+    The result is infinite if the step is not finite, or if one of its two error estimates, relative to the
+    tolerance, is larger than SQUARE_OVERFLOWS.
     """
     controlled = controlled_count(d)
     _errors(d.scratch.stage, h, d.scratch.error[0, :controlled], d.scratch.error[1, :controlled])

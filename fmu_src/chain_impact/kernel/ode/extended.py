@@ -263,7 +263,7 @@ def solve_real(d, s, x):
 
 
 def factorize_complex(d, s, pair):
-    """Factorize M + Jᵀ D J + K for a complex shift s [s], into the slot of the number ``pair``."""
+    """Factorize M + Jᵀ D J + K for a complex shift s [s], into slot ``pair`` of ``implicit.pairs``."""
     factorize_shift(d, s, d.implicit.pairs, pair)
 
 
@@ -282,8 +282,9 @@ def solve_complex(d, s, pair, x, y, size):
 
 
 # The largest allowed difference between the clearance that follows from the coordinates at the end of a step
-# and the integrated clearance, relative to the penetration. With a larger limit the dense output of the state
-# could have an error of this size; a smaller limit shortens steps in which links turn on a stiff wall.
+# and the integrated clearance, relative to the penetration, or to the expected penetration if this is larger.
+# With a larger limit the dense output of the state could have an error of this size; a smaller limit shortens
+# steps in which links turn on a stiff wall.
 CLEARANCE_MISMATCH = 0.03
 
 

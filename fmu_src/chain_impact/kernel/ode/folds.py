@@ -19,13 +19,14 @@ from chain_impact.kernel.rows.constraints import any_point_held, replace_impulse
 from chain_impact.kernel.rows.geometry import constraint_count
 
 # The least and the largest time from an output to the two nearer samples of a force, relative to the step.
-# The farther samples may lie outside the step, by up to half its size: there the dense output is
+# Samples may lie outside the step, the farther ones by up to half its size: there the dense output is
 # extrapolated, and an event at the end of the step has no effect on it.
 LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
 # OFFSETS: the times of the four samples of a force, relative to the output's time, in units of their
 # distance. VALUE: the weights of the four forces with which a cubic polynomial through them gives the force
-# at the output. DIFFERENCE: weights whose sum is 0 for a polynomial of degree 2. A part c/ε of the force,
-# with the distance ε from the fold, makes this sum about 3 c divided by the distance.
+# at the output. DIFFERENCE: weights with which the sum of the four forces is 0 for a polynomial of degree 2.
+# A part c/ε of the force, with the time ε since the fold, makes this sum about −3 c divided by the distance
+# of the samples.
 OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
 # The forces of constraints pass a fold smoothly if the sum of the four samples of each force, with the
 # weights DIFFERENCE, is at most UNEVEN times the largest force.

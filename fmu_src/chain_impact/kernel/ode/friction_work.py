@@ -27,7 +27,8 @@ def store_friction_forces(d, stage):
 def correct_friction_energy(d, h):
     """Subtract the work of friction along the last correction from the dissipated energy of each stage.
 
-    The step is an implicit one of size h [s], after its iteration; the work of sticking elements is added.
+    The step is an implicit one of size h [s], after its iteration. The energy that the forces of sticking
+    elements take from the chain is added (``count_holding_work``).
     """
     for m in range(RADAU_STAGES if d.friction.count > d.friction.stuck_count else 0):
         power = power_of_correction(d, m)

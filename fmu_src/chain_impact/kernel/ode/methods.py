@@ -50,9 +50,9 @@ EQUAL_COST_RATIO = 2.5
 # If the size of the last explicit step is not known, the explicit method takes over again at an implicit step
 # with hρ < NOT_STIFF_STEP: two stable explicit steps then cover the same time at a lower cost.
 NOT_STIFF_STEP = 5.0
-# If explicit steps are shorter than the implicit steps that they have replaced by more than FAR_SHORTER, the
-# implicit method takes over again: far from the walls the round-off of positions causes errors of the forces
-# at random, which only very short explicit steps keep below the tolerance.
+# If explicit steps are shorter than the implicit steps that they have replaced by more than the factor
+# FAR_SHORTER, the implicit method takes over again: far from the origin the round-off of positions causes
+# errors of the forces at random, which only very short explicit steps keep below the tolerance.
 FAR_SHORTER = 25.0
 # The largest product hρ of an explicit step that is limited to a stable size, with its size h and the fastest
 # rate ρ of contacts and joints: two thirds of the hρ up to which DOP853 is stable. A longer step amplifies
@@ -68,7 +68,7 @@ MIN_SWITCH_STEPS = 3
 
 
 def choose_method(d):
-    """Choose the method of the next step from the contacts, the joints and the sizes of steps.
+    """Choose the method of the next step: by `solver.method`, or from contacts, joints and sizes of steps.
 
     The points must be located at the start of the next step.
     """
@@ -106,7 +106,8 @@ def suggests_switch(d):
 
     If the present method is implicit, the proposed size of the next step decides. If it is explicit, the
     length of the last step decides; the other method also costs less if the explicit method has replaced the
-    implicit one, and its next step is shorter than the implicit steps were by more than FAR_SHORTER.
+    implicit one, and its next step is shorter than the implicit steps were by more than the factor
+    FAR_SHORTER.
     """
     step = d.step
     if step.method == IMPLICIT:

@@ -88,8 +88,8 @@ LEFT_Q = tuple(
 # the largest number of Newton iterations in a step: if more are needed, shorter steps cost less
 MOST_ITERATIONS = 10
 ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
-# if each correction is more than this part of the correction before (θ, the convergence rate), the iteration
-# is given up
+# if a correction, from the third on, is more than this part of the correction before (their ratio θ is the
+# convergence rate), the iteration is given up
 DIVERGENCE_RATE = 0.95
 # the largest correction, relative to the tolerance; if a correction is larger, the iteration has failed
 FAILED_CORRECTION = 1e20
@@ -121,7 +121,7 @@ def _transformed(i):
 
 
 def _correct(d, size):
-    """Add RIGHT · W to the stages, and set ``implicit.z`` to the largest |change| of each component.
+    """Add RIGHT · W to the stages; set ``implicit.z`` to each component's largest |change| at any stage.
 
     The rows of W are the solutions of the linear systems, in ``implicit.parts``.
     """

@@ -66,7 +66,7 @@ def to_fictitious_time(d, y, rate):
 
 
 def root_rate(d, u):
-    """Return u′ = du/ds = δ̇/(2 δ* (1 + u²)) of the contact, the rate of the root of the penetration.
+    """Return u′ = du/ds = δ̇/(2 δ* (1 + u²)) of the regularized contact, the rate of u = √(δ/δ*).
 
     The points must be located.
     """

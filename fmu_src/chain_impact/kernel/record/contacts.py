@@ -95,7 +95,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),
         ("joint_stop_count", INTEGER),  # number of active stops in joints
-        # indices of the candidates with active contacts, packed: the first ``active_count`` entries count
+        # indices of the candidates with active contacts; only the first ``active_count`` entries are used
         ("active_index", bounded(0, candidates - 1), (candidates,)),
         ("active", bounded(0, 1), (candidates,)),  # 1: the candidate is in contact; 0: it is not
         # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
@@ -131,8 +131,8 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("joint_square", REAL, (candidates,)),  # N², largest squared force in a joint during the contact
         # number of the joint with the largest force during the contact so far, 1…N; 0 for none
         ("joint", INTEGER, (candidates,)),
-        # m, error of the clearance of each active contact, packed; row 0 and row 1 belong to the two error
-        # estimates of an explicit step
+        # m, errors of the clearances of the active contacts, in the order of ``active_index``; row 0 and row
+        # 1 belong to the two error estimates of an explicit step
         ("gap_error", REAL, (2, candidates)),
     )
 
@@ -185,7 +185,7 @@ def latest_dtype() -> np.dtype:
     sample="events/contact_log.py",
 )
 def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
-    """Return the layout of the constraints: the active contacts, then the sticking elements, packed.
+    """Return the layout of the constraints: first the active contacts, then the sticking elements.
 
     Contacts with a force law have entries, but are never in the active set. The unit of ``start``, ``target``
     and ``reached`` depends on the function that sets up the problem:
@@ -209,9 +209,9 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("in_active_set", INTEGER, (count,)),
         # 1: a rigid wall in the active set pulls, or a point not in the set stays below its target motion
         ("violated", INTEGER, (count,)),
-        ("start", REAL, (count,)),  # motion along the constraint without any impulses
-        ("reached", REAL, (count,)),  # motion along the constraint with all impulses
-        ("target", REAL, (count,)),  # the least required motion along the constraint
+        ("start", REAL, (count,)),  # position, speed or acceleration along the row without any impulses
+        ("reached", REAL, (count,)),  # position, speed or acceleration along the row with all impulses
+        ("target", REAL, (count,)),  # the position, speed or acceleration to reach; at a wall the least one
         # residual target − reached of a constraint in the active set, else 0; during a correction the
         # residual times the impedance
         ("residual", REAL, (count,)),
@@ -221,13 +221,14 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("resistance", REAL, (count,)),
         # N, near a fold: force of the constraint, found from its forces at times before and after
         ("refined", REAL, (count,)),
-        # N, near a fold: sum of these with the weights DIFFERENCE (ode/folds.py), small if they are smooth
+        # N, near a fold: sum of the constraint's forces at times before and after, with the weights
+        # DIFFERENCE (ode/folds.py); small if the force is smooth
         ("uneven", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
-        # sampled, packed
+        # sampled; the points are in the order of ``touch.active_index``
         ("sample", REAL, (2, candidates)),
         # N, the least force of a rigid wall on each candidate in the stages of the step; 0 if the wall never
-        # pulls; not packed
+        # pulls
         ("least_force", REAL, (candidates,)),
     )
 
@@ -245,10 +246,10 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),
         ("inside", INTEGER, (count,)),  # 1: the force is inside its limits, 0: it is at one of them
         # ±1: the force of a sticking element is at its limit, and has this sign; 0: the force is below the
-        # limit; packed
+        # limit; the elements are in the order of ``element.stuck``
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
-        ("center", REAL, (count,)),  # N, force p of each constraint before this iteration
+        ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
         ("residual", REAL, (count,)),  # m/s², the required acceleration minus the one with the forces p
         # N, the force p + D m⁺ before it is clipped to its limits, with the force p before the iteration, the
         # impedance D, and the residual m⁺ after the iteration (rows/limits.py)
@@ -320,7 +321,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
         # rate of each quadrature at the time of ``total``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
         ("count", bounded(0, count)),
-        # index in ``total`` of each quadrature that is integrated in steps now, packed
+        # index in ``total`` of each quadrature that steps integrate now; only ``count`` entries are used
         ("index", bounded(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
         ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end
@@ -355,9 +356,9 @@ def friction_dtype(elements: int) -> np.dtype:
 def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
     return record(
-        # indices of the elements that have friction now, packed
+        # indices of the elements that have friction now; only the first `friction.count` entries are used
         ("index", bounded(0, elements - 1), (elements,)),
-        ("stuck", bounded(0, elements - 1), (elements,)),  # indices of the sticking elements, packed
+        ("stuck", bounded(0, elements - 1), (elements,)),  # indices of the sticking elements, without gaps
         ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
         # the event of an element at `step.end` that the next step will apply, see kernel/events/marks.py
         ("event", INTEGER, (elements,)),
