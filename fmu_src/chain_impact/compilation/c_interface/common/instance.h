@@ -29,10 +29,14 @@ typedef struct {
     const char *token, *resources, *references, *values, *state;
     /* the names of the types REAL and INTEGER (shared.h), for messages */
     const char *types[2];
-    const char *escaped; /* the characters that the logger needs doubled in a message, such as "%#" */
-    int by_uri;          /* 1: the importer gives the folder of the resources as a URI; 0: as a path */
-    int says_errors;     /* 1: errors are logged even if the importer has switched logging off */
-    int unfinished;      /* the status that a call returns for a step that the solver cannot finish */
+    /* the characters that the logger needs doubled in a message, such as "%#" */
+    const char *escaped;
+    /* 1: the importer gives the folder of the resources as a URI; 0: as a path */
+    int by_uri;
+    /* 1: errors are logged even if the importer has switched logging off */
+    int says_errors;
+    /* the status that a call returns for a step that the solver cannot finish */
+    int unfinished;
     void (*log)(const Instance *, int status, const char *category, const char *message);
 } Interface;
 
@@ -48,15 +52,19 @@ struct Instance {
     /* categories of messages that the importer wants: bit s for the status s */
     unsigned categories;
     const Table *table;
-    int shares_table; /* 1: another instance owns `table` and releases it; 0: this instance does */
-    Word *record; /* the record on which the kernel works: the state of the run */
+    /* 1: another instance owns `table` and releases it; 0: this instance does */
+    int shares_table;
+    /* the record on which the kernel works: the state of the run */
+    Word *record;
     /* a second record, in which outputs are computed after values were set; NULL before its first use */
     Word *other;
     Phase phase;
-    int event_mode;  /* 1: the importer uses event mode */
+    /* 1: the importer uses event mode */
+    int event_mode;
     /* the kernel's function for steps: it advances the record to a time */
     int32_t (*advance)(Word *record, double time);
-    int set_up;      /* 1: the importer has given the start time, and a stop time if the run has one */
+    /* 1: the importer has given the start time, and a stop time if the run has one */
+    int set_up;
     /* 1: the start of the run was computed, with all values that were set before the first step */
     int initialized;
     /* the record that has the outputs of the present time; NULL: they must be computed */
@@ -123,13 +131,15 @@ Sentence reason(const Table *table, const Word *record, int status);
 typedef struct { char text[32]; } Number;
 /* Return the shortest text from which exactly this number is read. */
 Number number(double value);
-Number rounded(double value); /* Return the text of a number with nine significant digits. */
+/* Return the text of a number with nine significant digits. */
+Number rounded(double value);
 
 /* functions of table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
 /* Return 1 if the table is valid for this binary, else 0 (whole.c). */
 int is_whole(const Table *table);
-uint32_t checksum(const void *bytes, size_t size); /* Return the checksum CRC-32 of some bytes, as in zlib and PNG. */
+/* Return the checksum CRC-32 of some bytes, as in zlib and PNG. */
+uint32_t checksum(const void *bytes, size_t size);
 static inline const void *in_table(const Table *table, int64_t offset) { return (const char *)table + offset; }
 const char *text_of(const Table *table, int64_t offset);
 

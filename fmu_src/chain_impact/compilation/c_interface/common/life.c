@@ -163,7 +163,7 @@ int fail(Instance *instance, int status, int fault) {
                reason(instance->table, instance->record, fault).text);
 }
 
-/* Warn once if the importer's positions and velocities of a prescribed motion contradict each other. */
+/* Warn once in a run if the importer's positions and velocities of a prescribed motion contradict each other. */
 static void warn(Instance *instance) {
     const Table *table = instance->table;
     if (table->contradiction_word == 0 || instance->warned) return;

@@ -10,7 +10,8 @@
 /* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
 #pragma STDC FENV_ACCESS ON
 
-enum { LONGEST = 2000 }; /* [bytes] LONGEST: size of a message with its final 0; a longer message is cut */
+/* [bytes] LONGEST: size of a message with its final 0, before characters are doubled; a longer message is cut */
+enum { LONGEST = 2000 };
 
 /* The category of a message, by its status; the model description has them as LogCategories. */
 static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",

@@ -8,7 +8,8 @@
 /* A saved state. Its checksum is 0 until the state is serialized. */
 typedef struct {
     char magic[8];
-    uint64_t size, checksum; /* the checksum covers all bytes from guid to the end of the state */
+    /* the checksum covers all bytes from guid to the end of the state */
+    uint64_t size, checksum;
     char guid[40];
     int64_t phase, flags;
     double time, stop_time; /* the record follows these numbers in memory */

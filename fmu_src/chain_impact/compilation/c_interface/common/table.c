@@ -13,7 +13,8 @@
 #include <unistd.h>
 #endif
 
-enum { LONGEST = 4096 }; /* [bytes] LONGEST: size of the longest path that can be opened, with its final 0 */
+/* [bytes] LONGEST: size of the longest path that can be opened, with its final 0 */
+enum { LONGEST = 4096 };
 
 /* Open a file by its path in UTF-8, without stdio, which allocates memory; return −1 if the file cannot be read. */
 static int open_file(const char *path) {

@@ -23,16 +23,16 @@ static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType
     return vr < instance->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
-/* Return whether the kernel must compute a variable before it is read: an output or, after instantiation, a parameter
-   that the kernel can derive from others, even if the importer has set it. */
+/* Return whether the kernel must compute a variable before it is read: an output or, from initialization mode on, a
+   parameter that the kernel can derive from others, even if the importer has set it. */
 static int worked_out(const Instance *instance, const Variable *of) {
     return of->kind == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
 }
 
 /* Return the record from which variables are read; NULL after an error. If the kernel must compute one of the
-   variables, it computes all outputs of the present time in this record. The record is then the second record if new
-   values were set, so that reading does not change the run. If the run cannot continue with the new values, *status
-   becomes WARNING, not ERROR: the importer may still set other values. */
+   variables, it computes all outputs of the present time in this record, unless it has done so. The record is then the
+   second record if values were set that no step has used yet, so that reading does not change the run. If the run
+   cannot continue with these values, *status becomes WARNING, not ERROR: the importer may still set others. */
 static const Word *source(Instance *instance, const char *call, const uint32_t vr[], size_t count, int *status) {
     const Variable *all = in_table(instance->table, instance->table->variables_at);
     size_t i = 0;
@@ -152,7 +152,7 @@ int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr
     if (IN(instance->phase) & BEFORE)
         instance->initialized = 0;
     else
-        /* the kernel re-initializes the run at the present time */
+        /* with this mark, the kernel re-initializes the run at the present time, before it goes on */
         instance->record[instance->table->changed_word].integer = REINITIALIZE;
     return OK;
 }

@@ -24,7 +24,8 @@ static void log_message(const Instance *instance, int status, const char *catego
 static const Interface FMI3 = {
     .token = "instantiationToken", .resources = "resourcePath", .references = "valueReferences", .values = "values",
     .state = "FMUState", .types = {"Float64", "Int64"},
-    .escaped = "#", /* in a message, # begins a value reference, so a # in a text is written twice */
+    /* in a message, # begins a value reference, so a # in a text is written twice */
+    .escaped = "#",
     .says_errors = 1, .unfinished = ERROR, .log = log_message,
 };
 

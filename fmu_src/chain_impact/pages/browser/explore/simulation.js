@@ -20,7 +20,8 @@ export class Simulation {
 
   /**
    * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show` is a function that shows
-   * the parts of a motion (null if there is none), with its scene and its changes, also as words for a parameter → text of its value.
+   * the parts of a motion (null if there is none). Its second argument has the scene, the changes `values` and `inputSteps`, and the same
+   * changes in words (`changed`): words for a parameter → text of its value.
    */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });
@@ -80,8 +81,8 @@ export class Simulation {
   }
 
   /**
-   * Give recordings of the present scene the curves of the chosen outputs, by another run of each that lacks some. Return whether any lacks
-   * some.
+   * Give recordings of the present scene the curves of the chosen outputs, by another run of each that lacks some. Return whether any
+   * lacked some.
    */
   async addCurves(recordings) {
     const { engine, choice: { names }, changes: { scene } } = this;
@@ -136,7 +137,7 @@ export class Simulation {
     find("status").append(" ", button);
   }
 
-  /** Return a button that sets all coefficients of friction at walls to 0, for a run that the law has refused because of friction. */
+  /** Return a button that sets all coefficients of friction at walls to 0, for a run that rigid walls have refused because of it. */
   #withoutFriction() {
     const { changes } = this;
     const button = make("button", { type: "button", className: "action", textContent: "Set the friction of walls to 0" });

@@ -92,7 +92,7 @@ export class Clock {
     if (faster.length) this.set({ speed: direction > 0 ? faster[0] : faster[faster.length - 1] });
   }
 
-  /** Go to the time of an impact's largest force. */
+  /** Go to the time of an impact's largest force, or to its onset if this force is unknown, as at a rigid wall. */
   toImpact(impact) {
     this.seek(impact.peakTime);
     // round-off could give a frame just before the onset, where the contact is not shown

@@ -32,8 +32,8 @@ function approachText(impact) {
 }
 
 /**
- * Return the ratio of the separation speed (`rebound`) to the impact speed as text: "lasts" if the contact has not ended, a dash if the
- * ratio is unknown.
+ * Return the ratio of the separation speed (`rebound`) to the impact speed as text: "lasts" if the contact has a peak force and no
+ * separation speed yet, else a dash if the ratio is unknown.
  */
 function reboundText({ speed, rebound, peak }) {
   if (!Number.isFinite(rebound ?? NaN)) return peak === null ? "–" : "lasts";
@@ -101,7 +101,7 @@ export class ImpactList {
     this.#showAll(element.classList.contains("whole"));
   }
 
-  /** Mark the largest peak force at walls, and the largest peak moment at stops of joints, each if there are at least two. */
+  /** Mark the largest peak force at walls, and the largest peak moment at stops of joints, each if at least two impacts have one. */
   #markLargest(impacts) {
     [true, false].forEach((ofStops) => {
       const peaks = impacts.map(({ peak, atStop }) => (Boolean(atStop) === ofStops ? peak ?? 0 : 0));

@@ -23,7 +23,8 @@ export function impactsUntil(impacts, stop) {
 
 /**
  * Return the simulated times [s] of the frames from `start` to `stop` [s], and the number of frames per second on the screen. `impactTime`:
- * the time [s] that an impact takes on the screen; `rate`: wanted frames per second, which are less if there would be too many frames.
+ * the time [s] that an impact in slow motion takes on the screen; `rate`: wanted frames per second, which are less if there would be too
+ * many frames.
  */
 export function timesOf(impacts, start, stop, pointCount, impactTime, rate) {
   const most = Math.min(PACING.MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));

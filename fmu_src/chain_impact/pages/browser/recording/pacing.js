@@ -32,7 +32,8 @@ function interpolated(allX, nodes, values) {
 /**
  * Return the simulated times [s] of the frames from `start` to `stop`, which have equal distances in time on the screen, and the number of
  * frames per second there: about `rate`, or less if there would be more than `most` frames. `spans`: the impacts in slow motion, from
- * `slowSpans`; each takes the time `impactTime` [s] on the screen.
+ * `slowSpans`; each takes the time `impactTime` [s] on the screen, or its own duration if this is longer; with
+ * `impactTime` 0 nothing is slow.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
   const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, PACING.LEAST_DURATION), PACING.LONGEST_SLOW)]) : [];

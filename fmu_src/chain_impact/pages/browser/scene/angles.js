@@ -27,7 +27,7 @@ export function valueText(value, unit, digits = ALL_DIGITS) {
   return `${numberText(Number((value / DEGREE).toPrecision(Math.min(digits, DEGREE_DIGITS))))} ${IN_DEGREES[unit].word}`;
 }
 
-/** Return a value as text with as many digits as a field has room for, but at least 3. */
+/** Return a value as text with all its digits if a field has room for them, else with the most digits from 6 to 3 that fit, at least 3. */
 export function shortText(value, unit) {
   const texts = [ALL_DIGITS, 6, 5, 4, 3].map((digits) => valueText(value, unit, digits));
   return texts.find(({ length }) => length <= ROOM) ?? texts.at(-1);

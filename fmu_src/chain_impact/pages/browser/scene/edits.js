@@ -80,7 +80,7 @@ export function addLink({ chain: { links }, initial, contact }) {
 export function removeLink(file, k) {
   [file.chain.links, file.initial.angles, file.initial.angular_velocities].forEach((list) => list.splice(k, 1));
   const { links } = file.chain;
-  // the link that becomes the first has no stops, because its stops were relative to the removed link
+  // if link 1 is removed, the next link becomes the first and has no stops, because its stops were relative to the removed link
   STOPS.forEach((stop) => setOfLink(file, 0, stop, k === 0 ? undefined : links[0][stop]));
   // the two ends of the removed link become one point, so all later points have lower numbers
   const points = file.contact.points?.map((point) => (point > k ? point - 1 : point));

@@ -13,7 +13,7 @@ const COMPARISONS = {
   ">=": (a, b) => a >= b,
 };
 
-/** Return the value of a part of a rule: 0 or 1 for a condition, null if a value is missing. */
+/** Return the value of a part of a rule: 0 or 1 for a condition. Arithmetic with a missing value (null) gives null, a comparison 0. */
 function valueIn({ name, constant, operator, parts }, valueOf) {
   if (!parts) return name ? numbered(valueOf(name)) : constant;
   if (operator === "any" || operator === "sum") return ofMembers(operator, valuesOfMembers(parts[0], valueOf), parts[1]);
@@ -72,8 +72,9 @@ export function membersIn(rule, valueOf) {
 }
 
 /**
- * Return, for each member of the list that a rule names, a function from a name to its value: `order`, a value of the member, or else the
- * result of `valueOf`. A member that is a table of the file has all keys of this table, also those that the file leaves out.
+ * Return, for each member of the list that a rule names, a function from a name to its value: `order`, the index of the member (from
+ * 0); a value of the member; or else the result of `valueOf`. A member that is a table of the file has all keys of this table, also those
+ * that the file leaves out.
  */
 export function valuesOfMembers(rule, valueOf) {
   const isInFile = rule.name?.includes(".");

@@ -151,7 +151,10 @@ export function touchingPoints(file) {
   return [...(contact.points ?? movablePoints(file)), ...movable];
 }
 
-/** Return the pairs of a point's number and a wall's name that can touch; the base of a slider parallel to a wall cannot touch it. */
+/**
+ * Return the pairs of a point's number and a wall's name that can touch. A base that slides parallel to a wall cannot touch it, nor can a
+ * point of link 1 at the base.
+ */
 export function pairsOf(file) {
   const { chain: { slider, links }, walls } = file;
   const sites = sitesOf(file);

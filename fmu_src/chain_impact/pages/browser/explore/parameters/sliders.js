@@ -111,7 +111,10 @@ function choiceSentence(changes, { name, items }) {
   } };
 }
 
-/** Return words for the time from which on an input has its value at a time [s]; "" if the reader has not changed it before. */
+/**
+ * Return words for the time [s] from which on an input has the value that it has at `time`: that of the last step up to then, which the
+ * reader made while the motion played; "" if there is no such step.
+ */
 function sinceText({ inputSteps }, name, time) {
   const [from] = (inputSteps[name] ?? []).findLast(([start]) => start <= time) ?? [];
   return from === undefined ? "" : `Held since ${numberText(Number(from.toPrecision(4)))} s.`;
@@ -119,8 +122,8 @@ function sinceText({ inputSteps }, name, time) {
 
 /**
  * Return the slider of a parameter; for an input also `since`, an element that tells from when on its value holds; and two functions:
- * `follow` sets slider and field to the value at the present time; `show`, for use after a change, also removes the mark of a refused
- * value.
+ * `follow` sets slider and field to the value at the present time; `show`, for use after a change, also removes the slider's mark of a
+ * refused value.
  */
 function slider(changes, entry, { field, write, now, unit }) {
   const { name } = entry;
@@ -140,7 +143,7 @@ function slider(changes, entry, { field, write, now, unit }) {
   ["change", "pointerup", "pointercancel"].forEach((end) => element.addEventListener(end, () => {
     isDragged = false;
   }));
-  /** Show the value at the present time; a field in which the reader types, or whose text is refused, stays. */
+  /** Show the value at the present time. A field in which the reader types, or whose text is refused, stays; so does a slider in use. */
   const follow = () => {
     const value = changes.valueAt(name, now().time);
     if (document.activeElement !== field && field.checkValidity()) write(value);
@@ -184,8 +187,8 @@ function endsOfSignal(key, value, beside, stop) {
 }
 
 /**
- * Return the entries for sliders of the signals' numbers. A number that is 0 in the scene and by default has none; it is only in the list
- * of all parameters.
+ * Return the entries for sliders of the signals' numbers. A number has no slider if its default and its value in the scene are 0; it is
+ * only in the list of all parameters.
  */
 function signalSliders({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name }) => {
