@@ -56,7 +56,7 @@ MOST_CLEAR_PATHS = 6
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line from a ball's centre to the link's other end, relative to other links
 SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their unit has a prefix
-RING_SIZE = 6.5  # [points] the size of the mark of an impact
+RING_SIZE = 6.5  # [points] the diameter of the ring at an impact
 PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at the same wall or stop share a ring, relative to the view's larger side

@@ -51,6 +51,7 @@ def is_alone(recording: Recording) -> bool:
 def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray] | None:
     """Return the impact with the largest force: its row, and its times [s] and forces, each of shape (S,).
 
+    It is the largest force at a wall or, if there is none, the largest moment at a stop of a joint.
     They come from a repeated run or, if it cannot be repeated, from at least LEAST_ROWS rows. The result is
     None if they are not known, or if there are only impulses.
     """
@@ -94,7 +95,7 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
 def curve_of(
     recording: Recording, course: tuple[int, np.ndarray, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, str]:
-    """Return the curve of a result of ``course_of_hardest`` in the units of its axes, and its unit."""
+    """Return times after the onset and forces of ``course`` in the axes' units, and the force's unit."""
     row, time, force = course
     impact = recording.impacts[row]
     factor, _ = prefixed(shown_contact(impact, time, force), "s")

@@ -30,7 +30,7 @@ from chain_impact.recording.recording import Recording
 
 BESIDE_LEGEND = 1.1  # the room for a legend beside the motion, relative to the width of the legend
 # NUMBER: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
-# MOST_BAND: the largest width of the shown area, relative to the size of the motion
+# MOST_BAND: the largest width of this area, relative to the longer side of the view without margins
 NUMBER, MOST_BAND = 30.0, 0.25
 
 

@@ -81,7 +81,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
     both extreme positions, but not at a position farther away than FARTHEST. ``shape`` is the wanted height
     of the view divided by its width. The view has another shape if it would be much larger than the motion,
     or if walls on both sides leave no room to extend it. ``band`` is how far the view reaches beyond a wall,
-    relative to the size of the motion.
+    relative to the longer side of the view without margins.
     """
     places = {
         (name, end): wall

@@ -153,8 +153,8 @@ def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
 def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: float) -> None:
     """Draw the arc of a link's angle from the x axis, at the link's joint, within −180° to 180°.
 
-    ``joint``: position of the joint [m]; ``text``: the name of the angle; ``unit``: the size of a typographic
-    point [m].
+    ``joint``: position of the joint [m]; ``text``: name and value of the angle; ``angle``: the angle [rad];
+    ``unit``: the size of a typographic point [m].
     """
     x, y = joint
     turned = math.degrees(math.remainder(angle, math.tau))

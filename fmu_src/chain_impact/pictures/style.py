@@ -88,7 +88,7 @@ DPI = 160
 FULL, WIDE = 10.0, 6.0
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 GAP = 0.09  # [inch] space below the headline, and below the conditions
-MOST_HEAD = 0.33  # if headline and conditions are higher than this, relative to the figure, no conditions
+MOST_HEAD = 0.33  # conditions are left out if they and the headline are higher than this part of the figure
 # the largest height of the texts at the foot, relative to the height of the figure. MOST_FOOT: if the height
 # of the figure is given; FREE_FOOT: if the contents determine it
 MOST_FOOT, FREE_FOOT = 0.15, 0.25
@@ -325,5 +325,5 @@ def force_text(value: float, unit: str) -> str:
 
 
 def raised(text: str) -> str:
-    """Return a text of matplotlib in which exponents after ``^`` are raised: N/m^1.5."""
+    """Return a text for matplotlib in which exponents after ``^`` are raised: N/m$^{1.5}$ for N/m^1.5."""
     return re.sub(r"\^([\d.]+|[a-z]+)", r"$^{\1}$", text)

@@ -33,7 +33,8 @@ class Course:
     """One impact over time. At a stop of a joint, moment [N·m] and angle [rad] replace force and length.
 
     Attributes:
-        time: times from the onset to the end, shape (S,) [s]; empty for an impulse of a rigid wall.
+        time: times of the run, from the onset to the end, shape (S,) [s]; empty for an impulse of a rigid
+            wall.
         force: the normal force of the wall at each time, shape (S,) [N].
         penetration: the penetration at each time, shape (S,) [m].
         speed: the rate of penetration at each time, positive during compression, shape (S,) [m/s].

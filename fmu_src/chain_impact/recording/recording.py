@@ -149,7 +149,7 @@ class Recording:
 
     @cached_property
     def moved_walls(self) -> dict[str, np.ndarray]:
-        """Name → displacement along the normal, shape (T,) [m], for each wall that moves."""
+        """Name → displacement along the normal, shape (T,) [m], for each wall that can move."""
         columns = {name: self.columns.get(f"wall.{name}.position") for name in self.walls}
         return {name: moved for name, moved in columns.items() if moved is not None}
 
@@ -254,7 +254,7 @@ class Recording:
         return max(len(self.impacts), int(counted[-1]))
 
     def is_stop(self, wall: int) -> bool:
-        """Return whether a number of a wall stands for the stops of joints."""
+        """Return whether an index in ``wall_names`` is that of joint_min or joint_max, stops of joints."""
         return is_stop(wall, self.wall_names, bool(self.stops))
 
     def toucher(self, impact: np.void) -> str:
