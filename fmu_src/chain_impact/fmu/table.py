@@ -45,8 +45,9 @@ HEAD = {
     "guid": "40s",
     **dict.fromkeys(("variable_count", "status_count", "part_count"), "q"),
     **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "part_word"), "q"),
-    # words with the number of the channel whose given positions and velocities contradict each other, and
-    # with the given position of the first channel; 0 if the scene has no prescribed motions
+    # two words: that with the number, from 1, of a channel whose given positions and velocities contradict
+    # each other, or 0 for none; that with the given position of the first channel. Without prescribed motions
+    # the index of both words is 0.
     **dict.fromkeys(("contradiction_word", "position_word"), "q"),
     # offsets in bytes from the beginning of the file
     **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),

@@ -233,7 +233,7 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Set the latched values of active contacts again, because laws may have changed."""
+    """Latch damping and expected penetration of contacts with a force law again, as laws may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 
@@ -283,7 +283,7 @@ def find_step(d):
         try_step(d, h)
         suggested = h * min(grow, control.next_size_factor(d))
         if control.accepted(d):
-            # a step that was shortened to end with a piece of the inputs does not reduce the proposed size
+            # a step that is shortened to end with a piece or segment does not reduce the proposed size
             control.propose_size(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)
@@ -333,7 +333,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ; return where in the repetition contacts begin.
 
-    The result is a fraction of the repeated step, near 1, or −1 for this step's end (see ``onset_fraction``).
+    The result is a fraction of the repeated step, near 1, or −1: its end (``onset_fraction``) or a rejection.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)

@@ -147,7 +147,8 @@ def end_at_output_time(d):
     """Cut the last step at the communication point, and drop its events; the next step finds them again.
 
     If the step ends at the communication point without a cut, its onsets and its changes of modes are not
-    dropped, because the next step would not find the arrival of a point that is already at the wall.
+    dropped, because the next step would not find them again, such as the arrival of a point that is already
+    at the wall.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)

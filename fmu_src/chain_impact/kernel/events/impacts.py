@@ -8,10 +8,10 @@ arrive, and those that are held, with ġ = 0. It reads
 
 where u⁻ and u⁺ are the normal speeds before and after the impact, away from the wall, p the impulses, W the
 inverse of the mass matrix along the normals, and e the restitution. a ⟂ b means that a or b is 0. A held
-contact has e = 0. A point that arrives slower than ``contact.minimum_impact_speed`` has e = 0, too, so that a
-bouncing point comes to rest after finitely many impacts. Every impulse p > 0 does the work ½ p (u⁺ + u⁻) =
-½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A point that all but touches a wall and moves away from it has
-u⁻ > 0, and could gain energy. An impact that would add energy is therefore computed with e = 0 for all
+contact has e = 0. A point that arrives slower than the minimum impact speed of its law has e = 0, too, so
+that a bouncing point comes to rest after finitely many impacts. Every impulse p > 0 does the work ½ p (u⁺ +
+u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A point that all but touches a wall and moves away from
+it has u⁻ > 0, and could gain energy. An impact that would add energy is therefore computed with e = 0 for all
 contacts, which adds none.)
 
 A contact ends if it separates with a speed above LEAST_REBOUND_SPEED and round-off. All other contacts are at
@@ -78,9 +78,9 @@ from chain_impact.kernel.rows.geometry import (
     largest_velocity,
 )
 
-# A point rebounds only with at least this speed, relative to `contact.minimum_impact_speed`; a slower point
-# does not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often in a
-# finite time (Zeno behaviour).
+# A point rebounds only with more than this speed, relative to the minimum impact speed of its law; a slower
+# point does not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often
+# in a finite time (Zeno behaviour).
 LEAST_REBOUND_SPEED = 1e-3
 # IMPACT_ROUND_OFF: the round-off of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|), with the impulses
 # p and the speeds u⁻ before and u⁺ after them; and the round-off of a speed, relative to the largest speed.
@@ -300,8 +300,8 @@ def end_changed_contacts(d):
 def update_active_set(d):
     """End each contact at a rigid wall that would have to pull its point; the other contacts stay active.
 
-    Before the choice, the state is projected onto the constraints. The point of an ended contact gets a small
-    clearance.
+    Before the choice, the state is projected onto the constraints, and contacts end whose points this does
+    not stop. The points of contacts that end by the choice get a small clearance.
     """
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):

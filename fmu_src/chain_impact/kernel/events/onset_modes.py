@@ -19,7 +19,7 @@ COMPARISON_TIME = 1e-6
 
 
 def begins_now(d, e):
-    """Return whether element e belongs to a contact that begins now."""
+    """Return whether element e belongs to a contact that begins now, at the end of the last step."""
     return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
 
 

@@ -73,8 +73,8 @@ PULL_ROUND_OFF = 1e-11
 LEAST_REJECTED_STEP = 1e-9
 # the largest tangential speed that counts as rest, relative to the length of the longest link per second
 REST_SPEED = 1e-12
-# A friction force that exceeds its limit by less is round-off, relative to a sum: the limit, plus a link's
-# mass times gravity and one link length per s².
+# A friction force that exceeds its limit by less is round-off, relative to a sum: the limit, plus the mean
+# mass of a link times the sum of gravity and one link length per s².
 FRICTION_EXCESS = 1e-10
 
 
@@ -249,7 +249,8 @@ def plausible_pull(d):
 def least_force(d, _c, theta):
     """Return the least force [N] of held contacts at the fraction θ of the last step, plus ``pull_limit``.
 
-    The result is negative only if a wall pulls by more than round-off.
+    If all walls push, 0 stands for the least force. So the result is negative only if a wall pulls by more
+    than round-off.
     """
     interpolate(d.step, theta, d.scratch.y)
     # the state is projected, because the error of the interpolant would cause large forces of stiff joints

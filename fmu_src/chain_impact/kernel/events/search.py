@@ -104,7 +104,7 @@ def find_event(d):
 
 
 def find_event_without_crossing(d):
-    """Return θ of the earliest event in a step without crossings, or −1 if there is none."""
+    """Return θ of the earliest event in a step without crossings; −1 for none, or if the step is rejected."""
     if any_point_held(d):
         ensure_dense(d, SOLVER)  # `update_held_extremes` needs the dense output as well
         return find_sampled_event(d, -1.0)
@@ -152,11 +152,12 @@ def is_credible_crossing(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Return whether a candidate with an event has, after ``lasted`` [s], still over half its clearance.
+    """Return whether a candidate with an event is far from it, ``lasted`` [s] after the start of the step.
 
-    Its crossing in the step is then an error. The clearance φ (or penetration) after this time is
-    extrapolated from the motion at the start of the step, because the interpolant of a step over a stiff
-    motion may have an error as large as the tolerance there.
+    Far means that over half of the clearance at the start of the step is left. The crossing in the step is
+    then an error. The clearance φ (in contact, the penetration) after this time is extrapolated from the
+    motion at the start of the step, because the interpolant of a step over a stiff motion may have an error
+    as large as the tolerance there.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.scratch.rate_start)

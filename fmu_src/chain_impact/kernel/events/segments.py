@@ -141,8 +141,8 @@ def begin_segment(d, j):
     ensure_inputs(d, y)
     size = d.chain.longest_link
     if stores:
-        # a signal of a channel adds no energy here, because the position and velocity of base and walls never
-        # jump
+        # a signal of a channel adds no energy here: the position and velocity of base and walls never jump,
+        # and a belt stores no energy
         count_supplied(d, energy_balance(d, y) - energy)
         # the energy `energy_scale` [J] serves as the natural scale of torques, forces and angles alike
         return (

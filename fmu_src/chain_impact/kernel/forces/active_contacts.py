@@ -40,10 +40,10 @@ def clear_impacts(d, time):
 
 
 def contact_force(d, c, gap, gap_rate):
-    """Return the true force [N] of active candidate c, for outputs and peaks.
+    """Return the true force ≥ 0 [N] of active candidate c, for outputs and peaks.
 
-    A step may use the force of the other side of a kink; this function does not. The arguments are the
-    clearance ``gap`` [m] of c and its rate ``gap_rate`` [m/s].
+    A step may continue the force below 0, beyond the cut; the true force is cut off at 0. The arguments are
+    the clearance ``gap`` [m] of c and its rate ``gap_rate`` [m/s].
     """
     # A clearance that is > 0 by round-off at the onset counts as 0: a force that jumps at the onset already
     # acts at the clearance 0.
@@ -96,7 +96,7 @@ def apply_contacts(d):
 def apply_true_contacts(d):
     """Set the loads as ``apply_contacts`` does, but with the true contact forces, which never pull.
 
-    A step continues the force of one side of a kink beyond it; the true force does not. Nothing is returned.
+    A step may continue a force below 0; the true force is cut off at 0. Nothing is returned.
     """
     clear_loads(d)
     for k in range(d.touch.compliant_count):

@@ -179,7 +179,7 @@ def given_restitution(d, c):
 def given_friction(d, c):
     """Return the given coefficients of sliding and of static friction of candidate c.
 
-    Both coefficients are 0 for a stop.
+    A static coefficient of 0 means that it equals the sliding one. Both coefficients are 0 for a stop.
     """
     if at_stop(d, c):
         return 0.0, 0.0

@@ -43,7 +43,7 @@ def may_have_friction(d, c):
 
 
 def drive_of_element(d, e):
-    """Return the drive of element e, a joint or the slider: the index of the joint, or N for the slider."""
+    """Return the drive of element e, a joint or the slider: the joint's index from 0, or N for the slider."""
     return e - d.candidates
 
 
@@ -86,7 +86,7 @@ def set_anchor(d, e):
 
 
 def list_friction(d):
-    """List the elements that have dry friction at present, and those of them that stick, both packed.
+    """List the elements that have dry friction at present, and those of them that stick, without gaps.
 
     Active contacts with a force law come first, then joints, then the slider. A free base has no joint, so
     the element of the first joint has no friction.
@@ -108,7 +108,7 @@ def list_friction(d):
 
 
 def list_sticking(d):
-    """List the sticking elements, packed, and count the joints and the slider among them.
+    """List the sticking elements, without gaps, and count the joints and the slider among them.
 
     Each sticking element is a constraint; its number follows those of the active contacts.
     """

@@ -321,7 +321,7 @@ def solve_stopping_impulses(d):
 
 
 def least_impulse(d):
-    """Return the most negative impulse of the held points, or 0 if all impulses push."""
+    """Return the most negative impulse, or constraint force, of the held points; 0 if all push."""
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.constraints.impulse[k])
