@@ -134,8 +134,8 @@ def friction_output_dtype(elements: int) -> np.dtype:
     """Return the layout of the outputs of dry friction; an element is a candidate, a joint or the slider."""
     return record(
         ("force", REAL, (elements,)),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
-        ("impulse", REAL, (elements,)),  # N·s, impulse of this friction force since the run's start
-        # 1: the contact of a candidate sticks; 0: it slides or has no friction
+        ("impulse", REAL, (elements,)),  # N·s, impulse of the wall's friction force since the run's start
+        # 1: the contact of a candidate sticks; 0: it slides or has no friction, or there is no contact
         ("sticking", REAL, (elements,)),
         # entries 0…N−1: moment of dry friction on the outer link of each joint [N·m]; entry N: force of dry
         # friction on the slider [N]; later entries: 0
@@ -193,7 +193,7 @@ def transmitted_dtype(loads: int) -> np.dtype:
 
 
 def instance_dtype(*counts: int) -> np.dtype:
-    """Return the layout of an instance; ``counts`` are the values of ``Counts``, such as 2 links."""
+    """Return the layout of an instance; ``counts`` are the values of ``Counts`` in their order."""
     links, candidates, elements, loads, channels, sites, signals, knots = Counts(*counts)
     return record(
         *((name, INTEGER) for name in COUNTS),

@@ -32,9 +32,9 @@ _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links i
 RANGED = tuple(_SMALL)
 """The paths of all fields of real numbers that must lie in a range, such as ("chain", "mass")."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
-# RANGE_OWNERS: for each field of RANGED, the owner of its entries, which a refusal names. OF_LINKS: links or
-# drives, one entry each; OF_SITES: sites; OF_STOPS: stops in joints; OF_CARRIAGE: the slider; OF_ALL: none of
-# these, but the whole scene
+# RANGE_OWNERS: for each field of RANGED, the owner of its entries, from which ``refuse_value``
+# (initialize.py) finds the link or slider to name. OF_LINKS: links or drives, one entry each; OF_SITES:
+# sites; OF_STOPS: stops in joints; OF_CARRIAGE: the slider; OF_ALL: none of these, but the whole scene
 OF_LINKS, OF_SITES, OF_STOPS, OF_CARRIAGE, OF_ALL = 0, 1, 2, 3, 4
 _OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS, "slider": OF_CARRIAGE}
 RANGE_OWNERS = tuple(
@@ -81,9 +81,9 @@ def most_bound(d, k):
 
 @cache
 def bounds_of(counts):
-    """Return the least and the largest allowed value of each field of BOUNDED in a record with ``counts``.
+    """Return a list of pairs: the least and the largest allowed value of each field of BOUNDED.
 
-    ``counts`` are the values of ``Counts``, of one record.
+    The bounds are those in a record whose ``Counts`` have the values ``counts``.
     """
     marks = [field.base.metadata for field in marked(instance_dtype(*counts), "least").values()]
     return [(mark["least"], mark["most"]) for mark in marks]

@@ -33,7 +33,7 @@ from chain_impact.kernel.status import LAST_STATUS, OK
     **dict.fromkeys(("method", "stiff_count", "switch_hysteresis", "other_size"), "ode/methods.py"),
 )
 def step_dtype(links: int, candidates: int) -> np.dtype:
-    """Return the layout of the last accepted step and its dense output, which covers `start` to `end`."""
+    """Return the layout of the last accepted step, of its dense output, and of data for the next step."""
     state = state_size(links)
     return record(
         ("time", REAL),  # s, the communication point, in the last step: start ≤ time ≤ end
@@ -126,8 +126,8 @@ def limits_dtype() -> np.dtype:
         ("event_count", INTEGER),
         ("cost_start", REAL),  # s, start of the window in which the cost is limited
         ("cost_count", INTEGER),  # cost from the start of the run to ``cost_start``, in evaluations
-        # cost from the start of the run to the present communication step, in evaluations; UNLIMITED of
-        # cost.py: this step may have any cost
+        # cost from the start of the run to the start of the present communication step, in evaluations;
+        # UNLIMITED of cost.py: this step may have any cost
         ("call_count", INTEGER),
         # cost since the start of calculations other than evaluations of ẏ (locating points, finding responses
         # to impulses), as a number of evaluations that cost as much
@@ -185,7 +185,8 @@ def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
 def elimination_dtype(links: int) -> np.dtype:
     """Return the layout of the results of chain/elimination.py: for each link h/H, 1/H and h₀/H.
 
-    These are ``gain``, ``inverse`` and ``bias``.
+    These are ``gain``, ``inverse`` and ``bias``, with the inertia H and the coupling h of the link's rotation
+    and the moment h₀ about its inner joint without accelerations.
     """
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
@@ -260,7 +261,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with clearances at both ends of the searched interval."""
     return record(
-        # what is known at the end of a step (kernel/events/exclusion.py): NOTHING; VALUES: φ and φ′;
+        # what is known of the candidates' φ (``phi_start``) at the end of a step: NOTHING; VALUES: φ and φ′;
         # WITH_CURVES: also φ″; FAR: candidates without contact have at least the clearance ``safe_distance``
         ("known", bounded(0, FAR)),
         # value of `step.breaks` for which ``known`` is valid; after another break nothing is known
@@ -274,7 +275,7 @@ def search_dtype(candidates: int) -> np.dtype:
         ("acceleration", REAL),
         # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),
-        ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search examines, packed
+        ("suspect", INTEGER, (candidates,)),  # indices of the ``suspect_count`` candidates to be examined
         # m/s², bound, over the step, on the second derivative of the clearance of each candidate that the
         # search examines, in the integration variable of the step
         ("curvature", REAL, (candidates,)),
@@ -350,9 +351,11 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("thirds", REAL, (2, state)),
         # m, link vectors L_i in the state at which the Jacobian A was evaluated
         ("link", vectors_dtype(links + 1)),
-        # N/m, slope ∂F/∂δ of the force F of each active contact with a force law, by the penetration, packed
+        # N/m, slope ∂F/∂δ of the force F of each active contact with a force law, by the penetration; in the
+        # order of `touch.active_index`
         ("stiffness", REAL, (candidates,)),
-        # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law, packed
+        # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law; in the order of
+        # `touch.active_index`
         ("damping", REAL, (candidates,)),
         # N·m/rad, slope −∂F/∂ψ of the torque F of each drive, by its joint's angle ψ; the last entry is the
         # slider's [N/m]
@@ -361,7 +364,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         # the slider's [N·s/m]
         ("drive_damping", REAL, (links + 1,)),
         # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
-        # active contacts, packed
+        # active contacts; in the order of `touch.active_index`
         ("normal", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the
         # elimination

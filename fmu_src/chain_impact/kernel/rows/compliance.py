@@ -35,7 +35,8 @@ from chain_impact.kernel.rows.geometry import (
 # infinite. A mass a million times the chain's has the same effect.
 LEAST_MOBILITY = 1e-6
 # The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. The number
-# does not depend on the residual: if it did, the forces would jump from one state to the next.
+# does not depend on the residual, except that the iteration ends at round-off: if it did, the forces would
+# jump from one state to the next.
 STICKING_ITERATIONS = 5
 # The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
 # the residual to about 1/(D W) of it, with the mobility W, so two or three iterations suffice. A larger D
@@ -151,7 +152,7 @@ def accelerations_with_armatures(d, y, rate):
         fy = d.chain.mass[i] * (d.chain.gravity[1] - cy)
         if d.skewed:
             # moment of the force F on a centre of mass at the distance o to the left of the link's line, with
-            # the link vector L of length ℓ: (o/ℓ) L⊥ × F
+            # the link vector L of length ℓ, and L⊥, which is L turned by 90° to the left: (o/ℓ) L⊥ × F
             load.link[i] -= d.chain.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
         load.x[i] += (1.0 - ratio) * fx
         load.y[i] += (1.0 - ratio) * fy

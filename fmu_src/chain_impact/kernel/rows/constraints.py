@@ -52,7 +52,7 @@ from chain_impact.kernel.rows.geometry import (
 # larger than a link's mass, D is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass
 # of a link; with a larger D the residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
-FOLD_RESIDUAL = 1e-3  # if the first iteration leaves more than this part, a fold is near (ode/folds.py)
+FOLD_RESIDUAL = 1e-3  # if one iteration leaves more than this part of the residual, a fold is near
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
 # mean mass of a link. It finds the forces up to a thousandth. Without it, the round-off of the whole motion,
 # times the large D of the other iterations, would stay in the forces against motions that can hardly be
@@ -103,7 +103,7 @@ def set_impedance(d, amount):
 
 
 def scale_sticking_impedances(d):
-    """Multiply the impedance of each sticking element by its limit of friction over the largest limit."""
+    """Multiply sticking elements' impedances by max(LEAST_STICKING_IMPEDANCE, limit/largest limit) each."""
     friction, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
@@ -136,7 +136,7 @@ def solve_equality(d, scale):
         scale: the largest motion of any point; round-off is relative to it.
 
     Returns:
-        The largest residual that rigid walls leave, or 0 if they hold no point.
+        The largest residual after the iteration; 0 if none was needed, or if no rigid wall holds a point.
     """
     constraints, impedance = d.constraints, holding_impedance(d)
     constraints.near_fold = 0
@@ -166,7 +166,7 @@ def iterate_impulses(d, scale, impedance):
     The loop always ends: each iteration except the last leaves less than SLOW_DECREASE of the residual,
     increases D, or follows an increase of D; D increases at most twice. The first iteration with a larger D
     adds round-off, which the next one removes. If no rigid wall holds a point, there are STICKING_ITERATIONS
-    iterations.
+    iterations, or fewer if the residual is round-off earlier.
 
     Returns:
         The largest residual.
@@ -336,7 +336,7 @@ def note_unsolved(d):
 
 
 def note_moving(d, tolerated):
-    """Record MOVING if a point held by a rigid wall has more than the ``tolerated`` acceleration [m/s²]."""
+    """Record MOVING if a held point's acceleration is off its target by more than ``tolerated`` [m/s²]."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.constraints.unsolved == SOLVED and abs(d.constraints.residual[k]) > tolerated:
             d.constraints.unsolved = MOVING

@@ -51,7 +51,7 @@ AT_WALL = 0  # value of candidate.stop for a candidate at a wall, not at a stop
 
 
 def set_candidate_rows(d):
-    """Set the place of each candidate, and the normal and the offset of the candidate's wall or stop."""
+    """Set the place and radius of each candidate, and the normal and offset of its wall or stop."""
     for c in range(d.candidates):
         wall, point = d.candidate.wall[c], d.candidate.point[c]
         d.candidate.place[c], d.candidate.radius[c] = point, d.contact.radius
