@@ -1,6 +1,6 @@
 // Paths in a scene file: lists of keys and of indices from 0.
 
-/** Return the value at a path of a scene file; undefined if the file lacks a table on the path. */
+/** Return the value at a path of a scene file; undefined if the file lacks a key or entry of the path. */
 export const inFile = (file, path) => path.reduce((table, step) => table?.[step], file);
 
 /** Return a path of a scene file as text, in which indices count from 1. */

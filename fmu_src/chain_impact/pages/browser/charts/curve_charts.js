@@ -23,8 +23,8 @@ function withoutRoundOff(curves, largest) {
 }
 
 /**
- * Return the group of an output as a pattern that the names of all its members match. Names with a number differ within a group only in
- * this number (point[*].y); names without a number have the same part before the dot (energy.*).
+ * Return the group of an output as a pattern that the names of all its members match. Names with numbers in brackets differ within a group
+ * only in these numbers (point[*].y); names without them have the same part before the first dot (energy.*).
  */
 export function groupOf(name) {
   const group = name.replaceAll(/\[\d+\]/g, "[*]");

@@ -33,7 +33,7 @@ const NUMBERED = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
 /**
- * Return the unit vector on the screen from a point to the outer side of the chain's bend there; `positions`: of all the chain's points.
+ * Return a unit vector on the screen out of the chain at a point: out of its bend; at an end, along the link; across it if it is straight.
  */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];
@@ -46,7 +46,7 @@ function outOfChain(positions, point) {
   return size > 0.2 ? bend.map((component) => component / size) : [directions[0][1], -directions[0][0]];
 }
 
-/** Return the unit vector on the screen from the middle of the rectangle around a body's corners to a point of the body. */
+/** Return a unit vector on the screen out of a body: along its middle → point, each component relative to the body's width or height. */
 function outOfBody(position, corners) {
   const vector = position.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);

@@ -128,7 +128,7 @@ export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) 
 
 /**
  * Return the attribute text-anchor of a label, from the horizontal component `dx` of the unit vector to it: the end of the label that is
- * nearer to the labelled position is at the label's position.
+ * nearer to the labelled position is at the label's position or, for a label that is more above or below than beside it, the middle.
  */
 function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";

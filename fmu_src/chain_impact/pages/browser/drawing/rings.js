@@ -18,7 +18,7 @@ export function recentImpacts(recording, frame) {
 /**
  * Return the rings of recent impacts at the time `now` [s]. `places` has a {position [pixels], away (direction from the wall)} for each
  * impact. A ring has these, and the impact's `number`, `radius` [pixels], `opacity`, `isSeen` (labels keep off it) and `isNumbered` (its
- * number is shown). Of several rings at one position, each is wider than the ring before.
+ * number is shown). Of several rings at one position, each begins wider than the ring before began.
  */
 export function ringsOf(recent, places, now) {
   return recent.map(({ onset, number }, k) => {

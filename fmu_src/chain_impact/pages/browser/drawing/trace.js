@@ -70,7 +70,8 @@ function slopesOf(at, recording) {
   const broken = new Set(impacts.map(({ onset }) => Math.floor(recording.frameAt(onset))));
   const steps = Array.from({ length: at.length - 1 }, (_, k) => broken.has(k) ? undefined : time[k + 1] - time[k]);
   const speed = (k) => [0, 1].map((axis) => (at[k + 1][axis] - at[k][axis]) / steps[k]);
-  // slope at each frame of the parabola through the positions at this frame and its two neighbours; undefined beside an impact
+  // slope [pixels/s] at each frame of the parabola through the positions at this frame and its two neighbours; undefined beside an impact,
+  // and at the first and the last frame
   const within = at.map((_, k) => {
     const [h0, h1] = [steps[k - 1], steps[k]];
     if (!(h0 > 0 && h1 > 0)) return undefined;
@@ -80,7 +81,7 @@ function slopesOf(at, recording) {
   return steps.map((h, k) => {
     if (!(h > 0)) return [];
     const chord = speed(k);
-    // if the slope at one end is unknown, the curve of the step is a parabola
+    // if the slope at one end is unknown, the curve of the step is a parabola; if both are unknown, a straight line
     const other = (slope) => slope && chord.map((value, axis) => 2 * value - slope[axis]);
     const [from, to] = [within[k] ?? other(within[k + 1]), within[k + 1] ?? other(within[k])];
     return [from, to].map((slope) => (slope ?? chord).map((value) => h * value));

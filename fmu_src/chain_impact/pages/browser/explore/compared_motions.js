@@ -54,7 +54,7 @@ export class ComparedMotions {
     this.player.drawSoon();
   }
 
-  /** Return words for a pinned motion: its scene, if the shown motion has another, and those changes in which the listed motions differ. */
+  /** Return words for a pinned motion: its scene, if the shown motion has another, and its changes, as `#changesOf` gives them. */
   #textOf({ recording }) {
     const { name, scene } = recording;
     const { name: shownName, scene: shown } = this.player.recording;
@@ -63,7 +63,7 @@ export class ComparedMotions {
     return [name === shownName ? "another scene" : name, text].filter(Boolean).join(", ");
   }
 
-  /** Return words for those changes of a motion on which the listed motions do not agree. */
+  /** Return words for the changes of a motion, as `differingText` compares them with those of the shown motion and of all pinned ones. */
   #changesOf({ changed }) {
     return differingText(changed, [this.player, ...this.pinned].map(({ recording }) => recording.changed));
   }
@@ -146,7 +146,10 @@ export class ComparedMotions {
   }
 }
 
-/** Return words for the changes of a motion (`changed`) on which not `all` motions agree or, if they agree on all, for all its changes. */
+/**
+ * Return words for the parameters in which a motion with the changes `changed` differs from another of `all` motions or, if it differs in
+ * none, for all its changes; "" for a motion without changes.
+ */
 function differingText(changed, all) {
   if (!changed.size) return "";
   const names = [...new Set(all.flatMap((one) => [...one.keys()]))];
@@ -168,7 +171,8 @@ function besideOthers([x, y], others) {
 
 /**
  * Return the parts of the table that compares motions, the present one first: each has a `recording` and a `title`. A column for each
- * impact of the present motion has its partner in each other motion; the impacts without a partner follow.
+ * impact of the present motion, of which the first LISTED are shown, has its partner in each other motion; the impacts without a partner
+ * follow.
  */
 function comparisonTable(motions) {
   const present = motions[0].recording.impacts;

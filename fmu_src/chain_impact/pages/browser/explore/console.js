@@ -18,7 +18,7 @@ export function consoleInterface(changes, ask) {
     get scene() {
       return changes.scene.name;
     },
-    /** Return name → present value of each parameter; the value of a choice is its name. */
+    /** Return name → present value of each parameter, as text; the value of a choice is its name. */
     get parameters() {
       const values = changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]);
       return Object.fromEntries(changes.texts(Object.fromEntries(values)));

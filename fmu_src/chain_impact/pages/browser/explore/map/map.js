@@ -19,7 +19,7 @@ const BY_FINGER = "Tap a run to read it, and once more to open it.";
 const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
 const WORKERS = 8; // largest number of workers that compute a map
 
-/** Return why all runs of a map fail, and which other parameters are changed in all of them; "" if a run does not fail. */
+/** If all runs of a map fail, return why the first one does, and which parameters beside the map's two are changed in all; else "". */
 function failureOf({ names, values, faults, runs }) {
   if (faults.size < runs.length) return "";
   const changed = Object.keys(values).filter((name) => !names.includes(name));
@@ -221,7 +221,7 @@ export class GridMap {
     Object.assign(find("map-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
 
-  /** Return what the fields ask for: the names of the two parameters, their values, the other changes, and all outputs. */
+  /** Return what the fields ask for: the names of the two parameters, their values, all changes of parameters, and all outputs. */
   #requestOf(points) {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");

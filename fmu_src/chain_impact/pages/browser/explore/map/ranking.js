@@ -1,4 +1,4 @@
-// What drives an output of the map: the parameters in the order of their effects, each from a run with 1 % more of it.
+// What drives an output of the map: the parameters in the order of their effects, each from a run in which it is changed by 1 %.
 
 import { find, make } from "../../base/dom.js";
 import { digits, withMinus } from "../../base/format.js";
@@ -55,7 +55,7 @@ export class Ranking {
     this.#engines = [];
   }
 
-  /** Simulate with the present parameters, and with 1 % more of each, and list the effects. */
+  /** Simulate with the present parameters, and with each in turn changed by 1 % (`stepOf`), and list the effects. */
   async #rank() {
     const { changes } = this;
     const reals = changes.scene.parameters.filter(({ name, type, word }) => type === "real" && word >= 0 && !NOT_RANKED.test(name));
