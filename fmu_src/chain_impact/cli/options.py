@@ -71,7 +71,7 @@ def add_scene(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def complete_scenes(argument: argparse.Action) -> None:
-    """Let a shell offer models, and files and folders that may contain scenes (see cli/completion.py)."""
+    """Let a shell offer models, folders, and files of scenes, FMUs and tables (see cli/completion.py)."""
 
     def completer(prefix: str, **_: object) -> list[str]:
         from argcomplete.completers import FilesCompleter

@@ -89,7 +89,7 @@ class _Merger:
     Attributes:
         alike: whether both conversions have the same kind of base and the same number of links.
         changed: the keys whose values come from the file's elements.
-        lost: the tables of the scene that are left out.
+        lost: the parts of the scene that are left out, because its axes or joints are others.
         missing: the inputs, signals and derivatives of the scene whose wall or motor the file does not have.
     """
 
@@ -127,7 +127,10 @@ class _Merger:
         return data
 
     def _leave_out_inputs(self, data: dict[str, Any]) -> None:
-        """Remove inputs, signals and derivatives from ``data`` whose wall or motor the file lacks."""
+        """Remove inputs, signals and derivatives from ``data`` whose wall or motor the file lacks.
+
+        A signal with several inputs keeps those that exist.
+        """
         inputs, walls = data["inputs"], {*data["box"], *(wall["name"] for wall in data["walls"])}
         gone = [name for name in inputs["wall_motion"] if name not in ("*", *walls)]
         inputs["wall_motion"] = [name for name in inputs["wall_motion"] if name not in gone]
@@ -286,7 +289,7 @@ def _mergeable(data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _frictions(data: Mapping[str, Any]) -> dict[str, float]:
-    """Return the coefficient of friction of each wall of a conversion, by the wall's name."""
+    """Return name → coefficient of friction, 0 if it is not given, for each wall of a conversion."""
     names = [*data.get("box", {}), *(wall["name"] for wall in data.get("walls", []))]
     materials = data.get("contact", {}).get("wall", {})
     return {name: materials.get(name, {}).get("friction", 0.0) for name in names}

@@ -57,7 +57,7 @@ class Difference:
     def title(self) -> str:
         """The title under which the difference is reported.
 
-        The title is a warning if the difference changes the motion, or its ``size`` exceeds NEGLIGIBLE.
+        It is WARNING if ``effect`` is MOTION or ``size`` exceeds NEGLIGIBLE, else DIFFERS or LEFT_OUT.
         """
         if self.effect == Effect.MOTION or self.size > NEGLIGIBLE:
             return WARNING
@@ -83,7 +83,7 @@ def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> 
 
 @contextmanager
 def collected_warnings(package: str) -> Iterator[list[Difference]]:
-    """Context that collects Python warnings of a package as differences; the list is filled at its end."""
+    """Context that collects Python warnings as differences of kind ``package``; its end fills the list."""
     differences: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

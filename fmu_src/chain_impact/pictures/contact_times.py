@@ -63,13 +63,13 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
 
 
 def course_in_run(recording: Recording, row: int) -> Course | None:
-    """Return the course of the impact in a row; None for a recording whose run cannot be repeated."""
+    """Return the course of the impact in a row of ``impacts``; None if the run cannot be repeated."""
     result: Any = recording
     return result.course_of_impact(row + 1) if getattr(recording, "rerun", None) is not None else None
 
 
 def peak_time(recording: Recording, row: int) -> float:
-    """Return the time [s] of the largest force in the impact of a row, as ``impacts_at_peaks`` does.
+    """Return the time [s] of the largest force in one impact, as ``impacts_at_peaks``; ``row`` is its row.
 
     If the run can be repeated, a time later than the onset does not depend on the rows of the recording.
     """

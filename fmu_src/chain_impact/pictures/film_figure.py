@@ -155,7 +155,7 @@ class Film:
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
     def _draw_key(self, figure: Figure, right: float) -> None:
-        """Draw the legend of both kinds of arrows; ``right`` is its right end, relative to the figure."""
+        """Draw the legend of arrows: of walls and of joints; it ends at the part ``right`` of the width."""
         arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
         kinds = {"wall forces": FORCE, "joint forces": LOAD}
         position: dict[str, Any] = {

@@ -42,7 +42,7 @@ LOOP = 1.6
 
 @styled()
 def fill_impact(figure: Figure, recording: Recording, number: int, course: Course) -> None:
-    """Draw the impact ``number`` on an empty figure, with force over penetration at the right or the foot.
+    """Draw impact ``number``, from 1, on an empty figure; force over penetration is at the right or the foot.
 
     The largest force and penetration are written beside their curves.
     """

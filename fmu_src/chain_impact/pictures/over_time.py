@@ -39,7 +39,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
 # The curve of an energy is dashed if it differs from an earlier curve by at most ALIKE, relative to the range
-# of all energies, in at least the part MOSTLY of all rows.
+# of all curves, in at least the part MOSTLY of all rows; the curve of the total energy does not count.
 ALIKE, MOSTLY = 0.03, 0.8
 # The zero of the potential energy is moved if the range of all energies then becomes smaller than this,
 # relative to the range with the usual zero.
