@@ -23,8 +23,8 @@ WALL_JUMPS = 19
 BASE_BEYOND_WALL = 20
 NO_ROOM = 21
 SIGNAL_JUMPS = 22
-# no fault: ended contacts and mode changes fill the log; after the caller has collected them, the run may
-# continue
+# no fault: ended contacts, or changes of friction modes, fill their log; after the caller has collected them,
+# the run may continue
 LOG_FULL = -1
 PAUSED = -2  # no fault: the call has returned so that the caller can stop or continue the run
 ONSET_DUE = -3  # no fault: contacts begin at the time that was reached, and their onsets are not applied yet

@@ -96,7 +96,7 @@ def packed(content: bytes) -> str:
 
 
 def _source(scene: SceneSource) -> str:
-    """Return the word for a scene in a command: its file, the name of an equal model, or UNNAMED."""
+    """Return the word for a scene in a command: its file or model, the name of an equal model, or UNNAMED."""
     if not isinstance(scene, Scene):
         return os.fspath(scene)
     return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)

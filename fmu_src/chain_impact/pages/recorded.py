@@ -152,7 +152,10 @@ def _column_data(columns: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
 
 
 def _packed(values: np.ndarray) -> dict[str, Any]:
-    """Return numbers packed in 16 bits: ``low``, ``high``, integers k for low + (high − low) k / FINEST."""
+    """Return numbers packed in 16 bits: ``low``, ``high``, and as ``values``, in base64, integers k.
+
+    The numbers are low + (high − low) k / FINEST.
+    """
     low, high = float(values.min()), float(values.max())
     integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
     return {"low": low, "high": high, "values": encoded(integers.astype("<u2").tobytes())}

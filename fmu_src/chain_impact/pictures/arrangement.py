@@ -113,8 +113,8 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
     """Return the width and the usual height of a figure [inches] with the panels in ``shown``.
 
     The width is that of ``size`` or, without ``size``, the usual one. But the result is FIGURE_SIZE, whatever
-    ``size`` is, for the motion alone, for panels without it, and for a narrow figure with the motion above
-    the other panels.
+    ``size`` is, for a motion in the plane alone, for panels without a motion, and for a narrow figure with a
+    motion in the plane above the other panels.
     """
     width = figure_size(size)[0] if size else FULL
     timed = [name for name in shown if is_in_column(recording, name)]

@@ -142,7 +142,8 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
 
     The axis is divided into ``bins`` equal parts. The result is True if more than FAST_PART of these parts
     have at least two turns each. A turn counts only if the value changes by at least ``least`` from this turn
-    to the next one. The result is False for a curve with missing values, or with at most ``bins`` rows.
+    to the next one; the last turn always counts. The result is False for a curve with missing values, or with
+    at most ``bins`` rows.
     """
     if not np.isfinite(values).all() or len(along) <= bins:
         return False

@@ -44,8 +44,8 @@ TRUST = np.dtype(
         # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider; without
         # meaning if ``point`` is −1
         ("wall", np.int64),
-        # the sum of the changes of a position whose derivatives were neglected, because friction stops a
-        # speed soon, relative to the largest derivative of a position (tangent/friction.py)
+        # sum of the neglected derivatives of changes of positions: changes by a speed that friction stops
+        # soon; each derivative is relative to the largest derivative of a position (tangent/friction.py)
         ("neglected", np.float64),
         (
             "split",

@@ -48,8 +48,8 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# The times of two events count as one time if their derivatives differ by less than this, relative to the
-# largest derivative.
+# Two events count as events at one time, for nearby parameters, too, if at the delayed time of one event the
+# derivatives of the speed or friction margin that causes the other are at most this, relative to their scale.
 SAME_TIME_SLOPE = 1e-5
 # The end of sticking is located where |F_t| exceeds the limit of friction by a small excess. If the limit
 # itself is at most NEARLY_SLIPPING_RATIO times the excess, and the element is marked STOPPED, the located
@@ -160,7 +160,7 @@ def negligible(t, speed):
 
 
 def settling_time(t):
-    """Return a time [s] in which a chain settles: √(L/(g + L/s²)), with its longest link L and gravity g."""
+    """Return a time [s] in which a chain settles: √(L/(g + L/(1 s)²)), with longest link L and gravity g."""
     size = value(t.chain.longest_link)
     return math.sqrt(size / (value(t.chain.gravity_size) + size))
 
@@ -243,7 +243,7 @@ def stays_at_rest(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """Return the largest derivative, in size, of any component of ``vectors``, which all places have.
+    """Return the largest derivative, in size, of any component of the ``vectors`` of all places.
 
     ``direction`` is the index of the derivatives: of the parameter or input to which they belong.
     """

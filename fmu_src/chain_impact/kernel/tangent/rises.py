@@ -70,7 +70,7 @@ def is_differentiable(t, j):
 
 
 def at_begin(t, j):
-    """Return the jump J = a sin ψ of signal j at its start, and its rate there, both without derivatives."""
+    """Return the jump J = a sin ψ of signal j at its start, and the signal's rate there, as plain numbers."""
     signal, i = t.signal, t.signal.source[j]
     cosine, sine = direction(signal.phase[i])
     a, omega = value(signal.amplitude[i]), TAU * value(signal.frequency[i])

@@ -140,7 +140,7 @@ def fraction(t, time):
 
 
 def event_fraction(t):
-    """Return 0, the fraction of the last step at which its first event lies, with derivatives.
+    """Return 0, the fraction of the last step at which the event lies that began it, with derivatives.
 
     The derivatives are those of ``start_delay``, the delay of this event, divided by the rate of time with
     the fraction at the start of the step.
@@ -195,7 +195,7 @@ def slope_along(argument, h, at):
 
 
 def force_after_change(argument, by, at):
-    """Return the force [N] of the user's law if ``by`` is added to entry number ``argument`` of ``at``."""
+    """Return the force [N] of the user's law with ``by`` added to entry ``argument``, from 0, of ``at``."""
     return user_law.force(
         at[0] + by * (argument == 0),
         at[1] + by * (argument == 1),

@@ -1,8 +1,8 @@
 """The time from which on derivatives cannot be trusted, because they do not exist or are too inaccurate.
 
 There are four causes: an onset (``check_onsets``); a jump of a user's force; a mode of dry friction that
-errors decide (tangent/friction.py); and an implicit step in which the iteration of the derivatives does not
-converge. simulation/reasons.py has a sentence for each reason.
+errors or the order of simultaneous events decide (tangent/friction.py); and an implicit step in which the
+iteration of the derivatives does not converge. simulation/reasons.py has a sentence for each reason.
 """
 
 import math
