@@ -27,7 +27,8 @@ def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
     """Return an error that tells which option has the refused value.
 
     The option replaces the name of the value in the error, or is put before it. The error is unchanged if it
-    begins with an option, cites a line of a file, or names none of the values of other options.
+    begins with an option, cites a line of a file, or names none of the values. An option whose name is
+    already in the error does not count.
 
     Args:
         message: the error. What follows its first semicolon is a hint, which is not changed.

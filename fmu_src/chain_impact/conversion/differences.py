@@ -83,7 +83,7 @@ def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> 
 
 @contextmanager
 def collected_warnings(package: str) -> Iterator[list[Difference]]:
-    """Context that collects Python warnings as differences of kind ``package``; its end fills the list."""
+    """Context that makes differences of kind ``package`` of Python warnings; it fills the list at its end."""
     differences: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
