@@ -66,7 +66,8 @@ def along_drive(d, values, first, i):
 def spring_stretch(d, y, i):
     """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i, in the state y.
 
-    ψ_t is the position at which the spring has no force: its rest position, or the target of a servo.
+    ψ is the joint's angle or the slider's position; ψ_t is the position at which the spring has no force: its
+    rest position, or the target of a servo.
     """
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
@@ -74,9 +75,10 @@ def spring_stretch(d, y, i):
 
 
 def coordinates_of_drive(d, y, i):
-    """Return the sum [rad or m] of the absolute values of the coordinates in ψ of drive i.
+    """Return the sum [rad or m] of the absolute values of the coordinates that give drive i's position.
 
-    The round-off of ψ is relative to this sum.
+    The position is the joint's angle, a difference of two link angles, or that of the slider. Its round-off
+    is relative to this sum.
     """
     if is_slider(d, i):
         return abs(y[0]) + abs(y[1])
@@ -163,18 +165,22 @@ def is_below_limit(d, i):
 def drive_slopes(d, y, i):
     """Return the slopes −∂F/∂ψ̇ [N·m·s/rad or N·s/m] and −∂F/∂ψ [N·m/rad or N/m] of drive i in state y.
 
-    They are the damping c and the stiffness k below the drive's limit, and 0 while the drive is at its limit.
+    F is the drive's force or torque, ψ the joint's angle or the slider's position. The slopes are the damping
+    c and the stiffness k below the drive's limit, and 0 while the drive is at its limit.
     """
     return slopes_below_limit(d, y, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
 
 def slopes_below_limit(d, _y, i):
-    """Return the slopes −∂F/∂ψ̇ = c and −∂F/∂ψ = k that drive i has below its limit; the state is ignored."""
+    """Return the damping c and the stiffness k that drive i has below its limit; the state is ignored.
+
+    They are the slopes −∂F/∂ψ̇ and −∂F/∂ψ of ``drive_slopes``.
+    """
     return largest_slopes(d, i)
 
 
 def largest_slopes(d, i):
-    """Return the largest slopes −∂F/∂ψ̇ and −∂F/∂ψ that drive i has in any state, as for ``drive_slopes``.
+    """Return the largest values that the slopes of ``drive_slopes`` have for drive i in any state.
 
     They are the damping c and the stiffness k; at a free base, which has no drive, they are 0.
     """
@@ -191,12 +197,12 @@ def is_powered(d, i):
 
 
 def unlimited_spring_force(d, y, i):
-    """Return k (ψ − ψ_t) [N·m or N], the spring's term in F of drive i without the drive's limit."""
+    """Return stiffness times stretch [N·m or N] of drive i's spring, whatever the drive's limit."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
 def spring_force(d, y, i):
-    """Return k (ψ − ψ_t) [N·m or N], the spring's term in the force F of drive i.
+    """Return stiffness times stretch [N·m or N] of drive i's spring: its part of the drive's force, times −1.
 
     The result is 0 while the drive is at its limit, and at a free base, which has no drive.
     """
@@ -242,7 +248,8 @@ def drive_force(d, y, i):
 def transmitted_moment(d, y, rate, i):
     """Return the moment F − I_a ψ̈ [N·m] that the drive of joint i transmits to link i.
 
-    ψ̈ is the angular acceleration of the joint in ``rate``, the rate ẏ of the state y.
+    F is the drive's torque, I_a the inertia of its rotor, and ψ̈ the angular acceleration of the joint in
+    ``rate``, the rate ẏ of the state y.
     """
     return drive_force(d, y, i) - drive_inertia(d, i) * relative(rate, omega_at(d.links), i)
 

@@ -67,7 +67,8 @@ def hinge_inertia(link, axx, axy, ayy):
     H and h follow from the articulated inertia A' at the link's outer joint and the data of ``arm_of_link``.
     """
     lx, ly, sx, sy, inertia = link
-    # h = m r_C⊥ + A' L⊥,  H = I + m r_C² + L⊥·A' L⊥
+    # coupling h = m r_C⊥ + A' L⊥ and inertia H = I + m r_C² + L⊥·A' L⊥; the module's docstring has the
+    # symbols
     hx, hy = axy * lx - axx * ly - sy, ayy * lx - axy * ly + sx
     return hx, hy, (inertia + ayy * (lx * lx)) + (axx * (ly * ly) - axy * (2.0 * lx * ly))
 
@@ -75,12 +76,15 @@ def hinge_inertia(link, axx, axy, ayy):
 def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
     """Eliminate the angular acceleration α_i of a link between two joints.
 
-    Returns A (xx, xy, yy) and b (x, y) at the link's inner joint, from A' and b' at its outer joint.
+    The outer part of the chain at a joint needs the force A a + b for an acceleration a of the joint. Returns
+    A (xx, xy, yy) and b (x, y) at the link's inner joint, from A' and b' at its outer joint, the arguments
+    axx to by.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link, i, outward)
     w2 = omega * omega
-    # d = b' − f − ω² A' L: the force at the outer joint if α = 0 and the inner joint has no acceleration
+    # d = b' − f − ω² A' L is the force at the outer joint, with the load f there, if α = 0 and the inner
+    # joint has no acceleration
     dx = bx - d.scratch.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.scratch.load.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, about_joint = hinge_inertia(link, axx, axy, ayy)
@@ -90,7 +94,8 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
 def eliminate_end(d, y, i, outward):
     """Eliminate the angular acceleration α_i of link i, which is at a free end, where A' = 0 and b' = 0.
 
-    H of this link is a constant. Returns A and b at the link's inner joint.
+    The inertia H of ``hinge_inertia`` is a constant for this link. Returns A (xx, xy, yy) and b (x, y) at the
+    link's inner joint, as ``eliminate_inner`` does.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm_of_link(d, d.scratch.link, i, outward)
@@ -131,13 +136,13 @@ def accelerate_link(d, y, i, outward, ax, ay, rate):
     Returns the acceleration of the link's outer joint.
     """
     stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
-    # for the acceleration a of the inner joint: α = −(h·a + h₀)/H
+    # the link's angular acceleration α = −(h·a + h₀)/H for the acceleration a of the inner joint
     a = -(stored.gain_x[i] * ax + stored.gain_y[i] * ay + stored.bias[i])
     rate[speed_index] = a
     w2 = y[speed_index] * y[speed_index]
     sign = 1.0 if outward else -1.0
     lx, ly = sign * d.scratch.link.x[i], sign * d.scratch.link.y[i]
-    # acceleration of the outer joint: a' = a + α L⊥ − ω² L
+    # acceleration of the outer joint: a' = a + α L⊥ − ω² L, with a of the inner joint and the link vector L
     return (ax - w2 * lx) - a * ly, (ay - w2 * ly) + a * lx
 
 
@@ -183,7 +188,8 @@ def arms(d, y, rate, middle):
     ax, ay = 0.0, 0.0
     if d.slides:
         # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b), with
-        # the force F of the drive, friction in the load, and A a + b, the force that the chain needs
+        # the direction u, the coordinate s, the carriage's mass m, gravity g, the force F of the drive,
+        # friction in the load, and A a + b, the force that the chain needs
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
         stored = d.scratch.elimination
         stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
@@ -216,6 +222,9 @@ def arms(d, y, rate, middle):
 
 
 def inertia_along(d, axx, axy, ayy):
-    """Return u·A u + m [kg], the inertia of chain and carriage along the line of a slider."""
+    """Return u·A u + m [kg], the inertia of chain and carriage along the line of a slider.
+
+    u is the line's direction, A the articulated inertia of the chain at the base, and m the carriage's mass.
+    """
     ux, uy = d.slider.ux, d.slider.uy
     return (ux * ux) * axx + (2.0 * ux * uy) * axy + (uy * uy) * ayy + d.slider.mass

@@ -139,7 +139,7 @@ def accelerate_points(d, y, rate):
         acceleration.x[i], acceleration.y[i] = ax, ay
         omega, alpha = y[omega_at(n) + i], rate[omega_at(n) + i]
         w2 = omega * omega
-        # acceleration of the next joint, by ω and α of the link: a_{i+1} = a_i + α L⊥ − ω² L
+        # acceleration of the next joint, by ω, α and the vector L of the link: a_{i+1} = a_i + α L⊥ − ω² L
         ax -= alpha * link.y[i] + w2 * link.x[i]
         ay += alpha * link.x[i] - w2 * link.y[i]
     acceleration.x[n], acceleration.y[n] = ax, ay

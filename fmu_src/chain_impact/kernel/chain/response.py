@@ -220,13 +220,13 @@ def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx
         inverse = reciprocal(about_joint + resistance)
         coupling = resistance * inverse
         factors.coupling[slot, i], factors.complement[slot, i] = coupling, about_joint * inverse
-        # at the inner joint: e = σ h, p = σ H
+        # the parts e = σ h and p = σ H of the articulated inertia at the inner joint, with σ = κ/(H + κ)
         ex, ey, p = coupling * hx, coupling * hy, coupling * about_joint
     else:
         inverse = reciprocal(about_joint)
     kx, ky, m = hx * inverse, hy * inverse, d.chain.mass[i]
     factors.gain_x[slot, i], factors.gain_y[slot, i], factors.inverse[slot, i] = kx, ky, inverse
-    # at the inner joint: A = A' + m 1 − h hᵀ/(H + κ)
+    # the part A = A' + m 1 − h hᵀ/(H + κ) of the articulated inertia at the inner joint
     return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse, ex, ey, p
 
 
@@ -282,8 +282,10 @@ def solve(d, link_vectors, space, slot, change):
 def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
     """Set in ``change`` the part of α that the loads cause: (s + μ)/(H + κ), the α for a = 0 and β = 0.
 
-    ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
-    impulse t at the inner joint, from those at the outer joint: the arguments bx, by and t.
+    α is the change of ω_i, a that of the inner joint's velocity, β that of the angular velocity of the link
+    on the inner side; the module's docstring has the other symbols. ``moment`` is the angular impulse μ of
+    the inner joint on link i. Returns the impulse b and the angular impulse t at the inner joint, from those
+    at the outer joint: the arguments bx, by and t.
     """
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
@@ -293,7 +295,7 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
         s += space.load.link[i]
     if coupled:
         s += t
-        # angular impulse at the inner joint: t = σ s − (1 − σ) μ
+        # angular impulse at the inner joint: t = σ s − (1 − σ) μ, with σ = κ/(H + κ)
         t = factors.coupling[slot, i] * s - factors.complement[slot, i] * moment
         s += moment
     change[ANGLES + i] = s * factors.inverse[slot, i]

@@ -35,12 +35,12 @@ from chain_impact.kernel.mathematics.angles import direction
 
 TAU = 2.0 * math.pi
 RISING = 5  # degree of the polynomial of the smooth ramp from 0 to 1, see ``smooth``
-# The continued fraction is used up to this |y| = |g|/ω². Where |y| is larger, the phase is within 4 rad, 1/(2
-# NEAR_TURNING_POINT), of its value at the time of frequency 0.
+# The continued fraction is used up to this |y| = |g|/ω², with the angular frequency ω and its rate g. Where
+# |y| is larger, the phase is within 4 rad, 1/(2 NEAR_TURNING_POINT), of its value at the time of frequency 0.
 NEAR_TURNING_POINT = 0.125
 # The largest number of levels of the continued fraction is DEPTH + DEEPER |y| without a rise, and
-# DEPTH_OF_RISE + DEEPER |y| in a rise, with y = g/ω². With fewer levels the integral E_2 would lose digits,
-# and in a rise E_7.
+# DEPTH_OF_RISE + DEEPER |y| in a rise, with y = g/ω², the angular frequency ω and its rate g. With fewer
+# levels the 2-fold integral E_2 of e^{iΦ} would lose digits, and in a rise E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
 FRACTION_ERROR = 1e-17  # levels are added to the continued fraction until its relative error is at most this
 # LARGEST_TURN: if the phase turns at most this [rad] in a rise, the integral is computed by quadrature;
@@ -107,8 +107,8 @@ def integral_by_fraction(m, rates, s, rise):
     most = (DEPTH_OF_RISE if rise > 0.0 else DEPTH) + DEEPER * abs(y)
     while error > FRACTION_ERROR and depth < most:
         depth += 1
-        # the error of a level K_n/K_{n−1} of the fraction is at most n y times the error of the next level
-        # K_{n+1}/K_n
+        # the error of a level K_n/K_{n−1} of the fraction is at most n |y| times the error of the next level
+        # K_{n+1}/K_n; the module's docstring has the symbols
         error *= depth * abs(y)
     ratio_u, ratio_v, u, v = 1.0 + 0.0 * y, 0.0 * y, 0.0 * y, 0.0 * y
     for k in range(depth):
@@ -166,7 +166,8 @@ def rise_coefficient(m, k, s, rise):
 def integral_at_standstill(d, i, begins_up):
     """Return three numbers: the phase Φ(s*) [rad], and real and imaginary part of C, the value of E_1 at s*.
 
-    s* is the time at which the frequency is zero.
+    s* is the time at which the frequency is zero. E_1 is an integral of e^{iΦ}, ω the rate of Φ, and g that
+    of ω.
 
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} if g > 0 and ω > 0 at the start. If ω < 0 at the start, this value is
     multiplied by −1. If g < 0, it is multiplied by −1, and the angle is Φ(s*) − π/4. ``begins_up`` tells
@@ -184,8 +185,8 @@ def integral_at_standstill(d, i, begins_up):
 def fresnel(middle, since, g, u, v):
     """Add to u and v the real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt from t = 0 to ``since`` [s].
 
-    ``middle`` is the phase Φ* [rad] at the time s* of frequency zero, and ``since`` is the time since s*.
-    Returns the new u and v.
+    ``middle`` is the phase Φ* [rad] at the time s* of frequency zero, ``since`` the time since s*, and ``g``
+    the rate of the angular frequency [rad/s²]. Returns the new u and v.
     """
     for n in range(len(GAUSS_NODES)):
         t = since * GAUSS_NODES[n]
@@ -198,8 +199,8 @@ def fresnel(middle, since, g, u, v):
 def integral_by_quadrature(d, i, m, s, rise):
     """Return I_m, the m-fold integral of r sin Φ, at the time s [s] since the start of the sine; m is 1 or 2.
 
-    I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from t = 0 to t = s, by quadrature. At s the amplitude r still
-    rises; its rise lasts ``rise`` [s].
+    r is the amplitude that rises, Φ the phase. I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from t = 0 to t = s, by
+    quadrature. At s the amplitude r still rises; its rise lasts ``rise`` [s].
     """
     begin = TAU * d.signal.frequency[i]
     # `sine_integral` calls this function only for a turn up to LARGEST_TURN, which bounds the number of

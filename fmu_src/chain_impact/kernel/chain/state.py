@@ -41,7 +41,7 @@ def supplied_at(n):
 
 
 def sundman_u_at(n):
-    """Return the index in y of u = √(δ/δ*), after the entries of the chain and of the energies."""
+    """Return the index in y of u, the root of the regularized contact's penetration over the expected one."""
     return 2 * n + 6
 
 

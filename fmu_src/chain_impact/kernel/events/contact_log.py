@@ -96,7 +96,7 @@ def find_peaks(d, c, force_rate, time, reader):
 def turns_at_end(d, c):
     """Return whether candidate c's law damps on approach only and the last step ends at its kink δ̇ = 0.
 
-    There the penetration is largest, so no search for its maximum is needed.
+    There the penetration, whose rate is δ̇, is largest, so no search for its maximum is needed.
     """
     return d.law.approach_only[c] and d.touch.event[c] == KINK
 

@@ -158,19 +158,21 @@ def check_candidate(d, c, a, b):
     """Return whether candidate c surely has no event in the interval (a, b] of the step, or has one.
 
     Returns:
-        QUIET: there is no event; CROSSES: φ falls through zero; SPLIT: the interval is too long to decide.
+        QUIET: there is no event; CROSSES: the clearance or, in contact, the penetration falls through zero;
+        SPLIT: the interval is too long to decide.
     """
     width = (b - a) * d.step.size
     start, end = d.search.phi_start[c], d.search.phi_end[c]
     if c == d.step.regularized:
-        # u = √(δ/δ*) does not fall to zero and rise again in a step, because the rate δ̇ of the penetration
-        # would have to change its sign twice
+        # u, the root of the penetration over the expected one, does not fall to zero and rise again in a
+        # step, because the rate of the penetration would have to change its sign twice
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.phi_start_rate[c], d.search.phi_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # An event needs φ < 0 at the end b of the interval. If b is the end of the step, or if the point is in
-    # contact, an event needs φ < −`harmless`, because a point that is beyond zero by less may turn back.
+    # An event needs a clearance or, in contact, a penetration φ < 0 at the end b of the interval. If b is the
+    # end of the step, or if the point is in contact, an event needs φ < −`harmless`, because a point that is
+    # beyond zero by less may turn back.
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
@@ -182,11 +184,11 @@ def check_candidate(d, c, a, b):
         or not sag >= CROSSING_RESOLUTION * d.chain.longest_link
         or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
-        # A point without contact whose φ begins at −`harmless` or above, and ends below, has an onset, even
-        # if φ does not fall at the end: at a loose tolerance the interpolant can put a point deep inside a
-        # wall although the point does not move inward. A point in contact has an event only if φ falls: a
-        # point that moves inward has not left the wall, even where the interpolant of a stiff step puts it
-        # outside.
+        # A point without contact whose clearance φ begins at −`harmless` or above, and ends below, has an
+        # onset, even if φ does not fall at the end: at a loose tolerance the interpolant can put a point deep
+        # inside a wall although the point does not move inward. A point in contact has an event only if φ
+        # falls: a point that moves inward has not left the wall, even where the interpolant of a stiff step
+        # puts it outside.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
@@ -205,7 +207,10 @@ def skims_wall(d, c, width):
 
 
 def nearly_linear(d, c, part):
-    """Return whether φ of candidate c is linear, up to round-off, over a fraction ``part`` of the step."""
+    """Return whether clearance or penetration of c is linear, up to round-off, in a fraction of the step.
+
+    ``part`` is the fraction.
+    """
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.chain.longest_link
 
@@ -222,8 +227,8 @@ def locate_crossing(d, a, b):
         mark_contact_event(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # `first` is the earliest event so far, where φ of all suspects is known: a candidate with φ ≥ 0 there
-        # has its event later
+        # `first` is the earliest event so far, where the clearance or penetration φ of all suspects is known:
+        # a candidate with φ ≥ 0 there has its event later
         if d.touch.event[c] and d.search.phi_end[c] < 0.0:
             first = find_root(d, c, a, first)
             located = c
@@ -231,7 +236,7 @@ def locate_crossing(d, a, b):
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         # The candidate `located` stays marked in any case: if its point is slow, round-off alone may put its
-        # φ above the limit.
+        # clearance or penetration φ above the limit.
         if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
             mark_contact_event(d, c, NONE)
     return first
@@ -240,7 +245,8 @@ def locate_crossing(d, a, b):
 def find_root(d, c, a, b):
     """Return θ in [a, b] at which φ of candidate c falls through zero; φ must be negative at b.
 
-    The points must be located at b. The function also sets φ of all suspects at the resulting θ.
+    φ is the clearance or, in contact, the penetration. The points must be located at b. The function also
+    sets φ of all suspects at the resulting θ.
 
     θ is found by Newton's method inside a shrinking interval around the root. If φ ≤ 0 at a, two cases need
     no iteration. If φ does not rise at a, the result is a. If φ rises at a and is linear in [a, b] up to
@@ -366,7 +372,7 @@ def prescribed_bounds(d, c):
 
 
 def measure_clearances(d, theta):
-    """Set φ and φ′ of every suspect at the fraction θ of the step, the end of an interval."""
+    """Set φ (``measure_located``) and φ′ of all suspects at the fraction θ of the step, an interval's end."""
     locate_at(d, theta)
     measure_located(d)
 
@@ -374,7 +380,8 @@ def measure_clearances(d, theta):
 def measure_located(d):
     """Set φ and φ′ of every suspect, a candidate that the search examines, at the located points.
 
-    ``locate_at`` must have located them.
+    φ is the clearance or, in contact, the penetration, φ′ its rate in the step's integration variable.
+    ``locate_at`` must have located the points.
     """
     u, slope = sundman_u_now(d, d.scratch.y)
     for k in range(d.search.suspect_count):

@@ -18,9 +18,9 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, lengt
 # [rad] If a link turns more in a step, the estimate of the interpolant's error is not valid, and the step is
 # searched.
 SMALL_TURN = 1.0
-# In ``stays_positive``, the least Bernstein coefficient of φ must exceed the limit by this part of the range
-# of all its coefficients. Without the margin, round-off or a wrong estimate of the interpolant's error could
-# exclude an event that happens.
+# In ``stays_positive``, the least Bernstein coefficient of a clearance or penetration must exceed the limit
+# by this part of the range of all its coefficients. Without the margin, round-off or a wrong estimate of the
+# interpolant's error could exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
 # The impact speed v₀ is latched at the onset of the contact. If the rate δ̇ of the penetration later exceeds
 # RELATCH_RATIO times v₀, v₀ is latched again. In a usual impact gravity adds only a thousandth to δ̇, so v₀
@@ -213,11 +213,11 @@ def stays_in_contact(d, c, error):
     """Return whether the contact of candidate c surely lasts through the last step.
 
     The contact lasts if its penetration stays above ``error`` − ``harmless_depth`` (``stays_positive``) or,
-    if it is regularized, if u > 0 at the end.
+    if it is regularized, if the root u of the relative penetration is > 0 at the end.
     """
     if c == d.step.regularized:
-        # u = √(δ/δ*) does not fall to zero and rise again in a step: the rate δ̇ of the penetration would
-        # have to change its sign twice
+        # u, the root of the penetration over the expected one, does not fall to zero and rise again in a
+        # step: the rate of the penetration would have to change its sign twice
         return d.search.phi_end[c] > 0.0
     return stays_positive(d, c, error)
 
@@ -225,14 +225,16 @@ def stays_in_contact(d, c, error):
 def measure_all(d, y):
     """Set φ and its derivatives φ′ and φ″ of every candidate for the state y, and ``search.safe_distance``.
 
-    This is the least clearance of the candidates without contact. The points must be located and accelerated.
+    φ is the clearance or, in contact, the penetration; φ′ and φ″ are derivatives in the step's integration
+    variable. ``search.safe_distance`` is the least clearance of the candidates without contact. The points
+    must be located and accelerated.
     """
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]
     p, change = time_rate_of(d, u), time_rate_change(u, slope)
     least = math.inf
     for c in range(d.candidates):
-        # derivatives in the step's variable, with p = dt/ds: φ′ = p φ̇, φ″ = p² φ̈ + p′ φ̇
+        # derivatives of a clearance φ in the step's variable s, with p = dt/ds: φ′ = p φ̇, φ″ = p² φ̈ + p′ φ̇
         _, gap_rate = clearance(d, c)
         d.search.phi_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
         least = min(least, math.inf if d.touch.active[c] else d.search.phi_end[c])
@@ -248,7 +250,7 @@ def measure_all(d, y):
 def set_clearances(d, y):
     """Set φ and φ′ of every candidate for the state y; return u′ of the regularized contact.
 
-    The points must be located.
+    ``set_clearance`` describes φ, and ``sundman_u_now`` u′. The points must be located.
     """
     u, slope = sundman_u_now(d, y)
     p = time_rate_of(d, u)
@@ -277,13 +279,15 @@ def sundman_u_now(d, y):
 def set_clearance(d, c, u, slope):
     """Set φ and φ′ of candidate c for the located points: its clearance, or its penetration in contact.
 
-    ``u`` and ``slope`` = u′ belong to the regularized contact.
+    For the regularized contact φ is ``u``, and φ′ is ``slope`` = u′ (``sundman_u_now``). For a held candidate
+    φ is infinite.
     """
     if c == d.step.regularized:
         d.search.phi_end[c], d.search.phi_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.law.impulsive[c]:
-        # φ of a held candidate never falls to zero: it is already at its wall; marks.RELEASE ends its contact
+        # the clearance φ of a held candidate must not fall to zero in the search, because its point is
+        # already at the wall; marks.RELEASE ends its contact
         d.search.phi_end[c], d.search.phi_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)
@@ -293,7 +297,7 @@ def set_clearance(d, c, u, slope):
 
 
 def begin_next_interval(d):
-    """Copy φ and φ′ of all candidates from the end of an interval to the start of the next one."""
+    """Copy φ and φ′ (``set_clearance``) of all candidates from an interval's end to the next one's start."""
     for c in range(d.candidates):
         d.search.phi_start[c] = d.search.phi_end[c]
         d.search.phi_start_rate[c] = d.search.phi_end_rate[c]

@@ -60,8 +60,8 @@ def end_if_point_left(d, c):
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
-    # the time to get out, −g/ġ for the clearance g, is at most LEAVING_TIME times the contact's time scale
-    # δ*/v₀
+    # the time to get out, −g/ġ for the clearance g, is at most LEAVING_TIME times the contact's time scale,
+    # expected penetration over impact speed
     if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEAVING_TIME * touch.depth_scale[c] * gap_rate:
         end_contact(d, c, False)
 

@@ -215,7 +215,8 @@ def find_impulses(d, fraction):
         c = d.touch.active_index[k]
         least = d.law.minimum_impact_speed[c]
         arrives = -constraints.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
-        # the speed u⁺ after the impact is at least the restitution e times the approach speed: u⁺ ≥ −e u⁻
+        # for a point that arrives with u⁻ < 0, the speed u⁺ after the impact is at least the restitution e
+        # times the approach speed: u⁺ ≥ −e u⁻
         rebound = -fraction * d.law.restitution[c] * constraints.start[k] if arrives else 0.0
         add_to_active_set(d, k, rebound if rebound > LEAST_REBOUND_SPEED * least else 0.0)
     factorize_free(d)

@@ -184,7 +184,7 @@ def side_of_kink_at(d, c, theta):
 
 
 def relatch_margin(d, c, theta):
-    """Return RELATCH_RATIO v₀ − δ̇ [m/s] of candidate c at θ; below 0 the impact speed v₀ is latched anew."""
+    """Return RELATCH_RATIO v₀ − δ̇ [m/s] of c at θ, with the impact speed v₀; if < 0, v₀ is latched again."""
     locate_at(d, theta)
     _, gap_rate = clearance(d, c)
     return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
@@ -293,7 +293,7 @@ def mode_may_end(d, e):
 
 
 def mark_changes(d, element, theta):
-    """Mark ``element``, whose mode ends at θ, and every other element whose mode ends at the same time."""
+    """Mark ``element``, whose mode ends at θ of the step, and every element whose mode ends with it."""
     for i in range(d.friction.count):
         e = d.element.index[i]
         if e == element or element_margin(d, e, theta) < 0.0:

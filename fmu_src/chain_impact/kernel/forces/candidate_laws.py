@@ -228,8 +228,8 @@ def is_derived(d, c):
 def derive_damping(d, c):
     """Derive the constants of the given law of candidate c, unless they are already derived.
 
-    The constants are the factor f(e) for the restitution e, the exponent p of the damping d δᵖ δ̇, whether
-    the damping acts on approach only, and whether the wall is rigid.
+    The constants are the factor f(e) for the restitution e, the exponent p in the damping force d δᵖ δ̇ at
+    the penetration δ, whether the damping acts on approach only, and whether the wall is rigid.
     """
     if is_derived(d, c):
         return

@@ -10,7 +10,10 @@ DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """One law in the registry, CONTACT_LAWS: a force F = max(0, K δⁿ + d δᵖ δ̇), or impulses."""
+    """One law in the registry, CONTACT_LAWS: a force F = max(0, K δⁿ + d δᵖ δ̇), or impulses.
+
+    K is the stiffness, δ the penetration, d the damping.
+    """
 
     id: str  # name in scene files and in the FMU
     number: int  # number in the FMU's enumeration of laws, from 1
@@ -29,9 +32,9 @@ class ContactLaw:
     allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
     exponent: float | None = None  # the exponent n for which the law is defined; None: any exponent
     rate_exponent: float | None = None  # exponent p of the penetration δ in the damping d δᵖ δ̇; None: p = n
-    # exponent s in the damping d = f K^(1−s) m^s, with the damping factor f and the effective mass m. The
-    # value 0 means that the damping has another formula, or that there is none: the Hunt–Crossley family has
-    # d = f K/v₀ with the impact speed v₀, and a rigid wall has no damping.
+    # exponent s in the damping d = f K^(1−s) m^s, with damping factor f, stiffness K and effective mass m.
+    # The value 0 means that the damping has another formula, or that there is none: the Hunt–Crossley family
+    # has d = f K/v₀ with the impact speed v₀, and a rigid wall has no damping.
     mass_power: float = 0.0
     # whether the damping acts only while the penetration grows
     approach_only: bool = False
@@ -44,7 +47,7 @@ class ContactLaw:
 
     @property
     def in_family(self) -> bool:
-        """Whether the law belongs to the Hunt–Crossley family, with p = n and d = λ K/v₀."""
+        """Whether the law belongs to the Hunt–Crossley family, with the force K δⁿ (1 + λ δ̇/v₀)."""
         return self.rate_exponent is None and not self.impulsive
 
     @property

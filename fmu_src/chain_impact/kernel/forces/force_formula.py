@@ -20,13 +20,14 @@ from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 
-# The increment, relative to δ, or to |δ̇| + v₀ for δ̇, of the central differences for the slopes of a user's
-# law. It is about the cube root of round-off, with which truncation and round-off cause equal errors.
+# The increment of the central differences for the slopes of a user's law: relative to the penetration, or for
+# its rate relative to the size of this rate plus the impact speed. It is about the cube root of round-off,
+# with which truncation and round-off cause equal errors.
 RELATIVE_INCREMENT = 1e-5
-# If a law damps on approach only, a step may use the force of the wrong side of δ̇ = 0 while |δ̇| is at most
-# TURNING_RATE times v₀ √(tolerance/max(1, damping_over_elastic)), plus a margin for a contact at rest
-# (``turning_margin``). Up to the first part, the wrong force changes the impulse by at most a tenth of the
-# tolerance, relative to the impulse.
+# If a law damps on approach only, a step may use the force of the wrong side of δ̇ = 0, with the rate δ̇ of
+# the penetration, while |δ̇| is at most TURNING_RATE times v₀ √(tolerance/max(1, damping_over_elastic)), with
+# the impact speed v₀, plus a margin for a contact at rest (``turning_margin``). Up to the first part, the
+# wrong force changes the impulse by at most a tenth of the tolerance, relative to the impulse.
 TURNING_RATE = 0.3
 
 
@@ -62,17 +63,17 @@ def power_by_roots(depth, exponent):
 
 
 def elastic_force(d, c, penetration):
-    """Return K δⁿ [N] of candidate c for a penetration δ ≥ 0 [m]."""
+    """Return the elastic force K δⁿ [N] of candidate c, with stiffness K, for a penetration δ ≥ 0 [m]."""
     return d.law.stiffness[c] * power_of_depth(penetration, d.law.exponent[c])
 
 
 def elastic_energy(d, c, penetration):
-    """Return K δⁿ⁺¹/(n+1) [J] of candidate c for a penetration δ ≥ 0 [m]."""
+    """Return the elastic energy K δⁿ⁺¹/(n+1) [J] of candidate c for a penetration δ ≥ 0 [m]."""
     return elastic_force(d, c, penetration) * penetration / (d.law.exponent[c] + 1.0)
 
 
 def elastic_depth(d, c, mass, speed):
-    """Return the penetration [m] at which K δⁿ stores the energy ½ m v² of a mass [kg] and a speed [m/s]."""
+    """Return the penetration [m] with elastic energy ½ m v², for ``mass`` m [kg] and ``speed`` v [m/s]."""
     stiffness, exponent = d.law.stiffness[c], d.law.exponent[c]
     # the elastic energy equals the kinetic energy: K δⁿ⁺¹/(n+1) = ½ m v²
     energy = 0.5 * mass * speed * speed
@@ -80,7 +81,7 @@ def elastic_depth(d, c, mass, speed):
 
 
 def set_expected_depth(d, c):
-    """Set the expected penetration [m] of candidate c, from v₀ and the effective mass of its contact.
+    """Set the expected penetration [m] of candidate c, from impact speed and effective mass of its contact.
 
     A rigid wall has no penetration; there the length of the longest link takes its place.
     """
@@ -92,19 +93,20 @@ def set_expected_depth(d, c):
 
 
 def set_damping(d, c):
-    """Set the damping d [N·s/m^(p+1)] of candidate c, from v₀ and the effective mass of its contact.
+    """Set the damping d [N·s/m^(p+1)] of candidate c, from impact speed and effective mass of its contact.
 
-    The function also sets ``touch.kink_margin``: the |δ̇| up to which a law that damps on approach only may
-    be on the wrong side of its kink; 0 for other laws.
+    p is the exponent of the penetration δ in the damping force. The function also sets ``touch.kink_margin``:
+    the |δ̇| up to which a law that damps on approach only may be on the wrong side of its kink; 0 for other
+    laws.
     """
     law, touch, number = d.law, d.touch, d.law.number[c]
     factor, stiffness = law.damping_factor[c], law.stiffness[c]
     mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
     if mass_power == 0.0:
-        # the damping d = λ K/v₀ of the Hunt–Crossley family
+        # the damping d = λ K/v₀ of the Hunt–Crossley family, with factor λ, stiffness K and impact speed v₀
         touch.damping[c] = factor * stiffness / touch.impact_speed[c]
     else:
-        # d = f K^(1−s) m^s, with the law's factor f and exponent s, and the effective mass m
+        # damping d = f K^(1−s) m^s, with the law's factor f and exponent s, stiffness K and effective mass m
         ratio = touch.effective_mass[c] / stiffness
         factor_of_mass = power(ratio, mass_power)
         touch.damping[c] = factor * stiffness * factor_of_mass * unit_of_damping(d, c, mass_power)
@@ -257,7 +259,8 @@ def may_jump(d, c):
 def damping_slope(d, c, depth, leaves, spring):
     """Return the slope ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c, before F is cut off at 0; ``spring`` is δⁿ.
 
-    The result is 0 if the point moves outward (``leaves``) and the law damps on approach only.
+    F is the contact force, δ the penetration (``depth``), d the damping. The result is 0 if the point moves
+    outward (``leaves``) and the law damps on approach only.
     """
     law = d.law
     if law.approach_only[c] and leaves:
@@ -279,8 +282,8 @@ def law_slopes(d, c, depth, rate):
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power_of_depth(depth, exponent))
-    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ. For n ≥ p and F ≥ 0 this is at least (n−p) K δⁿ⁻¹, but near the kink F
-    # may be < 0, and the slope may be smaller.
+    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ for the force F and the penetration δ. For n ≥ p and F ≥ 0 this is at
+    # least (n−p) K δⁿ⁻¹, but near the kink F may be < 0, and the slope may be smaller.
     stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
     return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
 
