@@ -203,7 +203,7 @@ def set_output_time(d, time):
 def reinit(d):
     """Re-initialize at the communication point, because an input or parameter changed. Return a status."""
     update_to_output_time(d)
-    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # from the step's variable to time
+    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # from the step's variable to seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)

@@ -113,7 +113,7 @@ def has_effect(constant):
 def set_effect_flags(d):
     """Set the flags in `chain` for the effects that some drive has, such as springs, with the values in use.
 
-    ``chain.has_joint_stops`` must be set before.
+    ``chain.has_joint_stops`` must be set before the call.
     """
     chain = d.chain
     chain.has_springs, chain.has_springs_or_dampers, chain.has_armatures = 0, 0, 0

@@ -264,7 +264,7 @@ def interpolate_motion(d, time):
 
 
 def refuse_channel(d, j):
-    """Store the first candidate at the wall that channel j moves as the cause; return WALL_JUMPS."""
+    """Store the cause of a fault, the first candidate at the wall that channel j moves; return WALL_JUMPS."""
     first = 0
     for c in range(d.candidates):
         if d.shift.channel[d.candidates - 1 - c] == j:

@@ -201,7 +201,7 @@ def apply_sliding_friction(d, e, size):
 
 
 def store_static_forces(d):
-    """Store the constraint forces [N] of sticking elements, and their least margins to the limits.
+    """Store the constraint forces [N] of sticking elements, and their least margins to the limits in a step.
 
     A margin is the limit of static friction minus the size of the force; a step with a negative margin is
     searched for the end of sticking.
