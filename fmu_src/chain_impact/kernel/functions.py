@@ -1,4 +1,7 @@
-"""Marks for functions that the compiler treats specially, and functions that combine functions."""
+"""Operations on parts of the record, and marks for functions that the compiler treats specially.
+
+Other functions of this module combine functions.
+"""
 
 
 def clear_numbers(part):

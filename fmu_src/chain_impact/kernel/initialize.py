@@ -126,7 +126,8 @@ def set_initial_state(d, y):
 def clear_run(d, time):
     """Clear the data of an earlier run that would affect a run from ``time`` [s] on.
 
-    Other large parts of the record are not cleared: this would take a twentieth of the time of a short run.
+    The rest of the record, which is large, stays: to clear it, too, would take a twentieth of the time of a
+    short run.
     """
     clear_numbers(d.step)
     clear_numbers(d.trial)
@@ -250,7 +251,7 @@ def check_parameters(d):
 
 
 def check_ranges(d):
-    """Check that each real that the scene gives is in its range (record/fields.py); return a status.
+    """Check each given real that has a range (``real`` of record/fields.py), and return a status.
 
     Values for stops in joints are checked only if the scene has such stops.
     """

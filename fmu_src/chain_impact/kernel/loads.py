@@ -53,7 +53,7 @@ NEAR_PEAK = 0.95
 def start_loads(d, time):
     """Clear the peaks at the start of a run at ``time`` [s], and store the momenta of the links.
 
-    The momenta are those at the end of the last step.
+    The momenta are those at the end of the last step, which has the length 0.
     """
     transmitted = d.transmitted
     locate_points(d, d.step.state_end)

@@ -177,9 +177,9 @@ def size_in_flight(d, y, rate):
 
 
 def size_at_onset(d, c, method):
-    """Return a size [s] for the first step of the contact of candidate c, which has just begun.
+    """Return a size [s], in the step's variable, for the first step of candidate c's contact after an event.
 
-    ``method`` is the number of the method that takes the step, EXPLICIT or IMPLICIT.
+    The event is the onset or, for an explicit step, another one. ``method``: EXPLICIT or IMPLICIT.
     """
     return ONSET_SIZE[method] * contact_time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 

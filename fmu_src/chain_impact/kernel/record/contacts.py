@@ -191,7 +191,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     and ``reached`` depends on the function that sets up the problem:
 
     - positions [m], with impulses in kg·m: release_contacts, and project_state in its first pass
-    - speeds [m/s], with impulses in N·s: apply_impulses, and project_state in its second pass
+    - speeds [m/s], with impulses in N·s: find_impulses, project_state (second pass), clear_sticking_speeds
     - accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
     """
     count = most_constraints(candidates, elements)
