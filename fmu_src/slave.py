@@ -44,7 +44,10 @@ _log = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)(
 
 
 class SlaveError(Exception):
-    """Raised when the kernel refuses a call; its text is ``reason``, by default the kernel's last message."""
+    """Raised when the kernel refuses a call, or Ctrl-C ends it; its text is ``reason``.
+
+    By default, this is the kernel's last message.
+    """
 
     def __init__(self, *slaves: ChainImpact, reason: str = "") -> None:
         super().__init__(reason or vars(SAID).pop("messages")[-1][1])

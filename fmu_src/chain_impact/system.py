@@ -38,7 +38,7 @@ class Platform(NamedTuple):
         target: the platform's name for zig, with the oldest version of the C library or of macOS that runs
             the code.
         cpu: zig's name of the oldest processor that runs the code. Code for it gives equal bits on all
-            processors.
+            processors that run it.
         tag: the platform's name in a wheel's file name, with the same oldest version.
         has_pythonfmu: whether pythonfmu has a wrapper for the platform.
     """
@@ -138,8 +138,8 @@ def nowhere() -> str:
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use, which may be fewer than the machine has."""
-    # of the supported systems, only Linux can limit a process to some cores, and has this function
+    """Return the number of cores that this process may use; on systems other than Linux, of all cores."""
+    # of the supported systems, only Linux has this function, which tells the cores that a process may use
     affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
@@ -199,7 +199,7 @@ def remove_lock(lock: Any) -> None:
 
 @contextmanager
 def removal() -> Iterator[None]:
-    """Context that removes files; on Windows, an error tells that a program has loaded one of them.
+    """Context for code that removes files; on Windows, an error tells that a program uses one of them.
 
     Windows refuses to remove a library that a program has loaded. On other systems the file is removed, and
     the program keeps its library until it ends.

@@ -42,7 +42,7 @@ class Common:
 
 
 _cache: list[Common] = []
-"""The shared data of the scenes used last, the newest first; all scenes that differ only in numbers have one
+"""The shared data of scenes, the entry added last first. All scenes that differ only in numbers have one
 entry."""
 MOST_CACHED = 16
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
@@ -54,8 +54,8 @@ _others = attrgetter(
         if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
     )
 )
-"""Function that reads the other parts of a scene, except texts: two scenes that differ in one of them share
-nothing. [simulation] is no such part, because it matters only to scenes with signals."""
+"""Function that reads the other parts of a scene, except texts: two scenes share nothing if one of these is
+not the same object in both. [simulation] is no such part: it matters only to scenes with signals."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:

@@ -20,7 +20,7 @@ NEXT = "{next}"
 MOTION = "motion"
 """The name of the part of the record with the prescribed motions of base, walls and belts."""
 MOTIONS = ("position", "velocity", "acceleration")
-"""The fields of the part ``MOTION`` of the record."""
+"""The fields of the part ``MOTION`` of the record that have the motions."""
 
 
 class Heading(NamedTuple):
@@ -159,7 +159,7 @@ class Kind:
 OF_SIGNALS = ("signal", "step")
 """The kinds of owners that belong to signals."""
 LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
-"""Kind of owner → the letter for its number, if this is not i."""
+"""Kind of owner → the letter for its number in names and texts for all owners, if this is not i."""
 
 
 class Block(NamedTuple):

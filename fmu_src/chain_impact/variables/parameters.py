@@ -252,7 +252,8 @@ PARAMETERS = (
             Material,
             path=("contact", "wall", "{name}", KEY),
             record_path=("walls", KEY, AT),
-            # −1 in the record means that the value of [contact] applies to this wall
+            # −1 in the record means that the value of [contact] applies to this wall; a static friction of −1
+            # beside a sliding friction of the wall means that both are equal
             restitution={"if_missing": -1.0},
             friction={"if_missing": -1.0, "hint": HAS_FRICTION},
             static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
@@ -348,4 +349,4 @@ PARAMETERS = (
 )
 """All parameters that scenes can have."""
 EXPERIMENT = _of_table(Simulation, path=("simulation", KEY), record_path=())
-"""Kinds of values that studies can vary like parameters, although the record does not contain them."""
+"""Kinds of the values in [simulation], which the record does not contain; a sweep can vary the stop time."""

@@ -134,7 +134,7 @@ class PreparedScene:
 
     @in_common
     def motion(self) -> list[Variable]:
-        """The outputs that change continuously, in the order of ``Result.outputs``."""
+        """The outputs that change continuously, in the order of their value references."""
         return [variable for variable in self.outputs if variable.record_path[0] == "output"]
 
     @cached_property
@@ -276,9 +276,9 @@ def field_at(outputs: Any, path: DataPath) -> Any:
 def kernel_size(scene: Scene) -> int:
     """Return the number of links for which ``kernel_library`` compiles the kernel of a scene, or ``GENERAL``.
 
-    It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or links are bodies with points
-    or on a slider, not only rods: a kernel for a fixed number of links has no code for these. For any other
-    scene it is the scene's number of links.
+    It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, the base is on a slider, or a
+    link has points or a given ``center_of_mass_offset``: a kernel for a fixed number of links has no code for
+    these. For any other scene it is the scene's number of links.
     """
     facts = SceneFacts(scene)
     is_general = scene.signals or facts["body"] or facts["motions"]

@@ -144,7 +144,8 @@ class Variable:
     def set_path(self) -> DataPath:
         """The path in the record of the value that users set; derivatives are with respect to this value.
 
-        This path differs from ``record_path`` for a parameter that the scene can derive.
+        This path differs from ``record_path`` for a parameter that the scene can derive, and for the initial
+        position of a base that inputs move.
         """
         return self.given_path or self.record_path
 

@@ -119,7 +119,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     told = [conditions(runs, varying), constants(runs, results)]
     mark = " (×)" if kind in (DOTS, CURVES) else ""
     head, *parts = title(runs, results, mark)
-    kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure all but one move below the headline
+    kept = 1 if is_narrow(figure) else len(parts)  # a narrow figure's headline has only two parts
     told = [", ".join(parts[kept:]), *told]
     headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
     # a parameter that is a number comes before a choice, and gets the horizontal axis
@@ -139,7 +139,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 
 
 def name_once(figure: Figure) -> None:
-    """Remove the name of a horizontal axis from a panel if a panel below it has the same name."""
+    """Remove the name of a horizontal axis from a panel if one below it in its column has the same name."""
     named: set[tuple[int, str]] = set()
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()
@@ -152,7 +152,11 @@ def name_once(figure: Figure) -> None:
 
 
 def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
-    """Return the parameters with that of the horizontal axis first: a number, with more values than lines."""
+    """Return the parameters, that of the horizontal axis first.
+
+    A number comes before a choice and, in a picture with curves, a number with more than MOST_SPLIT values
+    before one with fewer.
+    """
     return sorted(
         varying, key=lambda each: (bool(each.choices), kind == CURVES and len(each.values) <= MOST_SPLIT)
     )
@@ -197,7 +201,7 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
 def title(runs: Runs, results: Results, mark: str) -> list[str]:
     """Return the parts of the headline: the number of runs, ranges of results, and how many runs failed.
 
-    ``mark``: the mark of failed runs in the picture, in brackets.
+    ``mark``: how the picture marks failed runs, as text: " (×)", or "" if it does not.
     """
     parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
     for quantity in results.every:
@@ -209,7 +213,7 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
-    """Return a text with the varied parameters and their ranges, or how many choices they have."""
+    """Return a text with each varied parameter: its range and its value in the scene, or how many choices."""
     parts = []
     for variation in varying:
         ends = " to ".join(
@@ -231,7 +235,7 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _across(count: int, kind: str, width: float) -> int:
-    """Return the number of panels in each row of a figure with ``count`` panels and a ``width`` [inches].
+    """Return how many panels a row of a figure with ``count`` panels and a ``width`` [inches] has at most.
 
     It is 3 for three panels, but 1 for three maps in a figure that is narrower than THREE_MAPS. For any other
     ``count`` it is 2. ``kind`` is the kind of picture.

@@ -104,8 +104,8 @@ SHARED = ("N", "N·m", "J")
 An additional output in any other unit gets no prefix.
 """
 LOADS = (*(name for name, peak in PEAKS.items() if peak.is_load), JOINT_FORCE)
-"""The columns with forces and moments. For samples only these are drawn, if any of them differs between the
-runs."""
+"""The columns with forces and moments. For samples, only these are drawn, unless ``results_of`` finds none of
+them to draw, or the user names the columns."""
 
 
 @dataclass(frozen=True)
@@ -133,8 +133,9 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
 
     If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, it tells the
     main results and the first MOST_ASKED additional outputs, except quantities that the scene cannot have,
-    such as a force at walls without walls. Of these it draws the quantities that differ between the runs, or
-    all if none differs. For samples, the picture tells and draws only the forces and moments (``LOADS``)
+    such as a force at walls without walls, and forces that rigid walls leave unknown in all runs. Of these it
+    draws the quantities that differ between the runs, and forces that are unknown in some runs; or all, if
+    there are none of both. For samples, the picture tells and draws only the forces and moments (``LOADS``)
     among the quantities that it would draw otherwise, if there are any.
 
     Raises:

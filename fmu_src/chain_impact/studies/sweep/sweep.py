@@ -24,9 +24,9 @@ from chain_impact.studies.sweep.variation import Values, variations_of
 from chain_impact.system import cores
 from chain_impact.variables.prepared import PreparedScene
 
-# From this number of missing runs on, a kernel is compiled for exactly the sizes of the scene. The
-# compilation takes about 15 s, once. With such a kernel, runs of a scene with moving walls take half the
-# time, other runs nine tenths.
+# From this number of missing runs on, a kernel is compiled for exactly the sizes of the scene, if there is a
+# compiler, no cluster and no derivative. The compilation takes about 15 s, once. With such a kernel, runs of
+# a scene with moving walls take half the time, other runs nine tenths.
 OWN_KERNEL_FROM = 300_000
 
 
@@ -134,7 +134,7 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """If the ``with`` block is interrupted, write a table of the finished runs, and the file of ``take_up``.
+    """If an exception ends the ``with`` block, write the finished runs to the table and for ``take_up``.
 
     Args:
         table: the path of the table.

@@ -24,7 +24,8 @@ static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType
 }
 
 /* Return whether the kernel must compute a variable before it is read: an output or, from initialization mode on, a
-   parameter that the kernel can derive from others, even if the importer has set it. */
+   parameter whose given value has a word of its own, such as one that the kernel can derive from others; this holds
+   even if the importer has set it. */
 static int worked_out(const Instance *instance, const Variable *of) {
     return of->kind == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
 }

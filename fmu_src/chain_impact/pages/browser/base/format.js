@@ -19,7 +19,7 @@ export function raised(unit) {
   return unit.replace(/\^([\d.]+)$/, (_, power) => [...power].map(raisedSign).join(""));
 }
 
-/** Return a text with a minus sign in place of a hyphen before a number. */
+/** Return a text with a minus sign in place of the hyphen with which it begins, if a number follows. */
 export function withMinus(text) {
   return text.replace(/^-(?=[\d.])/, "−");
 }

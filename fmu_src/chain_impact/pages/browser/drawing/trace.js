@@ -3,8 +3,8 @@
 
 const APART = 1.5; // [pixels] least distance between two points of the drawn trace
 const OFF = 0.05; // [pixels] largest distance of the curve from the straight lines with which it is drawn
-// largest distance of a cubic curve from its chord, divided by the difference between its slope at one end and the chord's slope; the
-// distances that follow from the two ends add up
+// largest distance of a cubic curve from its chord, divided by the difference between its slope at one end and the chord's slope (slopes in
+// pixels per step between frames); the distances that follow from the two ends add up
 const BEND = 4 / 27;
 const MOST_PARTS = 16; // largest number of straight lines with which the curve between two frames is drawn
 const MOST = 20_000; // largest number of points of the drawn trace

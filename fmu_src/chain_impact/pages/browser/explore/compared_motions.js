@@ -197,8 +197,9 @@ function comparisonTable(motions) {
 }
 
 /**
- * Return the `impact` with the largest peak force of a recording, or else impulse, and which of the two is its `key`: at walls or, if none
- * is known there, at stops of joints; null without one.
+ * Return { impact, key, unit }: the impact with the largest peak force (`key` "peak") of a recording or, if no peak force is known, with
+ * the largest impulse (`key` "impulse"), of ended contacts if there are any. Impacts at walls come first; without a known value there, it
+ * is an impact at a stop of a joint. `unit` is that of the value. The result is null if no value is known.
  */
 function largestImpact({ impacts }) {
   const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
@@ -210,13 +211,16 @@ function largestImpact({ impacts }) {
   return impact && { impact, key, unit: unitsOf(impact)[key === "peak" ? "force" : "impulse"] };
 }
 
-/** Return the largest peak force of a recording, or else impulse, as text. */
+/** Return the largest peak force of a recording or, if none is known, the largest impulse as text; a dash if both are unknown. */
 export function largestText(recording) {
   const { impact, key, unit } = largestImpact(recording) ?? {};
   return impact ? forceText(impact[key], 3, unit) : "–";
 }
 
-/** Return by how many percent the largest force of a recording differs from that of another: "−12 %"; "" if their units differ. */
+/**
+ * Return by how many percent the largest force (or else impulse) of a recording differs from that of another: "−12 %"; "" if their units
+ * differ, or one is unknown.
+ */
 function percentText(recording, other) {
   const [one, base] = [recording, other].map(largestImpact);
   if (!one || one.unit !== base?.unit || !(base.impact[base.key] > 0)) return "";

@@ -50,7 +50,7 @@ export class ImpactList {
     element.addEventListener("keydown", (event) => this.#press(event));
   }
 
-  /** Let the key Tab reach only this button of the list, so that a long list is one stop. */
+  /** Let the key Tab reach only this button of the list, so that Tab passes a long list in one step. */
   #reach(button) {
     if (this.reached) this.reached.tabIndex = -1;
     this.reached = Object.assign(button, { tabIndex: 0 });
@@ -132,7 +132,7 @@ export class ImpactList {
     if (columns.includes(JOINT_FORCE)) row.append(make("td", ofJoint));
     row.addEventListener("click", () => {
       goTo(impact);
-      // on a phone on its side, the list lies far below the motion, so the page scrolls back to it
+      // on a phone in landscape format, the list lies far below the motion, so the page scrolls back to it
       find("stage").scrollIntoView({ block: "nearest" });
     });
     return row;

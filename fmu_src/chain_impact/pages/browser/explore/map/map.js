@@ -63,8 +63,8 @@ export class GridMap {
   }
 
   /**
-   * Show the dialog. A map with all its points, or from which the present run is, stays as the reader has left it; otherwise, ranges that
-   * the reader has not changed are around the present values.
+   * Show the dialog. A map with all its points stays as the reader has left it, and so does a map from which the reader has opened a run;
+   * otherwise, ranges that the reader has not changed are around the present values.
    */
   open() {
     const isKept = this.shown?.points === POINTS || this.#isLeft;
