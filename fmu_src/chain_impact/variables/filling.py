@@ -36,8 +36,8 @@ from chain_impact.variables.structure import Structure
 _GIVEN_IF = {
     kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
 }
-"""Condition ``Kind.given_if`` → function that finds it in a scene. If the condition holds, the record has two
-fields for a parameter: the given value and the value in use."""
+"""Condition ``Kind.given_if`` → function that tells whether a scene meets it. If so, the record has two
+fields for each parameter with this condition: the given value and the value in use."""
 
 
 def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray:

@@ -46,7 +46,7 @@ KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
 
 @cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
-    """Return key → its metadata for a table of the scene, without keys that are short forms of others."""
+    """Return key → its metadata for a table of the scene, without short forms in files (``file_only``)."""
     return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 

@@ -163,7 +163,10 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
 
 
 def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
-    """Return the parameters whose own value in the scene is marked in the picture (SCENE_MARK)."""
+    """Return the parameters for which the picture marks the scene's value (SCENE_MARK) if it is within reach.
+
+    ``own_value`` says whether it is.
+    """
     kind = kind_of(runs.design)
     if kind == CURVES:
         return in_order(varying, kind)[:1]

@@ -46,7 +46,7 @@ export function timeTicks(low, high, step, onset = 0) {
   return Array.from({ length: count }, (_, k) => onset + (first + k) * step);
 }
 
-/** Return the labels of times [s]; after an onset [s] they count from it, and may be in milliseconds. */
+/** Return the labels of times [s]. If an `onset` [s] is given, the labels count from it, and may be in milliseconds. */
 export function timeTexts(ticks, onset) {
   if (onset === undefined) return ticksOf(ticks).map((tick) => `${withMinus(tick)} s`);
   const since = ticks.map((tick) => tick - onset);

@@ -19,7 +19,7 @@ export function energyOffset(energies) {
   return energyRange(movedBy(energies, offset)) < CLOSER * energyRange(energies) ? offset : 0;
 }
 
-/** Return energies, name → values, with an offset [J] of the potential and the total energy. */
+/** Return energies, name → values, with an offset [J] added to the potential and the total energy. */
 export function movedBy(energies, offset) {
   return Object.fromEntries(Object.entries(energies).map(([name, values]) =>
     [name, offset && MOVED.includes(name) ? values.map((value) => value + offset) : values]));

@@ -99,7 +99,7 @@ export class TimeChart extends Chart {
 
   /**
    * Return the ends of the vertical axis, between which all curves in view fit, including those of compared recordings; `least` and `most`:
-   * the least and the largest value of the other curves.
+   * the least and the largest value of the recording's own curves.
    */
   #range(least, most) {
     const [from, to] = this.span;

@@ -23,7 +23,7 @@ import { showMainParameters } from "./parameters/sliders.js";
 import { Simulation } from "./simulation.js";
 import { keepChartsWhole } from "./whole_charts.js";
 
-// The present view stays if the next view lies inside it and is larger than this part of it; the size of a view is its longer side.
+// The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is its longer side.
 const KEPT = 0.5;
 
 const { file, kit, command } = JSON.parse(find("data").textContent);

@@ -13,7 +13,7 @@ export function wordIndex([constant, ...slopes], sizes, index = 0) {
   return [...counts, index].reduce((sum, count, k) => sum + slopes[k] * count, constant);
 }
 
-/** Return nested tables of words with their indices in a record with the counts `sizes`. */
+/** Return the nested tables `words`, with each word replaced by its index in a record that has the counts `sizes`. */
 export function wordIndices(words, sizes) {
   if (Array.isArray(words)) return wordIndex(words, sizes);
   return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, wordIndices(inner, sizes)]));

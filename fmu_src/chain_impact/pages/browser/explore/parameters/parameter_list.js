@@ -6,7 +6,7 @@ import { explain, presentUnit, refusal, resetButton, valueField } from "./parame
 
 /**
  * Fill the list of all parameters, the element `details`, when the reader first opens it for a scene. Its field `search` keeps only the
- * parameters whose name and meaning contain all the words in the field.
+ * parameters for which each word in the field is in the name or in the meaning.
  */
 export function showParameterList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
