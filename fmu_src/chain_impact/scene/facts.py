@@ -149,9 +149,10 @@ class SceneFacts(dict[str, Any]):
         self.scene = scene
 
     def __missing__(self, name: str) -> Any:
-        """Compute and store a fact as a number, a list as its members, or a flag as a number.
+        """Compute, store and return the fact or list of this name, which is asked for for the first time.
 
-        A flag is a key of [inputs] or [outputs]; its number is 0 or 1, or the number of entries of a list.
+        A fact is a whole number: 0 or 1, or a count. A list is a list of dicts, one for each member. A key of
+        [inputs] or [outputs] is a fact, too: 0 or 1, or the number of entries if its value is a list.
         """
         value: Any
         if name in FACTS:
@@ -169,8 +170,8 @@ class SceneFacts(dict[str, Any]):
     def value_of(self, name: str) -> Any:
         """Return the value that a name has in a rule; None if the value is missing.
 
-        A name with a dot is a key of the scene's file; another name is a fact. A key whose default is the
-        rule ``OFF`` has a value only if the file gives the key.
+        A name with a dot is a key of the scene's file; another name is a fact, or a list of ``LISTS``. A key
+        whose default is the rule ``OFF`` has a value only if the file gives the key.
         """
         if "." not in name:
             return self[name]

@@ -1,6 +1,6 @@
-"""The fast path of ``with_values``: it changes numbers on which few other values depend.
+"""The fast path of ``with_values``: it changes numbers and choices on which few other values depend.
 
-It makes only the checks that these numbers need: reading and checking the whole scene again would take longer
+It makes only the checks that these values need: reading and checking the whole scene again would take longer
 than a short simulation.
 """
 
@@ -58,11 +58,11 @@ def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
 
 
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:
-    """Return the scene with some numbers changed, equal to the result of ``with_values``.
+    """Return the scene with some numbers or choices changed, equal to the result of ``with_values``.
 
     The result is None if only ``with_values`` can make the scene: if the scene has a user's law file, which
-    must be read again; if a change is not of an allowed value in ``_numbers``, or other values depend on it;
-    if the new start fails its checks or needs a warning; or if the communication step exceeds the run.
+    must be read again; if ``_with_number`` cannot make one of the changes; if the new start fails its checks
+    or needs a warning; or if the communication step is longer than the run.
     """
     start, changed = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():
@@ -78,7 +78,7 @@ def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given
 
     The result is None if ``with_values`` must read the whole scene. This is so if the path is empty, because
     ``_numbers`` lacks the name; if the path leads nowhere; if the new value is not allowed; if the present
-    value is derived; or if other values must change or be checked, too.
+    value is derived; or if values other than the derived inertia of a link must change or be checked, too.
     """
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):
@@ -120,8 +120,8 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
 
 def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
     """Return whether other values of the scene depend on a number, or must be checked together with it."""
-    # a table may move a base or a wall; if the table ends before the stop time, this motion ends at rest,
-    # so its last polynomial depends on the stop time
+    # the table of a signal may move a base or a wall; if the table ends before the stop time, this motion
+    # ends at rest, so its last polynomial depends on the stop time
     if path == ("simulation", "stop_time"):
         return any(signal.samples for signal in scene.signals.values())
     return path[0] == "contact" and (value == 0.0 or ("stops", *path[1:]) in scene.derived_paths)

@@ -38,7 +38,7 @@ class KeyRules(TypedDict, total=False):
     or_true: bool
     # whether `with_values` may change the key without reading the whole scene again (fast_values.py)
     alone: bool
-    or_one: bool  # whether one value may be given in place of a list with this value alone
+    or_one: bool  # whether one text may be given in place of a list with this text alone
     # the head of the key's column in the page's editor of the scene; the editor has no column for a key
     # without label
     label: str
@@ -60,9 +60,9 @@ class Derived:
         text: the rule in words.
         value: function from the values read before to the default; the default is None if the value does not
             exist, and ``MISSING`` if the file must give the key.
-        terms: for a parameter of the FMU: each term is a product of these keys, and the default is the sum of
-            the terms, divided by the divisor. A key without a dot belongs to the same table.
-        divisor: divides the sum of the terms.
+        terms: for a parameter of the FMU: for each term, the keys whose values are multiplied. The default is
+            the sum of these products, divided by ``divisor``. A key without a dot belongs to the same table.
+        divisor: the number that divides the sum of the products.
         constant: whether the default has the same content in all scenes; other values may decide only its
             length, or whether there is a default.
         of_box: the rule that replaces this one for a link that is a box, if there is one.

@@ -32,7 +32,8 @@ def scene_path(source: str | os.PathLike[str]) -> Path:
 def unreadable(source: object, error: Exception) -> str:
     """Return the message for a ``source`` of which ``scene_path`` gives no readable file.
 
-    It tells the reason, what is allowed, and the scene that is probably meant: a file beside it, or a model.
+    It tells the reason, what is allowed, and the scene that is probably meant: a file in the same folder, or
+    a model. For an FMU it names the commands that take FMUs instead.
     """
     path = Path(str(source))
     if path.suffix.lower() == ".fmu" and isinstance(error, ValueError):

@@ -18,8 +18,8 @@ from chain_impact.scene.refusals import sentence
 from chain_impact.scene.similar_names import nearest, one_typo, proposed
 from chain_impact.scene.unit_text import number_hint, power_hint
 
-# the least similarity, from 0 to 1, of the key that is proposed for an unknown key; proposals of less similar
-# keys would mislead
+# the least similarity, from 0 to 1, to an unknown key at which ``nearest`` proposes a key; proposals of less
+# similar keys would mislead
 ALIKE = 0.7
 MOST_PARTS = 8  # largest number of names of an owner that a message lists
 _ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
@@ -137,7 +137,7 @@ def names_matching(
     """Return the names that ``find_names`` finds for ``name``, in which ``*`` stands for any text.
 
     If no name matches, the error ends with the text that the function ``hint`` returns for ``name``. If this
-    text is None, the error ends with the most similar name.
+    text is None, the error ends with the hint of ``UnknownNameError``, such as the most similar name.
 
     Raises:
         UnknownNameError: when no name matches.

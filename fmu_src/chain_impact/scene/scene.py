@@ -65,7 +65,7 @@ class Scene(Contents):
 
     @property
     def values(self) -> dict[str, Any]:
-        """Name → value for each single value of the scene; these are the names that ``with_values`` takes.
+        """Name → value for each single value of the scene; ``with_values`` takes each of these names.
 
         A value is None if the scene does not have it, such as the position of a missing wall.
         """
@@ -79,7 +79,7 @@ class Scene(Contents):
 
     @property
     def has_contact_friction(self) -> bool:
-        """Whether contacts are possible and may have dry friction."""
+        """Whether a point can touch a wall, and such a contact may have dry friction."""
         return bool(SceneFacts(self)["contact_friction"])
 
     @property

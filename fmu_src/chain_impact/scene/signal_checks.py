@@ -130,8 +130,8 @@ def _quoted(text: str) -> str:
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
     """Refuse a signal at which the position or the velocity of base or wall would jump.
 
-    The function also refuses periodic accelerations, and a sine of frequency 0 for an input that is
-    integrated, which would divide by zero.
+    The function also refuses periodic accelerations, and a sine whose frequency is 0 and stays 0 for an input
+    that is integrated: the integral of the sine would divide by zero.
     """
     order, moves = family(driven).index(driven), is_motion(driven)
     speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))

@@ -19,8 +19,8 @@ NUMBERS = (
     *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
     *("start", "rise", "initial", "final", "duration"),
 )
-"""The keys of signals whose values are numbers. The record has 0 for a key that the signal's form does not
-use."""
+"""The keys of signals whose values are single numbers, except ``period``. The record has 0 for a key that the
+signal's form does not use."""
 # [1] largest distance in time between the last row of a periodic table and the end of the period, relative to
 # the period, that counts as zero
 CLOSED = 1e-9
@@ -39,8 +39,8 @@ def value_at_start(signal: Signal, driven: str, stop: float) -> float:
 def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> None:
     """Write a signal to row j of the record's part ``signal``, and its polynomials to the part ``knot``.
 
-    All fields of the row must be 0, except its ``order`` and ``first``, the first of its knots, which the
-    caller has set.
+    All fields of the row must be 0, except its ``order`` and ``first``, the index of its first polynomial in
+    ``knot``, which the caller has set.
 
     Args:
         d: the parts ``signal`` and ``knot`` of the record.
@@ -80,8 +80,8 @@ def knots_of(signal: Signal, driven: str) -> int:
 def joined_by(signal: Signal, driven: str) -> str:
     """Return how the rows of a table are interpolated for an input: ``hold``, ``linear`` or ``spline``.
 
-    The default is ``spline`` for a motion of base or wall, which must not jump, and ``hold`` for any other
-    input, which is also the default for samples that Python gives.
+    The default is ``spline`` for a motion of base or wall, so that positions and velocities do not jump, and
+    ``hold`` for any other input. ``simulate`` has the same defaults for samples that Python gives.
     """
     return signal.interpolation or ("spline" if is_motion(driven) else "hold")
 
@@ -103,7 +103,7 @@ def is_position(name: str) -> bool:
 
 
 def is_motion(name: str) -> bool:
-    """Return whether an input moves the base or a wall; such an input must not jump."""
+    """Return whether an input is a position, velocity or acceleration of the base or of a wall."""
     return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
 
 
@@ -174,8 +174,8 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
     """Return a cubic spline through the rows of a table that moves a base or a wall.
 
     The velocity of the spline is 0 at the first row if the table begins after t = 0, and at the last row if
-    the table ends before the run. The acceleration does not jump within the table. The interval before the
-    last row has two polynomials, any other interval one.
+    the table ends before the end of the run. The acceleration does not jump within the table. The interval
+    before the last row has two polynomials, any other interval one.
 
     Args:
         at: the times of the rows, increasing, shape (T,) [s], T ≥ 2.

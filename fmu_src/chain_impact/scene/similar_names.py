@@ -91,9 +91,10 @@ def proposed(name: str, names: Iterable[str]) -> str | None:
 
 
 def one_typo(name: str, names: Iterable[str]) -> str | None:
-    """Return the first name that differs from ``name`` by one letter: more, less, other, or swapped; or None.
+    """Return the first of ``names`` that differs from ``name`` by one letter, or None.
 
-    Names of less than SHORTEST letters are left out.
+    One letter is too many, missing or wrong, or two neighbouring letters are swapped. Names of less than
+    SHORTEST letters are left out.
     """
     return next((other for other in names if len(other) >= SHORTEST and _is_one_typo(name, other)), None)
 

@@ -15,7 +15,7 @@ from chain_impact.scene.names import INPUTS_OF
 
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)
-MODEL_NAME = (  # the rule ``pattern`` for the key ``name`` of a scene, after which files are named, too
+MODEL_NAME = (  # the rule ``pattern`` for the key ``name`` of a scene; files can have this name, too
     rf"(?!(?:{_ANY_CASE})$){IDENTIFIER[0]}",
     f"{IDENTIFIER[1]}, and no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9",
 )

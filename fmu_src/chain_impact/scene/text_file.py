@@ -75,7 +75,7 @@ def comma_separated(text: str) -> str:
     Raises:
         ValueError: when the numbers of such a table have decimal points and decimal commas.
     """
-    # names in quotes may have any separator, and blanks around commas do not count
+    # a separator in a name in quotes does not separate cells, nor does a tab beside a comma
     head = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", text.partition("\n")[0]))
     mark = next((mark for mark in SEPARATORS if mark in head and head.count(mark) >= head.count(",")), None)
     if mark is None:

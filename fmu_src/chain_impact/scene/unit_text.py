@@ -50,7 +50,7 @@ def _plain(unit: str) -> str:
 
 
 def unit_text(unit: str | None) -> str:
-    """Return a unit of an FMU as a text; "" for a pure number."""
+    """Return a unit of an FMU as people write it, such as N·m for N.m; "" for a pure number."""
     return "" if unit in (None, "", "1") else SQUARE.sub("²", PRODUCT.sub("·", unit))
 
 

@@ -38,7 +38,10 @@ MAGIC = b"chainsv2"
 
 
 class _Access(NamedTuple):
-    """A variable's row of the FMU's table, whether it is an integer, its choices, and its unit."""
+    """A variable's row of the FMU's table, whether its value is an integer, a choice's number or a truth value.
+
+    It also has the variable's choices, and its unit.
+    """
 
     row: TableRow
     whole: bool
@@ -50,9 +53,9 @@ class _Access(NamedTuple):
 class _Selection:
     """Several variables that a program reads together.
 
-    ``words`` are their indices in the record, and ``whole`` the positions, in ``words``, of the integers.
-    ``observed`` says whether outputs must be computed first: this is so if a variable is an output, or a
-    parameter that the solver may derive.
+    ``words`` are the indices of their values in use, in words of the record, and ``whole`` the positions, in
+    ``words``, of the integers. ``observed`` says whether outputs must be computed before reading: this is so
+    if a variable is an output, or its value in use and its given value have two places in the record.
     """
 
     words: np.ndarray

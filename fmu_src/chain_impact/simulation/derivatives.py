@@ -233,7 +233,8 @@ class DifferentiatedInstance(Instance):
 def is_rise(parameter: Variable) -> bool:
     """Return whether a parameter is the rise of a signal.
 
-    If the motion has no derivative with respect to a parameter, this is a rise of 0 or a friction of 0.
+    The motion can lack a derivative with respect to two kinds of parameters: a rise of 0 or a friction of 0.
+    This function tells which of the two a parameter is.
     """
     return parameter.record_path[:2] == ("signal", "rise")
 
@@ -243,9 +244,9 @@ class Differentiated:
     """The outputs of a run, with derivatives with respect to its P parameters.
 
     Attributes:
-        values: the outputs, shape (T, W); NaN after a fault.
+        values: the W outputs at T times, shape (T, W); NaN after a fault.
         slopes: the derivatives of the outputs, shape (T, W, P).
-        impacts: one row for each contact in order of onset, as ``Result.impacts``.
+        impacts: I rows, one for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: quantity of an impact → its derivatives, shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
         limits: sentences that tell from which time on derivatives are NaN and why, which are one-sided,
