@@ -129,7 +129,7 @@ typedef struct { char text[1000]; } Sentence;
    follows. */
 Sentence reason(const Table *table, const Word *record, int status);
 typedef struct { char text[32]; } Number;
-/* Return the shortest text from which exactly this number is read. */
+/* Return the text with the fewest digits from which exactly this number is read, such as "0.1" or "1.0". */
 Number number(double value);
 /* Return the text of a number with nine significant digits. */
 Number rounded(double value);

@@ -64,7 +64,8 @@ function tablesOfLaws({ chain, contact, stops }, valueAt) {
   const hasStops = chain.links.some(({ joint_min: least, joint_max: most }) => least !== undefined || most !== undefined);
   const table = (path, law, otherwise) => [path, (key) =>
     (key.startsWith("law.") ? SHARED.laws[law]?.[key.slice(4)] : valueAt([...path, key]) ?? otherwise(key, path))];
-  // by default, a wall with its own sliding friction has the static friction 0; any other wall has both values of [contact]
+  // by default, a wall with its own sliding friction has the static friction 0, which stands for the value of the sliding friction; any
+  // other wall has both values of [contact]
   const ofWall = (key, path) => {
     if (!key.endsWith("friction")) return undefined;
     return valueAt([...path, "friction"]) === undefined ? valueAt(["contact", key]) : 0;
