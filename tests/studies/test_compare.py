@@ -124,6 +124,11 @@ def test_a_contact_that_does_not_end_has_no_restitution():
     assert all(math.isnan(value) for value in (run.restitution, run.duration, run.energy_lost))
 
 
+def test_why_laws_of_stops_are_not_compared_is_told():
+    with pytest.raises(SceneError, match=r"the stops keep stops\.model = flores, and no point can touch"):
+        compare("arm_at_stop")
+
+
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [

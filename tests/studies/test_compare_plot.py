@@ -63,9 +63,9 @@ def test_six_laws_are_named_each_in_its_own_colour_and_the_rest_is_grey(comparis
         "zhang_sharf": "reference",
         "hertz": "no losses",
         "gharib_hurmuzlu": "differs most with losses",
+        "kelvin_voigt": "force jumps at the onset",
         "hunt_crossley": "",
         "lankarani_nikravesh": "",
-        "flores": "",
     }
     looks = looks_of(comparison)
     coloured = {law: look["color"] for law, look in looks.items() if look["color"] not in (GREY, INK)}
@@ -164,15 +164,15 @@ def test_the_panels_show_loops_and_energy(comparison):
     assert sum("[" in name for name in names) == 4
     (legend,) = page.legends
     told = [text.get_text() for text in legend.get_texts()]
-    assert len(told) == COLOURED_LAWS + 2  # a law of impulses, and the others
+    assert len(told) == COLOURED_LAWS + 3  # a law of impulses, the others, and the mark of other impacts
     ends = {
         run.law: run.restitution for run in comparison.runs if looks.get(run.law, {}).get("color") == GREY
     }
     for law in (min(ends, key=ends.get), max(ends, key=ends.get)):
-        assert law in told[-1]
+        assert law in told[-2]
     thin = [line.get_xydata() for line in loops.lines if line.get_color() == GREY]
     assert len(thin) == len([law for law in ends if comparison[law].loop.size])
-    (band,) = energy.collections
+    band, _ = energy.collections
     least, most = band.get_datalim(energy.transData).intervaly
     last = [comparison[law].result.energy["total"][-1] for law in ends if comparison[law].result]
     assert least <= min(last) <= max(last) <= most
@@ -189,8 +189,36 @@ def test_the_headline_has_the_spread_of_the_laws(comparison):
     )
     assert "grey" not in conditions, "the legend names the grey laws"
     legend = [text.get_text() for text in page.legends[0].get_texts()]
-    named = [law for text in legend[:-1] for law in text.partition(" (")[0].split(", ")]
-    assert legend[-1].startswith(f"{len(CONTACT_LAWS) - len(named)} other laws")
+    named = [law for text in legend[:-2] for law in text.partition(" (")[0].split(", ")]
+    assert legend[-2].startswith(f"{len(CONTACT_LAWS) - len(named)} other laws")
+
+
+def test_a_mark_tells_from_where_on_impacts_differ_from_the_reference(comparison):
+    _, energy = drawn(comparison).axes
+    (marks,) = (each for each in energy.collections if "differs from zhang_sharf" in each.get_label())
+    times = {comparison[law].divergence_time for law in named_laws(comparison)} - {None}
+    assert {at for at in times if at > 0.0} <= {*marks.get_offsets()[:, 0].tolist()}
+
+
+@pytest.mark.parametrize(
+    ("model", "why"), [("sliding_rod", "press this contact again"), ("whip", "drive this contact apart")]
+)
+def test_no_restitution_is_told_where_other_forces_decide(model, why):
+    found = compare(
+        model, laws=["zhang_sharf", "hertz", "gonthier", "kelvin_voigt", "hunt_crossley", "tsuji"]
+    )
+    assert not found.has_restitution
+    said = [text.get_text() for text in drawn(found).texts]
+    assert "peak force" in said[0]
+    assert "restitution" not in said[0]
+    assert why in said[1]
+    assert not any("e′" in look["label"] for look in looks_of(found).values())
+
+
+def test_an_impact_without_speed_has_no_restitution():
+    found = compare("rocking_block", laws=["hertz", "flores"])
+    assert not found.has_restitution
+    assert not any(run.restitution > 0.0 for run in found.runs)
 
 
 def test_the_headline_counts_no_grey_laws_where_there_are_none():

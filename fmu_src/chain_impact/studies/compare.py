@@ -182,7 +182,10 @@ def compare(
     firsts = {law: first_of(law_runs[law].result) for law in preferred if law in law_runs}
     reference = next((law for law, first in firsts.items() if first is not None), None)
     if reference is None:
-        reason = next((run.note for run in law_runs.values() if run.note), "") or _why_none(scene)
+        reason = _no_wall(scene) or next((run.note for run in law_runs.values() if run.note), "")
+        kept = f"the stops keep stops.model = {scene.stops.model}, and there is none at a wall"
+        none = kept if scene.stops.model else "there is none"
+        reason = reason or f"{none} before {scene.simulation.stop_time:g} s"
         raise SceneError(f"{scene.name}: no impact to compare the laws by: {reason}")
     expected = law_runs[reference].result
     assert expected is not None
@@ -207,14 +210,14 @@ def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached
     return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
 
 
-def _why_none(scene: Scene) -> str:
-    """Return words that say why a run without a fault has no impact that laws can be compared by."""
-    if scene.stops.model is None:
-        return f"there is none before {scene.simulation.stop_time:g} s"
-    kept = f"the stops keep stops.model = {scene.stops.model}, and"
-    if not point_wall_pairs(scene):
-        return f"{kept} no point can touch a wall"
-    return f"{kept} there is none at a wall before {scene.simulation.stop_time:g} s"
+def _no_wall(scene: Scene) -> str:
+    """Return words that say why no law of the walls can act, if stops keep their own law; "" otherwise."""
+    if scene.stops.model is None or point_wall_pairs(scene):
+        return ""
+    return (
+        f"the stops keep stops.model = {scene.stops.model}, and no point can touch a wall; give the law as "
+        "contact.model in place of stops.model to compare laws at the stops"
+    )
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
@@ -274,7 +277,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
         impact["end"] = impact["onset"]
         impact["duration"] = impact["separation_speed"] = impact["peak_force"] = 0.0
     values = {
-        "restitution": impact["separation_speed"] / impact["impact_speed"],
+        "restitution": impact["separation_speed"] / (impact["impact_speed"] or math.nan),
         "peak_force": impact["peak_force"],
         "max_penetration": impact["max_penetration"],
         "duration": impact["duration"],

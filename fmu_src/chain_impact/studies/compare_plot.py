@@ -1,7 +1,8 @@
 """The picture of a comparison of contact laws: force over penetration in the first impact, and energy.
 
-At most six laws have a colour: the reference, the scene's own law, the law without losses, of the others the
-law whose realised restitution differs most from that of the reference, and other common laws. The reference
+At most six laws have a colour: the reference, the scene's own law, the law without losses, a law
+whose force jumps at the onset, of the others the law whose realised restitution differs most from that of the
+reference, and other common laws. The reference
 is the law with which all others are compared. All further laws are grey, or dotted if they are laws of
 impulses.
 """
@@ -20,6 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.bands import MOST_GREY, fill_band, merged_dashes
 from chain_impact.pictures.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
@@ -43,12 +45,14 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.unit_text import of_power
 from chain_impact.studies.law_change import LOSSLESS, compared_impact
-from chain_impact.studies.law_runs import LawRuns
+from chain_impact.studies.law_runs import LawRuns, grows_again
 from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
 # matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
 REFERENCE_LAYER = 3
+# the reason for the colour of a law whose force is above 0 at penetration 0
+JUMPS = "force jumps at the onset"
 IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {"color": INK, "linestyle": ":", "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses, which has no penetration, if the law has no colour."""
@@ -105,17 +109,30 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
 def message(comparison: LawRuns, *, small: bool = False) -> str:
     """Return the headline: the range of the realised restitutions in the first impact under all laws.
 
-    Laws under which this impact does not end are left out; if it ends under none, the headline says so.
+    Laws under which this impact does not end are left out; if it ends under none, the headline says so. The
+    headline has the range of the peak forces if the impact has no restitution (``has_restitution``).
     ``small``: whether the headline is for a narrow figure, and must be short.
     """
     restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
+    if not comparison.has_restitution:
+        ran = sum(math.isfinite(run.peak_force) for run in comparison.runs)
+        where = "" if small else f" in the {compared_impact(comparison.scene)}"
+        return f"{name}: {peaks(comparison)}{where}, {plural(ran, 'law')}"
     if not restitutions:
         return f"{name}: no law finished its first impact"
     span = f"{min(restitutions):.2f} to {max(restitutions):.2f}"
     text = f"{name}: restitution {span}"
     more = f"in the first impact, for e = {e:g}, {plural(len(restitutions), 'law')}"
     return f"{text} for e = {e:g}" if small else f"{text} {more}"
+
+
+def peaks(comparison: LawRuns) -> str:
+    """Return words for the least and the largest peak force under all laws with a force; "" without any."""
+    found = [run.peak_force for run in comparison.runs if run.peak_force > 0.0]
+    unit = unit_at("peak_force", stop=comparison.at_stop)
+    ends = " to ".join(dict.fromkeys(force_text(end(found), unit) for end in (min, max))) if found else ""
+    return f"peak {'moment' if comparison.at_stop else 'force'} {ends}" if ends else ""
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
@@ -128,28 +145,26 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     hit = f"{compared_impact(comparison.scene)} of {moving}"
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
-    found = [run.peak_force for run in comparison.runs if run.peak_force > 0.0]
-    of_force = "moment" if comparison.at_stop else "force"
-    ends = " to ".join(dict.fromkeys(force_text(end(found), force) for end in (min, max))) if found else ""
-    peaks = f"peak {of_force} {ends}" if ends else ""
     grey = sum(look["color"] == GREY for look in looks.values())
     # whether the legend names the laws in the grey band; this text then does not repeat their number
     is_told = bool(banded(comparison, looks))
     others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
     limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
-    if math.isfinite(most) and (limits or f"{most:.2f}" != "1.00"):
+    if math.isfinite(most) and not comparison.pressed_again and (limits or f"{most:.2f}" != "1.00"):
         limits = f"{limits or 'with other forces during the impact'}: e′ = {most:.2f} without losses"
-    return SEPARATOR.join(filter(None, (hit, peaks, limits, stiffness, tolerance, *others)))
+    said = comparison.no_restitution or peaks(comparison)
+    return SEPARATOR.join(filter(None, (hit, said, limits, stiffness, tolerance, *others)))
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
 
     The reasons of the reference and of the scene's own law are "reference" and "of the scene", that of the
-    law without losses is "no losses". Among all other laws, the reason "differs most with losses" belongs to
+    law without losses is "no losses", that of a law whose force is above 0 at penetration 0 is JUMPS. Among
+    all other laws, the reason "differs most with losses" belongs to
     the law whose restitution in the first impact is farthest from that of the reference law. The law without
     losses does not count there, because it ignores the prescribed restitution and so would usually be the
-    farthest.
+    farthest. No law has this reason if the first impact has no restitution.
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -158,8 +173,12 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     off = {run.law: abs(run.restitution - expected) for run in comparison.runs}
     if off.pop(LOSSLESS, math.nan) > 0.0:
         _add_reason(why, LOSSLESS, "no losses")
-    for law in sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])[:1]:
+    differ = sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])
+    for law in differ[:1] if comparison.has_restitution else ():
         _add_reason(why, law, "differs most with losses")
+    for law in (run.law for run in comparison.runs if run.loop is not None and run.loop.size):
+        if law in CONTACT_LAWS and CONTACT_LAWS[law].rate_exponent == 0.0:
+            _add_reason(why, law, JUMPS)
     for run in comparison.runs:
         if run.law in USED and run.result is not None and len(why) < COLOURED_LAWS:
             why.setdefault(run.law, "")
@@ -189,7 +208,8 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
         if small and comparison.reference not in laws:
             first_reason = ""
         restitution = comparison[first].restitution
-        reached = f"e′ = {restitution:.2f}" if math.isfinite(restitution) else ""
+        is_told = comparison.has_restitution and math.isfinite(restitution)
+        reached = f"e′ = {restitution:.2f}" if is_told else ""
         told = ", ".join(filter(None, (first_reason, reached)))
         label = ", ".join(laws) + (f" ({told})" if told else "")
         if comparison.reference in laws:
@@ -246,15 +266,22 @@ def banded(comparison: LawRuns, looks: Looks) -> list[str]:
 def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False) -> str:
     """Return the label of the band: how many laws share it, and which have the extreme restitutions e′.
 
+    Restitutions are left out if the first impact has none (``has_restitution``).
+
     ``small``: whether the label is for a narrow figure, and must be short.
     """
+    count = sum(
+        run.law == law or _alike(comparison[law].loop, run.loop) for law in band for run in comparison.runs
+    )
+    if not comparison.has_restitution:
+        return plural(count, "other law")
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
     before = "" if small else "e′ = "
     extremes = " to ".join(
         f"{law} ({before}{comparison[law].restitution:.2f})" for law in (order[0], order[-1])
     )
-    return f"{len(band)} others: {extremes}" if small else f"{plural(len(band), 'other law')}: {extremes}"
+    return f"{count} others: {extremes}" if small else f"{plural(count, 'other law')}: {extremes}"
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
@@ -266,8 +293,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
     """
     for loop in loops:
         axes.plot(*loop, color=GREY, linewidth=HAIRLINE)
-    turns = [np.count_nonzero(np.diff(np.diff(depth) > 0.0)) for depth, _ in loops]
-    if max(turns, default=2) > 1:
+    if not loops or any(map(grows_again, loops)):
         return
     depths = np.linspace(0.0, max(loop[0].max() for loop in loops), BAND_POINTS)
     branches = []
@@ -281,7 +307,10 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw the total energy over time; the laws of ``banded`` share one grey band."""
+    """Draw the total energy over time; the laws of ``banded`` share one grey band.
+
+    A cross marks the first impact from which on a curve cannot be compared with that of the reference law.
+    """
     band = banded(comparison, looks)
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
@@ -296,6 +325,12 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
         if (result := comparison[law].result) is not None and law not in band
     }
     draw_lines(axes, courses, looks)
+    times = {law: comparison[law].divergence_time for law in courses}
+    parted = [(t, np.interp(t, *courses[law])) for law, t in times.items() if math.isfinite(t)]
+    if parted:
+        label = f"first impact that differs from {comparison.reference}"
+        at, up = np.transpose(parted)
+        axes.scatter(at, up, s=22.0, color=INK, marker="x", linewidth=1.3, zorder=5.0, label=label)
     every = [run.result for run in comparison.runs if run.result is not None]
     shown, last = [shown_time(result) for result in every], max(result.time[-1] for result in every)
     end = max(time.end for time in shown)

@@ -97,9 +97,13 @@ def advice(comparison: LawRuns) -> str:
     """Return a sentence with the laws that realise the prescribed restitution in the first impact.
 
     If the impact is free, the sentence advises one of them. If not, a second sentence gives the restitutions
-    that can be reached: only an impulse then gives the prescribed restitution, a force only by chance.
+    that can be reached: only an impulse then gives the prescribed restitution, a force only by chance. If
+    other forces press the contact again before it ends, no law is named.
     """
     e = comparison.contact.restitution
+    if comparison.pressed_again:
+        reach = "" if comparison.is_free else f"\n{_reach(comparison)}"
+        return f"{comparison.no_restitution}, so e′ does not tell which laws realise e = {e:g}{reach}"
     near = [run.law for run in comparison.runs if abs(run.restitution - e) <= REALISED_WITHIN * e]
     within = f"within {100 * REALISED_WITHIN:g} % of e = {e:g} in this impact: "
     if comparison.is_free:

@@ -132,9 +132,34 @@ class LawRuns:
         return not any(deviation > FREE_TOLERANCE for deviation in off)
 
     @property
+    def pressed_again(self) -> bool:
+        """Whether another force presses the first contact again before it ends, under any law."""
+        return any(run.loop is not None and grows_again(run.loop) for run in self.runs)
+
+    @property
+    def no_restitution(self) -> str:
+        """Words that say why the e′ of the first impact do not describe the contact alone; "" if they do."""
+        if self.pressed_again:
+            return "other forces press this contact again before it ends"
+        if not self.first_impact["impact_speed"]:
+            return "this contact begins without a speed"
+        most = max(np.nan_to_num([run.restitution for run in self.runs]), default=0.0)
+        return "other forces drive this contact apart" if most > 1.0 + FREE_TOLERANCE else ""
+
+    @property
+    def has_restitution(self) -> bool:
+        """Whether the e′ of the first impact describe the contact alone."""
+        return not self.no_restitution
+
+    @property
     def at_stop(self) -> bool:
         """Whether the first impact is at a stop of a joint, so that its quantities are those of the angle."""
         return at_stop(self.scene, self.first_impact["wall"])
+
+
+def grows_again(loop: np.ndarray) -> bool:
+    """Return whether the penetration of a loop grows again after it has fallen; see ``LawRun.loop``."""
+    return bool(np.count_nonzero(np.diff(np.diff(loop[0]) > 0.0)) > 1)
 
 
 def first_of(result: Result | None) -> np.void | None:
