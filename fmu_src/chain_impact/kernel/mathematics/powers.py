@@ -27,7 +27,7 @@ def power(x, y):
 
 
 def any_power(x, y):
-    """Return x^y for any x and y; for 0, infinity and NaN with the results of C and Python."""
+    """Return x^y for any x and y; for 0, infinity and NaN with the results of pow() in C."""
     if y == 0.0 or x == 1.0:
         return 1.0
     if math.isnan(x) or math.isnan(y):

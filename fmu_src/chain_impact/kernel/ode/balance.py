@@ -125,7 +125,7 @@ def start_balance(d, time):
         total += chain.mass[i]
         reach += chain.length[i]
         # E₁, twice the kinetic energy of the stretched chain: the sum of m (s + Σ L)² + I over its links,
-        # with Σ L up to the end of the link, and with the armature's inertia in I
+        # with the longest link s, Σ L up to the end of the link, and the armature's inertia in I
         square += chain.mass[i] * reach * reach + (chain.inertia[i] + drive_inertia(d, i))
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * chain.gravity_size

@@ -171,8 +171,9 @@ def size_toward_end(d, h):
     """Return a step size [s] ≤ h: PAST_END × the time to an end of a contact, if this is less than h."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # near its end a contact has hardly any force, so ġ hardly changes, and the end is about −g/ġ away; an
-        # end within FORCELESS_PART h is ignored, because hardly any force is left before it
+        # near its end a contact has hardly any force, so the rate ġ of its clearance g hardly changes, and
+        # the end is about −g/ġ away; an end within FORCELESS_PART h is ignored: hardly any force is left
+        # before it
         if gap_rate > 0.0 and FORCELESS_PART * h * gap_rate < -gap < h * gap_rate / PAST_END:
             h = PAST_END * -gap / gap_rate
     return h
@@ -200,7 +201,7 @@ def size_for_fast_motion(d, h):
         most, remains = max(most, abs(fast[j]) * weight[j]), max(remains, abs(left[j]) * weight[j])
     if not (math.isfinite(most) and most > remains > 0.0):
         return h
-    # (1 − h μ A)⁻¹ leaves the part 1/(1 + ρ h μ) of a motion that decays with the rate ρ
+    # the operator leaves the part 1/(1 + ρ h μ) of a motion that decays with the rate ρ; h μ is ``shift``
     rho = (most / remains - 1.0) / shift
     if rho * h > 1.0 and most > rho:
         return min(h, DECAY_TIMES / rho * power(rho / most, 1.0 / (ORDER[IMPLICIT] - 1)))
@@ -366,8 +367,8 @@ def match_clearances(d):
                 implicit.thirds[third - 1, lost] = -work_along(d, change) if d.friction.count > 0 else 0.0
     for j in range(lost + 1):
         at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
-        # F₅ and F₆ change the output by 8/729 F₅ + 8/2187 F₆ at one third, and 8/729 F₅ + 16/2187 F₆ at two
-        # thirds
+        # the coefficients F₅ and F₆ change the dense output by 8/729 F₅ + 8/2187 F₆ at one third of the step,
+        # and by 8/729 F₅ + 16/2187 F₆ at two thirds
         dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)
         dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
 

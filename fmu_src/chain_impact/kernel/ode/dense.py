@@ -89,8 +89,9 @@ def regularized_fraction(d, elapsed):
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
-    # Newton's method for θ, in an interval that contains it, with the slope dt/dθ = h p and the step size h.
-    # Where u ≥ 0, time increases with θ; where u < 0, the contact has ended, and θ is too large.
+    # Newton's method for θ, in an interval that contains it. The slope is dt/dθ = h p, with the step size h
+    # and p = ``time_rate``. Where u ≥ 0, time increases with θ; where u < 0, the contact has ended, and θ is
+    # too large.
     low, high, theta = 0.0, 1.0, 0.5
     for tries in range(MOST_GUESSES):
         error = interpolate_component(step, theta, clock) - elapsed

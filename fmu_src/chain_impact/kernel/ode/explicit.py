@@ -217,7 +217,8 @@ def size_toward_end(d, h):
     if u + 2.0 * slope * h >= 0.0:
         return h
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
-    # the contact ends where u, the root of the penetration, is zero: u + u′ s + ½ u″ s² = 0
+    # the contact ends a distance s ahead, where u, the root of the penetration, is zero: u + u′ s + ½ u″ s² =
+    # 0
     square = slope * slope - 2.0 * u * root_curve(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
     return size_up_to_end(h, left)
@@ -339,7 +340,8 @@ def _interpolant(step, stages, count, h):
     ``stages`` are the stages of these components in the last step, of size h.
     """
     for j in range(count):
-        # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))
+        # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆)))))), with the
+        # fraction θ of the step and the coefficients F_m, which are the rows m of ``dense``
         change = step.state_end[j] - step.state[j]
         step.dense[0, j] = change
         step.dense[1, j] = h * stages[0, j] - change

@@ -223,12 +223,13 @@ def solve_shift(d, s, space, slot, x):
     clear_loads_of(d, space.load)
     if d.chain.has_springs_or_dampers:
         for i in range(drive_count(d)):
-            # the impulse of the damper and the spring of drive i: its part of K r_v + s S r_q
+            # the impulse of damper and spring of drive i: its part of K r_v + s S r_q, where x contains r
             rate, displacement = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
             impulse = drive_resistance(d, i, s) * rate + s * implicit.drive_stiffness[i] * displacement
             load_drive(d, space.load, i, impulse)
     for k in range(clearance_count(d)):
-        # the impulse of the contact with the impedance D and the stiffness k: D r_ġ + s k r_g
+        # the impulse of the contact with the impedance D and the stiffness k: D r_ġ + s k r_g, where x
+        # contains r
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]
         add_along(constraint_row(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, slot, change)

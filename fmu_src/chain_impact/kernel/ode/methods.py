@@ -48,7 +48,8 @@ SUSTAINED_AFTER = 20.0
 # shorter than EQUAL_COST_RATIO times the last explicit step, the explicit method takes over again.
 EQUAL_COST_RATIO = 2.5
 # If the size of the last explicit step is not known, the explicit method takes over again at an implicit step
-# with hρ < NOT_STIFF_STEP: two stable explicit steps then cover the same time at a lower cost.
+# with hρ < NOT_STIFF_STEP, with the size h and the rate ρ as for STIFF_STEP: two stable explicit steps then
+# cover the same time at a lower cost.
 NOT_STIFF_STEP = 5.0
 # If explicit steps are shorter than the implicit steps that they have replaced by more than the factor
 # FAR_SHORTER, the implicit method takes over again: far from the origin the round-off of positions causes

@@ -80,7 +80,7 @@ def root_curve(d, u, slope):
     The points must be located and accelerated.
     """
     quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
-    # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²)
+    # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²), with p = dt/ds and the penetration δ
     curve = 0.5 * time_rate(u) * -gap_acceleration(d, c) / d.touch.depth_scale[c]
     return quotient * (curve - 2.0 * u * slope * slope)
 

@@ -202,8 +202,8 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # SOLVED, or the reason why the search for constraint forces has failed in the tried step (UNSOLVED,
         # MOVING or SQUEEZED of kernel/rows/constraints.py)
         ("unsolved", INTEGER),
-        # 1: the last problem was near a fold: its first iteration left more than FOLD_RESIDUAL
-        # (rows/constraints.py) of the residual at rigid walls
+        # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
+        # than FOLD_RESIDUAL (rows/constraints.py) of the residual
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),

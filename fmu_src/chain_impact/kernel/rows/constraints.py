@@ -48,9 +48,9 @@ from chain_impact.kernel.rows.geometry import (
     constraint_row,
 )
 
-# If an iteration leaves more than SLOW_DECREASE of the residual, as near a toggle position, where 1/W is far
-# larger than a link's mass, D is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass
-# of a link; with a larger D the residual would only be round-off.
+# If an iteration at a rigid wall leaves more than SLOW_DECREASE of the residual, as near a toggle position,
+# where the mobility is small, the impedance is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times
+# the mean mass of a link; with a larger impedance the residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
 FOLD_RESIDUAL = 1e-3  # if one iteration leaves more than this part of the residual, a fold is near
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
@@ -58,12 +58,12 @@ FOLD_RESIDUAL = 1e-3  # if one iteration leaves more than this part of the resid
 # times the large D of the other iterations, would stay in the forces against motions that can hardly be
 # constrained, and steps at tight tolerances would be short.
 FIRST_IMPEDANCE = 1e3
-# The force on a single held point is m/W if W times the mean mass of a link is at least this. Near a toggle
-# position W is smaller and has lost digits, and the iteration finds the force.
+# The force on a single held point is m/W, with the residual m and the mobility W, if W times the mean mass of
+# a link is at least this. Near a toggle position W is smaller and inexact, and the iteration finds the force.
 LEAST_SINGLE_MOBILITY = 1e-3
-# The factor on D of sticking elements with which one solution replaces n = STICKING_ITERATIONS. With x = D W,
-# n iterations leave (1 + x)⁻ⁿ of a motion; one solution with the factor a leaves 1/(1 + a x). Both are equal
-# for a = ((1 + x)ⁿ − 1)/x: n for small x, and 10 for x = 0.36. For a larger x both leave little.
+# The factor a on sticking elements' impedance D with which one solution replaces n = STICKING_ITERATIONS.
+# With the mobility W and x = D W, n iterations leave (1 + x)⁻ⁿ of a motion; one solution leaves 1/(1 + a x):
+# equal for a = ((1 + x)ⁿ − 1)/x, which is n for small x, and 10 for x = 0.36. A larger x leaves little.
 SINGLE_SOLUTION_FACTOR = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, relative to ``scale``
 # A residual of a sticking element well below this, relative to the largest motion, may be round-off, so
@@ -78,7 +78,7 @@ NEGLIGIBLE_MOTION = 0.1
 # relative to the largest impulse or motion
 SIGN_TOLERANCE = 1e-12
 # The number of successive pivots that may leave the least number of violated candidates unchanged. After one
-# more, pivots change one candidate each until it falls; these end if W is positive definite, but slowly.
+# more, pivots change one candidate each until it falls; these end, but slowly (``solve_lcp``).
 MAX_STALLED_PIVOTS = 3
 # The least impedance of a sticking element, relative to that of the element with the largest limit of
 # friction. With a smaller one, the element's residual would fall too slowly.
@@ -191,10 +191,10 @@ def iterate_impulses(d, scale, impedance):
 
 
 def reduce_free_impulses(d, fraction, noise):
-    """Take a ``fraction`` off the impulses along motions that can hardly be constrained (D W ≪ 1).
+    """Take a ``fraction`` off the impulses along motions that can hardly be constrained.
 
-    Along such a motion each of the STICKING_ITERATIONS has added D m to the impulse, with the residual m. The
-    impulse hardly changes if m is well below ``noise``, and may be the round-off of a constrained motion.
+    Along such a motion each of the STICKING_ITERATIONS has added D m to the impulse, with the impedance D and
+    residual m. The impulse hardly changes if m is well below ``noise``, and may be round-off.
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
@@ -216,7 +216,7 @@ def single_active(d):
 
 
 def solve_single(d, only):
-    """Solve the equality problem for the one constraint ``only``; return False if a wall's W is too small."""
+    """Solve the equality problem for constraint ``only``; return False at a wall of too small mobility."""
     constraints, motion = d.constraints, d.scratch.motion
     clear_loads_of(d, d.scratch.load)
     add_along(constraint_row(d, only), d.scratch.load, 1.0)
@@ -303,7 +303,7 @@ def solve_lcp(d, scale):
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587) begins with the active set in
     ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once as
-    long as their number falls, otherwise only the one with the highest index, which terminates if W is
+    long as their number falls, otherwise only the one with the highest index; this ends if the mobility W is
     positive definite (Murty 1974, Linear Algebra Appl 9:65). If the search does not terminate, the problem is
     recorded as unsolved. Arguments and stored results are as in ``solve_equality``; nothing is returned.
     """

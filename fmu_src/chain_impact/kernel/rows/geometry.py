@@ -127,7 +127,7 @@ def stop_sign(d, c):
 
 
 def joint_stop_moment(d, c, force):
-    """Return the moment [N·m] on the link that follows from the ``force`` [N] of a joint's stop.
+    """Return the moment [N·m] on the joint's outer link by the ``force`` [N] of a joint's stop.
 
     For an impulse [N·s] the result is the angular impulse. The result is positive at the lower limit of the
     joint's angle, and negative at the upper limit.
@@ -296,7 +296,7 @@ def add_joint_loads(d, load):
 
 
 def add_joint_impedances(d, impedance):
-    """Add to each joint's impedance the inertia of the drive's rotor, and the impedance at its place."""
+    """Add to a joint's impedance the rotor's inertia, and that at its place times the squared lever arm."""
     if d.chain.has_joint_places or d.chain.has_armatures:
         square = d.chain.longest_link * d.chain.longest_link
         for i in range(d.links):

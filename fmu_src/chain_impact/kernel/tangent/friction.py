@@ -51,7 +51,7 @@ from chain_impact.kernel.tangent.trust import (
 # Two events count as events at one time, for nearby parameters, too, if at the delayed time of one event the
 # derivatives of the speed or friction margin that causes the other are at most this, relative to their scale.
 SAME_TIME_SLOPE = 1e-5
-# The end of sticking is located where |F_t| exceeds the limit of friction by a small excess. If the limit
+# The end of sticking is located where the friction force exceeds its limit by a small excess. If the limit
 # itself is at most NEARLY_SLIPPING_RATIO times the excess, and the element is marked STOPPED, the located
 # time is wrong, and the derivatives end there.
 NEARLY_SLIPPING_RATIO = 1000.0
@@ -82,7 +82,7 @@ def delay_of_change(t):
 
 
 def delay_of_rest(t, e):
-    """Return the delay −φ′/φ̇ [s] of the time at which element e stops sliding; φ is its speed t·v.
+    """Return the delay −φ′/φ̇ [s] of the time at which element e stops sliding; φ is its tangential speed.
 
     φ′ is the derivative of φ with respect to a parameter. The delay has no derivatives if the acceleration φ̇
     is so small that it may be an error.
@@ -113,11 +113,11 @@ delay_of_margin = delay_along_motion(margin_after)
 
 
 def delay_of_sliding(t, e):
-    """Return the delay −φ′/φ̇ [s] of the time at which element e begins to slide; φ = µ_s F_n − |F_t|.
+    """Return the delay −φ′/φ̇ [s] of the time at which element e begins to slide.
 
-    If φ falls so slowly that errors decide this time, the delay has no derivatives; the derivatives of the
-    run then end, too, if the friction drops at this time and the drop matters. They also end if the located
-    time is wrong (NEARLY_SLIPPING_RATIO).
+    φ = µ_s F_n − |F_t| is the margin of static friction. If φ falls so slowly that errors decide this time,
+    the delay has no derivatives; the derivatives of the run then end, too, if the friction drops at this time
+    and the drop matters. They also end if the located time is wrong (NEARLY_SLIPPING_RATIO).
     """
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.chain.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):

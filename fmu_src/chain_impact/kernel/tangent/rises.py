@@ -70,7 +70,10 @@ def is_differentiable(t, j):
 
 
 def at_begin(t, j):
-    """Return the jump J = a sin ψ of signal j at its start, and the signal's rate there, as plain numbers."""
+    """Return the jump J = a sin ψ of signal j at its start, and the signal's rate there, as plain numbers.
+
+    a is the amplitude of the sine, ψ its phase at the start.
+    """
     signal, i = t.signal, t.signal.source[j]
     cosine, sine = direction(signal.phase[i])
     a, omega = value(signal.amplitude[i]), TAU * value(signal.frequency[i])

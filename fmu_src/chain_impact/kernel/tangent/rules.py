@@ -18,7 +18,8 @@ from chain_impact.kernel.tangent.friction import choose_modes, contact_resistanc
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
 # The increment of an argument of a user's law for the differences that give the derivatives with respect to
-# this argument, relative to the argument; for the rate δ̇, relative to |δ̇| + v₀.
+# this argument, relative to the argument; for the rate δ̇ of the penetration, relative to |δ̇| plus the
+# impact speed.
 ARGUMENT_DIFFERENCE = 1e-3
 # number of iterations for the forces of constraints after which their derivatives have converged
 FORCE_ITERATIONS = 3
