@@ -160,7 +160,7 @@ def test_keys_move_grips_and_points_are_numbered(show):
     names = {
         "Point 0: arrow keys move it": "initial.x",
         "Velocity of point 2: arrow keys change it": "initial.angular_velocity[2]",
-        "Wall x_max: arrow keys move it": "box.x_max",
+        "Right wall: arrow keys move it": "box.x_max",
     }
     for spoken, name in names.items():
         page.get_by_role("button", name=spoken).focus()

@@ -78,6 +78,32 @@ def test_the_list_of_impacts_shortens_the_names_of_stops_only(script, wall, text
 
 
 @pytest.mark.parametrize(
+    ("wall", "gravity", "text"),
+    [
+        ("y_min", [0.0, -9.81], "floor"),
+        ("x_max", [0.0, -1.0], "right wall"),
+        ("ramp", [0.0, -9.81], None),
+        ("y_min", [0.0, 0.0], None),
+        ("y_min", [0.0, 9.81], None),
+        ("x_min", [1.0, -9.81], None),
+        ("y_min", [None, None], None),
+    ],
+)
+def test_a_wall_of_the_box_has_words_only_where_gravity_points_down(script, wall, gravity, text):
+    given = [wall, {"gravity.x": gravity[0], "gravity.y": gravity[1]}]
+    function = "([wall, values]) => boxWallText(wall, (name) => values[name]) ?? null"
+    assert script.evaluate(function, given) == text
+
+
+@pytest.mark.parametrize(
+    ("what", "text"),
+    [("point 2", "2"), ("point 4 (toe)", "toe"), ("point 12 (a (b))", "a (b)"), ("joint 3", "joint 3")],
+)
+def test_a_list_has_short_words_for_what_touches(script, what, text):
+    assert script.evaluate("what => toucherText({ what })", what) == text
+
+
+@pytest.mark.parametrize(
     ("name", "text"),
     [
         ("joint[12].torque", "Torque of joint 12"),

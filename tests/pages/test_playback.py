@@ -119,7 +119,8 @@ def test_clicks_keys_slider_and_chart_go_to_a_moment(show_recording, recording):
         assert time_of(page) == pytest.approx(peak_time(recording, impact), abs=2e-5)
         newtons = page.text_content(".force-text").replace("kN", "e3").replace("N", "")
         assert float(newtons.replace("\u202f", "")) == pytest.approx(impact["peak_force"], rel=0.02)
-        where = f"point {impact['point']} at {recording.wall_names[impact['wall']]}"
+        wall = {"y_min": "floor", "x_max": "right wall"}[recording.wall_names[impact["wall"]]]
+        where = f"point {impact['point']} at the {wall}"
         caption = page.inner_text("#caption")
         assert caption.startswith(f"Impact {number} of 14: {page.text_content('.force-text')}, ")
         assert caption.endswith(f"m/s, {where}")

@@ -189,13 +189,21 @@ def test_no_label_is_broken_within_its_word(show, size):
 
 def test_a_slider_that_was_refused_is_right_again_after_the_next_change(show):
     page = show("sliding_rod")
-    slider = page.get_by_role("slider", name="Friction at y_min", exact=True)
+    slider = page.get_by_role("slider", name="Friction at the floor", exact=True)
     slider.press("End")
     assert "static_friction" in slider.evaluate("slider => slider.validationMessage")
-    page.get_by_role("slider", name="Static friction at y_min").press("End")
+    page.get_by_role("slider", name="Static friction at the floor").press("End")
     assert slider.evaluate("slider => slider.validationMessage") == ""
     slider.press("End")
     assert page.evaluate("chainImpact.parameters['wall.y_min.friction']") == "1.5"
+
+
+def test_a_label_calls_a_wall_the_floor_only_while_gravity_points_down(show):
+    page = show("sliding_rod")
+    label = page.locator("label[for='main-wall.y_min.friction']")
+    assert label.inner_text() == "Friction at the floor"
+    page.get_by_role("slider", name="Gravity, y").press("End")
+    assert label.inner_text() == "Friction at y_min"
 
 
 def test_the_list_has_every_parameter_and_is_searched(show):

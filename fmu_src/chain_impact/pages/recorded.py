@@ -72,6 +72,7 @@ def data(recording: Recording) -> dict[str, Any]:
         },
         "impacts": impacts(recording),
         "walls": free_sides(recording.walls),
+        "gravity": {name: recording.parameters.get(name) for name in ("gravity.x", "gravity.y")},
         "moved": {name: _packed(moved) for name, moved in recording.moved_walls.items()},
         "stops": [_range(joint, limits) for joint, limits in recording.stops.items()],
         "radius": radius_of(recording),

@@ -2,6 +2,7 @@
 
 import { fixed, impulseText, ticksOf, withMinus } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
+import { placeText } from "../scene/words.js";
 
 /** [s] time that a chart shows before and after an impact without a duration. */
 export const MOMENT = 1e-3;
@@ -72,9 +73,9 @@ export function writerOf(arrays) {
 
 /** Return words for a contact: the number of the impact, what touches, the wall, and the impulse if no peak force is known. */
 export function contactTitle(contact) {
-  const { number, what, wall, peak } = contact;
+  const { number, peak } = contact;
   const impulse = peak === null ? impulseText(contact) : "";
-  return `${number ? `impact ${number}: ` : ""}${what} at ${wall}${impulse && `, ${impulse}`}`;
+  return `${number ? `impact ${number}: ` : ""}${placeText(contact)}${impulse && `, ${impulse}`}`;
 }
 
 export function axisOptions(options = {}) {

@@ -3,8 +3,8 @@
 
 import { find, make } from "../base/dom.js";
 import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
-import { wallText } from "../player/impact_list.js";
 import { partnerOf } from "../recording/partners.js";
+import { placeText, toucherText, wallText } from "../scene/words.js";
 import { onGesture } from "./gestures.js";
 
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
@@ -236,11 +236,6 @@ function differenceText(before, present) {
   return `${one[0]} → ${other[0]}, largest ${one[1]} → ${other[1]}`;
 }
 
-/** Return what touches and where at an impact, as short text. */
-function placeText(impact) {
-  return `${impact.what.replace(/^point /, "")}\u00a0${wallText(impact)}`;
-}
-
 /**
  * Return a table's cell for an impact: time, peak force or impulse, and place, with a tooltip that tells the duration; a dash without
  * impact. The cell tells the impact's own number if it differs from that of the column.
@@ -249,8 +244,8 @@ function cellOf(impact, column) {
   if (!impact) return make("td", { textContent: "–", title: "No impact of this point and wall is near" });
   const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
   const until = `until ${durationText(impact.end - impact.onset)} later`;
-  const cell = make("td", { title: `Impact ${impact.number}: ${impact.what} at ${wallText(impact)}, ${until}` });
-  const place = make("small", { className: "place", textContent: placeText(impact) });
+  const cell = make("td", { title: `Impact ${impact.number}: ${placeText(impact)}, ${until}` });
+  const place = make("small", { className: "place", textContent: `${toucherText(impact)} ${wallText(impact)}` });
   if (impact.number !== column) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
   cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }), place);
   return cell;

@@ -1,13 +1,14 @@
 // The words of handles for screen readers, and the values that a dragged handle sets, as text beside it.
 
 import { numberText, withMinus } from "../base/format.js";
+import { capitalized } from "../scene/words.js";
 import { presentUnit } from "./parameters/parameter_fields.js";
 
 export const SPOKEN = {
   site: (index, label) => `Point ${index}${label}: arrow keys move it on its link`,
   joint: (index) => `Point ${index}: arrow keys move it`,
   velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
-  wall: (name) => `Wall ${name}: arrow keys move it`,
+  wall: (name, words) => `${capitalized(words || `wall ${name}`)}: arrow keys move it`,
 };
 const ABOVE = 24; // [pixels] distance of the text from the middle of the handle
 const DEGREES = 180 / Math.PI;

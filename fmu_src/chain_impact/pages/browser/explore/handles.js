@@ -5,6 +5,7 @@ import { isCrossed } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";
 import { edgeBefore, edgesOf } from "../recording/free_region.js";
 import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
+import { boxWallText } from "../scene/words.js";
 import { SPOKEN, valueTextOf, writeAt } from "./handle_text.js";
 
 const ARROW_TIME = 0.1; // [s] the arrow of a velocity is as long as the way that a point would move in this time
@@ -163,8 +164,9 @@ export class Handles {
     const group = drawing.above;
     group.polyline(positions.map(screen)).addClass("pose").fill("none");
     this.#walls.forEach(({ name, at, isSeen }) => {
+      const grip = gripFor("wall", name, boxWallText(name, (parameter) => this.changes.valueOf(parameter)));
       const [x, y] = at;
-      group.rect(WALL, WALL).radius(5).center(x, y).addClass(isSeen ? "wall-grip" : "wall-grip wall-beyond").attr(gripFor("wall", name));
+      group.rect(WALL, WALL).radius(5).center(x, y).addClass(isSeen ? "wall-grip" : "wall-grip wall-beyond").attr(grip);
     });
     this.#arrows().forEach(({ from, foot, to, k }) => {
       group.line([from, foot]).addClass("velocity-stem");
@@ -376,7 +378,7 @@ function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }
 
-/** Return the attributes that make an element a grip for pointers and keys; `label`: the name of a point, or "". */
+/** Return the attributes that make an element a grip for pointers and keys; `label`: words for its name, or "". */
 function gripFor(kind, index, label = "") {
   return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index, label) };
 }

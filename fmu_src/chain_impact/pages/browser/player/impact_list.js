@@ -2,6 +2,7 @@
 
 import { find, make } from "../base/dom.js";
 import { forceText, impulseText, unitsOf } from "../base/format.js";
+import { placeText, toucherText, wallText } from "../scene/words.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
 const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
@@ -20,11 +21,6 @@ const TITLES = {
  */
 function peakText(impact) {
   return impact.peak === null ? impulseText(impact) || "–" : forceText(impact.peak, 3, unitsOf(impact).force);
-}
-
-/** Return the name of an impact's wall; for a stop, only which end it is: min or max. */
-export function wallText({ wall }) {
-  return wall.replace(/^(joint|slider)_(?=(min|max)$)/, "");
 }
 
 function approachText(impact) {
@@ -120,8 +116,8 @@ export class ImpactList {
     row.insertCell().append(button);
     const texts = [
       impact.onset.toFixed(5),
-      impact.what.replace(/^point /, ""),
-      wallText(impact),
+      toucherText(impact),
+      impact.boxWall?.replace(" wall", "") ?? wallText(impact),
       approachText(impact),
       reboundText(impact),
       peakText(impact),
@@ -163,6 +159,6 @@ export function impactText({ impacts }, contact, time) {
   const { number, onset } = contact;
   const isNext = onset > time;
   const [force, speed] = [peakText(contact), approachText(contact)];
-  const parts = [force === "–" ? "" : `${force}, `, isNext ? "" : `${speed}, `, `${contact.what} at ${wallText(contact)}`];
+  const parts = [force === "–" ? "" : `${force}, `, isNext ? "" : `${speed}, `, placeText(contact)];
   return `${isNext ? "Next is impact" : "Impact"} ${number} of ${impacts.length}: ${parts.join("")}`;
 }

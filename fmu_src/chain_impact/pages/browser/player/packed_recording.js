@@ -2,6 +2,7 @@
 
 import { bytesIn, numbersIn } from "../base/base64.js";
 import { mapped } from "../base/mapped.js";
+import { boxWallText } from "../scene/words.js";
 
 /** Return the real numbers low + (high − low) · k / FINEST for packed integers k, which `values` has as text in base64. */
 function numbers({ low, high, values }) {
@@ -30,5 +31,6 @@ export function unpack(packed) {
   const [x, y] = [packed.x, packed.y].map(numbers);
   const drawn = mapped(packed.drawn, (entries) => entries.map(({ n, name, rows, columns }) =>
     ({ n, name, columns: mapped(columns, atAllRows(rows, time.length)) })));
-  return { ...packed, moved: mapped(packed.moved, numbers), time, x, y, drawn };
+  const impacts = packed.impacts.map((impact) => ({ ...impact, boxWall: boxWallText(impact.wall, (name) => packed.gravity[name]) }));
+  return { ...packed, impacts, moved: mapped(packed.moved, numbers), time, x, y, drawn };
 }

@@ -1,7 +1,37 @@
 // The words that the page shows in place of the names of inputs, parameters and numbers of signals.
 
+// walls of a box → words for them, if gravity points straight down
+const OF_BOX = { x_min: "left wall", x_max: "right wall", y_min: "floor", y_max: "ceiling" };
 // the first letter of the name of a base's quantity, as in x, vx, ax → the word for it
 const OF_BASE = { x: "position", y: "position", v: "velocity", a: "acceleration" };
+
+/** Return words with a capital letter at the beginning. */
+export function capitalized(words) {
+  return words[0].toUpperCase() + words.slice(1);
+}
+
+/**
+ * Return the words for a wall of a box if gravity points straight down; undefined otherwise, and for other walls. `valueOf`: a function
+ * from the name of a parameter to its value.
+ */
+export function boxWallText(name, valueOf) {
+  return valueOf("gravity.x") === 0 && valueOf("gravity.y") < 0 ? OF_BOX[name] : undefined;
+}
+
+/** Return the name of a contact's wall, or its words as a wall of a box; for a stop, only which end it is: min or max. */
+export function wallText({ wall, boxWall }) {
+  return boxWall ?? wall.replace(/^(joint|slider)_(?=(min|max)$)/, "");
+}
+
+/** Return words for a contact: "point 2 at the floor". */
+export function placeText(contact) {
+  return `${contact.what} at ${contact.boxWall ? "the " : ""}${wallText(contact)}`;
+}
+
+/** Return what touches as short text: the name of a point, or its number; a joint or slider as it is. */
+export function toucherText({ what }) {
+  return /^point \d+ \((.+)\)$/.exec(what)?.[1] ?? what.replace(/^point /, "");
+}
 
 /** Return the words for an input: "Force on the tip, x" for tip.force.x, "Target angle of joint 2" for joint[2].target_angle. */
 export function inputText(name) {
@@ -10,7 +40,7 @@ export function inputText(name) {
   const [key, axis] = inHead ?? rest;
   const owner = head === "wall" ? rest[0] : head.includes("[") ? head.replace(/\[(\d+)\]/, " $1") : `the ${head}`;
   const words = `${key.replaceAll("_", " ")} ${key === "force" ? "on" : "of"} ${owner}${axis ? `, ${axis}` : ""}`;
-  return words[0].toUpperCase() + words.slice(1);
+  return capitalized(words);
 }
 
 /** Return the words for a number of a signal: "push: value 1" for the key value[1] of the signal push. */
@@ -23,7 +53,7 @@ export function parameterText(name) {
   const [head, ...rest] = name.split(".");
   const key = rest.at(-1) ?? "";
   const words = ["gravity", "box"].includes(head) ? `${head}, ${key}` : partsText(head, rest.slice(0, -1), key);
-  return words[0].toUpperCase() + words.slice(1);
+  return capitalized(words);
 }
 
 /** Return the words for a key of an owner: "friction of wall ramp", "initial angle of link 1". */

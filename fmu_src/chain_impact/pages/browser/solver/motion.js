@@ -7,6 +7,7 @@ import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
 import { ballOf, sizeOf, VIEW } from "../recording/view.js";
 import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
+import { boxWallText } from "../scene/words.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./bodies.js";
 
@@ -30,6 +31,7 @@ function impactsOf(impacts, scene, valueOf) {
       point,
       what: stopped || pointText(new Map(scene.pointNames), point),
       wall: scene.wallNames[wall],
+      boxWall: boxWallText(scene.wallNames[wall], valueOf),
       onset,
       end: Number.isFinite(end) ? end : null,
       endSpeed, joint, atStop,

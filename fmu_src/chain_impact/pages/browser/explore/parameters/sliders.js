@@ -2,7 +2,7 @@
 
 import { make } from "../../base/dom.js";
 import { numberText } from "../../base/format.js";
-import { inputText, parameterText, signalText } from "../../scene/words.js";
+import { boxWallText, inputText, parameterText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
@@ -48,20 +48,21 @@ function rounded(value) {
 }
 
 /**
- * Return the `label` element of a main parameter, `text`, a function that returns its unit, and `showUnit`, a function that shows the unit
- * in the label, unless the text in the field contains it.
+ * Return the `label` element of a main parameter, `text`, a function that returns its unit, and `relabel`, a function that shows words and
+ * unit in the label; the unit is left out if the text in the field contains it.
  */
-function labelOf(changes, { name, label: words }) {
+function labelOf(changes, entry) {
+  const { name } = entry;
   const text = () => presentUnit(changes, name);
-  const textContent = words.replace(/ (?=\d)/g, "\u00a0"); // the line is not broken before a number
-  const label = make("label", { className: "main-parameter-label", textContent, title: name });
-  const element = make("small", { textContent: text() });
+  const [words, element] = [make("span"), make("small", { textContent: text() })];
+  const label = make("label", { className: "main-parameter-label", title: name }, words);
   if (text()) label.append(" ", element);
-  const showUnit = (shown) => {
+  const relabel = (shown) => {
+    words.textContent = entry.label.replace(/ (?=\d)/g, "\u00a0"); // the line is not broken before a number
     // a text such as "90 deg" contains its unit, so no unit is shown beside it
     element.textContent = /deg/.test(shown) ? "" : text();
   };
-  return { label, text, showUnit };
+  return { label, text, relabel };
 }
 
 /**
@@ -73,11 +74,10 @@ function mainParameter(changes, entry, now) {
   const { name } = entry;
   const parameter = changes.parameters.get(name);
   const { field, write, refresh } = valueField(changes, parameter);
-  const { label, text, showUnit } = labelOf(changes, entry);
+  const { label, text, relabel } = labelOf(changes, entry);
   const row = make("div", { className: "main-parameter" }, label, resetButton(changes, name, field), field);
   field.id = `main-${name}`;
   label.htmlFor = field.id;
-  field.setAttribute("aria-label", `${entry.label}, ${name}`); // the label contains the words that are seen, and the name in the scene
   const { element, since, follow, show } = parameter.items.length
     ? choiceSentence(changes, parameter)
     : slider(changes, entry, { field, write, now, unit: text });
@@ -86,7 +86,8 @@ function mainParameter(changes, entry, now) {
   return { name, row, follow, refresh: () => {
     refresh();
     show();
-    showUnit(field.value);
+    relabel(field.value);
+    field.setAttribute("aria-label", `${entry.label}, ${name}`); // the label contains the words that are seen, and the name in the scene
     explain(row);
     const law = name.endsWith(".stiffness") ? impulsiveLaw(changes, name === "stop.stiffness") : "";
     row.classList.toggle("idle", Boolean(law));
@@ -213,7 +214,10 @@ export function mainParametersOf(changes) {
     const [, key] = /^contact\.(friction|static_friction|restitution)$/.exec(entry.name) ?? [];
     const ofWalls = key ? walls.filter((wall) => parameters.has(`wall.${wall}.${key}`)) : [];
     const common = ofWalls.length > 0 && ofWalls.length === walls.length ? [] : [entry];
-    return [...common, ...ofWalls.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, label: `${entry.label} at ${wall}` }))];
+    return [...common, ...ofWalls.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, get label() {
+      const words = boxWallText(wall, (name) => changes.valueOf(name)); // they change with gravity
+      return `${entry.label} at ${words ? `the ${words}` : wall}`;
+    } }))];
   }).filter(({ name }) => parameters.has(name)).concat(inputSliders(changes));
 }
 
