@@ -217,8 +217,7 @@ def size_toward_end(d, h):
     if u + 2.0 * slope * h >= 0.0:
         return h
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
-    # the contact ends a distance s ahead, where u, the root of the penetration, is zero: u + u′ s + ½ u″ s² =
-    # 0
+    # the contact ends after s, where u, the root of the penetration, is zero: u + u′ s + ½ u″ s² = 0
     square = slope * slope - 2.0 * u * root_curve(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
     return size_up_to_end(h, left)

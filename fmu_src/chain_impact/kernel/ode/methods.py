@@ -83,7 +83,7 @@ def choose_method(d):
             limit_to_stable(d)
     elif not (touching or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # neither contacts nor joints are stiff
-    elif step.end > step.start:  # a last step of zero length, after a re-initialization, has no hρ
+    elif step.end > step.start:  # a last step of zero length, as after a re-initialization, tells nothing
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
@@ -128,7 +128,7 @@ def limit_to_stable(d):
     derivatives with respect to parameters grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z is hρ of the last step as it ended: ``size`` times ``end_fraction``
+    if z > 0.0:  # z belongs to the last step as it ended: with the size ``size`` times ``end_fraction``
         limit_next_size(d, d.step.size * d.step.end_fraction * STABLE_STEP / z)
 
 

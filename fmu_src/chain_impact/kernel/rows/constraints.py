@@ -216,7 +216,7 @@ def single_active(d):
 
 
 def solve_single(d, only):
-    """Solve the equality problem for constraint ``only``; return False at a wall of too small mobility."""
+    """Solve the equality problem for constraint ``only``; return False if a wall's mobility is too small."""
     constraints, motion = d.constraints, d.scratch.motion
     clear_loads_of(d, d.scratch.load)
     add_along(constraint_row(d, only), d.scratch.load, 1.0)

@@ -164,7 +164,7 @@ CONVERGED_SLOPES = 0.01
 # direction changes. A last correction ≤ SLOPE_ROUND_OFF, relative to the derivatives, is then round-off and
 # accepted; after a larger one the iteration has failed.
 LARGEST_FALL_FACTOR, STALLED_ITERATIONS, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
-MOST_SLOPE_ITERATIONS = 400  # largest number; at a convergence rate of 0.95 the error falls to about 1e-9
+MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: if each leaves 0.95 of the error, 1e-9 remains
 # Derivatives below LEAST_SLOPE times ``speed_by_friction`` may be round-off: a correction is then relative to
 # this product.
 LEAST_SLOPE = 1e-3
