@@ -98,7 +98,7 @@ def have_one_scale(longest: Sequence[float]) -> bool:
 
 
 def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
-    """Return the ends of each block's axis; equal ones if labels agree and blocks ``have_one_scale``."""
+    """Return the ends of each block's axis; equal if the blocks share a label and ``have_one_scale``."""
     longest = [max(map(abs, block.ends)) for block in blocks]
     if len({block.label for block in blocks}) > 1 or not have_one_scale(longest):
         return [block.ends for block in blocks]

@@ -38,7 +38,7 @@ MAGIC = b"chainsv2"
 
 
 class _Access(NamedTuple):
-    """A variable's row of the FMU's table, whether its value is an integer, a choice's number or a truth value.
+    """A variable's row of the FMU table, whether its value is an integer, a choice's number or a truth value.
 
     It also has the variable's choices, and its unit.
     """
