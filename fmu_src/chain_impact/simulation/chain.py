@@ -38,9 +38,9 @@ MAGIC = b"chainsv2"
 
 
 class _Access(NamedTuple):
-    """A variable's row of the FMU table, whether its value is an integer, a choice's number or a truth value.
+    """Access to a variable: its row of the FMU's table, its choices, its unit, and the kind of its value.
 
-    It also has the variable's choices, and its unit.
+    ``whole`` says whether the value is stored as an integer, as are whole numbers, choices and truth values.
     """
 
     row: TableRow

@@ -82,7 +82,7 @@ class DifferentiatedInstance(Instance):
         super().__init__(prepared, course, varied)
 
     def initialize(self) -> None:
-        """Set the instance and the derivatives to the start.
+        """Set the instance and its tangent instances to the start of the run.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -92,7 +92,9 @@ class DifferentiatedInstance(Instance):
         super().initialize()
 
     def restart(self, paths: Sequence[DataPath], values: np.ndarray) -> None:
-        """Set the instance and the derivatives to the start, with other values of some parameters.
+        """Set the instance and its tangent instances to the start, with new values of parameters and inputs.
+
+        Each of ``paths`` leads, in the record, to the value that the entry of ``values`` replaces.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -183,7 +185,7 @@ class DifferentiatedInstance(Instance):
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
-        """Return quantity → derivatives of all collected impacts in the given ``order``, shape (I, P)."""
+        """Return quantity → derivatives of all impacts so far, in the given ``order``, shape (I, P)."""
         together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
         return {name: together[name] for name in IMPACT_QUANTITIES}
 
@@ -195,7 +197,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _one_sided(self) -> list[str]:
-        """The parameters with one-sided derivatives: they shift a bend of a signal at the run's start."""
+        """The parameters with one-sided derivatives: they shift a knot of ``bends_at_start`` in time."""
         driven = self.prepared.structure.signals
         if not driven:
             return []

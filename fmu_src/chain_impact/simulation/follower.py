@@ -46,8 +46,8 @@ FINE = 1 / 65536
 # largest number of times in a run at which the functions are evaluated for short pieces, jumps and kinks;
 # with more, the search gives up with an error
 CALLS = 15_000
-# Each piece of the signals that are given as samples raises the limit CALLS by CALLS_PER_PIECE, because the
-# functions are followed in each piece apart.
+# Each piece of ``held`` in ``with_held`` raises the limit CALLS by CALLS_PER_PIECE, because the functions are
+# followed in each of these pieces apart.
 CALLS_PER_PIECE = 50
 SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
 # [1] a value belongs to the nearer of two polynomials only if its distance from it is less than this times
@@ -158,7 +158,7 @@ class Follower:
             for piece in pieces:
                 row = np.zeros((DEGREE + 1, held.powers.shape[2]))
                 row[0] = held.powers[k, 0]
-                if held.powers.shape[1] > 1:  # true if samples are joined by lines
+                if held.powers.shape[1] > 1:  # true with the interpolation ``linear``
                     middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
                     row[0] += held.powers[k, 1] * (middle - held.middle[k]) * held.scale[k]
                     row[1] = held.powers[k, 1] * half * held.scale[k]
@@ -178,7 +178,7 @@ class Follower:
         )
 
     def _join(self, pieces: list[Piece], piece: Piece) -> None:
-        """Append a piece or, if one polynomial fits it and the last piece together, replace the last one."""
+        """Append a piece; if one polynomial fits it and the last piece, replace the last by one over both."""
         meets = bool(pieces) and pieces[-1].end == piece.start
         both = (
             self._fitted(pieces[-1].start, piece.end)
@@ -231,7 +231,7 @@ class Follower:
                 yield from self._parted(*part)
 
     def _is_vain(self, length: int) -> bool:
-        """Return whether polynomials are not tried now for intervals of a length for which some have failed.
+        """Return whether no polynomial is tried now for an interval of a length, as others have failed there.
 
         ``length`` is the binary exponent of the length.
         """
@@ -381,7 +381,7 @@ class Follower:
 
 
 def _zero(powers: np.ndarray) -> float:
-    """Return a polynomial's zero near 0, by Newton's method; infinity if the polynomial is constant."""
+    """Return a polynomial's zero near 0, by Newton's method; infinity if its slope at an iterate is 0."""
     x, rates = 0.0, polynomial.polyder(powers)
     for _ in range(NEWTON_STEPS):
         rate = float(polynomial.polyval(x, rates))

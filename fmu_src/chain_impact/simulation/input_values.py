@@ -12,7 +12,7 @@ from chain_impact.scene.reading import SceneError
 
 
 def checked_signal(what: str, signal: Any) -> Any:
-    """Return an input over time as a finite number, a function, or a pair of arrays (T,).
+    """Return an input over time: a finite number, a function, or a pair (times [s], values) of arrays (T,).
 
     Refuse other values.
     """

@@ -90,7 +90,10 @@ class InputCourse:
         return replace(self, times=merged, asked=np.isin(merged, times), first=first)
 
     def set(self, record: Any, row: int) -> None:
-        """Set the inputs in a record to those of a row; the solver will re-initialize if one jumps."""
+        """Set the inputs in a record to those of a row.
+
+        The solver will re-initialize if an input jumps, or if the acceleration of a followed motion does.
+        """
         if not self.paths:
             return
         at = int(self.first.searchsorted(row, side="right")) - 1

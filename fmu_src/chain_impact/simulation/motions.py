@@ -1,8 +1,8 @@
 """The motions of base, walls and belts over time, from the inputs that give them.
 
 A channel of the kernel (kernel/chain/motion.py) follows a position, and the velocity and acceleration that
-are its derivatives. If inputs give a velocity or an acceleration but no position, it is integrated from the
-start.
+are its derivatives. If inputs give a velocity or an acceleration but no position, the position is its
+integral over time, beginning with the position at the start of the run.
 """
 
 from __future__ import annotations
@@ -31,8 +31,9 @@ ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
 # acceleration, relative to its largest value. The limits are wide, because the time of a kink, and so the
 # speed there, is known only up to the square root of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
-# [1] a given velocity, acceleration or start contradicts the motion if it differs by more than this, relative
-# to the larger value
+# [1] a given velocity, acceleration or start contradicts the motion if the given value and that of the motion
+# differ by more than this: relative to the larger of the two starts, or to the largest velocity or
+# acceleration of both in the run
 CONTRADICTS = 1e-3
 # [1] round-off of a position at the start, relative to the largest position; only a larger difference is a
 # contradiction

@@ -62,7 +62,8 @@ class Comparison(LawRuns):
     Attributes:
         scene: the scene.
         reference: id of the law with whose impacts the impacts of every other law are compared.
-        runs: one run for each law, in the order of the registry; a user's own law comes last.
+        runs: one run for each law, in the order of the registry, with a user's own law after it; a law that
+            ``compare`` itself has added comes last.
         reached: the restitutions that the first impact reaches without losses and with the exact law, at the
             scene's stiffness; if other forces than contact forces act in the impact, at larger stiffnesses,
             too.

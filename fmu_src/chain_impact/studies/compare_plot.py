@@ -160,11 +160,11 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
 
     The reasons of the reference and of the scene's own law are "reference" and "of the scene", that of the
-    law without losses is "no losses", that of a law whose force is above 0 at penetration 0 is JUMPS. Among
-    all other laws, the reason "differs most with losses" belongs to
-    the law whose restitution in the first impact is farthest from that of the reference law. The law without
-    losses does not count there, because it ignores the prescribed restitution and so would usually be the
-    farthest. No law has this reason if the first impact has no restitution.
+    law without losses is "no losses", that of a law whose force is above 0 at penetration 0 is JUMPS. The
+    reason "differs most with losses" belongs to the law whose restitution in the first impact is farthest
+    from that of the reference law; this law may have another reason, too. The law without losses does not
+    count there, because it ignores the prescribed restitution and so would usually be the farthest. No law
+    differs most if other forces decide the restitutions of the first impact (``has_restitution``).
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -235,7 +235,7 @@ def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw force over penetration in the first impact; a law of impulses is a line at penetration 0.
 
-    If more than MOST_GREY laws have no colour, their loops are drawn together as one grey band.
+    If more than MOST_GREY laws are grey, their loops are drawn together as one grey band.
     """
     band = banded(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}

@@ -96,9 +96,10 @@ def legend(comparison: LawRuns) -> str:
 def advice(comparison: LawRuns) -> str:
     """Return a sentence with the laws that realise the prescribed restitution in the first impact.
 
-    If the impact is free, the sentence advises one of them. If not, a second sentence gives the restitutions
-    that can be reached: only an impulse then gives the prescribed restitution, a force only by chance. If
-    other forces press the contact again before it ends, no law is named.
+    If the impact is free, the sentence advises one of these laws, if there are several. If the impact is not
+    free, a second sentence gives the restitutions that can be reached: only an impulse then gives the
+    prescribed restitution for sure, a force only by chance. If other forces press the contact again before it
+    ends, no law is named.
     """
     e = comparison.contact.restitution
     if comparison.pressed_again:

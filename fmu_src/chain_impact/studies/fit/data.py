@@ -40,10 +40,10 @@ class ImpactRow:
 
     Attributes:
         number: number of the impact in the order of onsets, from 1: among all impacts of the run, or, if
-            ``alike``, among the impacts of the same point and wall.
+            ``alike``, among the impacts with the row's ``point`` and ``wall``, as far as these are not None.
         point: number of the point, or of the joint at a stop; None if the row does not give it.
         wall: index in ``scene.wall_names``; None if the row does not give it.
-        alike: whether ``number`` counts only the impacts of the same point and wall.
+        alike: whether ``number`` counts only these impacts: this is so if the row does not give a number.
         order: the measured onset, or else the measured end [s]; NaN if neither is measured.
     """
 
@@ -238,7 +238,10 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """Return chosen columns of a table as two lists: outputs and inputs, and quantities of impacts."""
+        """Return two lists of chosen columns of a table: those over time, and the quantities of impacts.
+
+        The columns over time are outputs and inputs.
+        """
         measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured if name in chosen]
         needed, likely = _meant(table, over_time)
