@@ -61,7 +61,7 @@ PAST_END = 1.04
 
 
 def prescribed_method(choice):
-    """Return the method, EXPLICIT or IMPLICIT, for the number ``choice`` in SOLVER_METHODS; −1 for auto."""
+    """Return EXPLICIT or IMPLICIT for the number ``choice``, from 1, in SOLVER_METHODS; −1 for `auto`."""
     return choice - AUTO - 1
 
 

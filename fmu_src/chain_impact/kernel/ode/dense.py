@@ -177,7 +177,7 @@ _rate = _rate_of(QUADRATURES)
 
 
 def list_quadratures(d):
-    """List the quadratures that steps integrate from now on: their indices in ``index``, and ``count``."""
+    """List the quadratures that steps integrate from now on: indices in ``index``, number in ``count``."""
     quadrature = d.quadrature
     quadrature.count = 0
     if quadrature.computed:

@@ -106,7 +106,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         # m/s, impact speed v₀ in the law, at least ``minimum_impact_speed``
         ("impact_speed", REAL, (candidates,)),
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
-        # m, expected penetration δ*, at a joint's stop times the lever arm; for a rigid wall the longest link
+        # m, expected penetration δ*; at a joint's stop angle × lever arm, at a rigid wall the longest link
         ("depth_scale", REAL, (candidates,)),
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step that is searched for peaks: a peak lies in the

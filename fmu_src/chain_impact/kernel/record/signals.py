@@ -60,8 +60,8 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         # number of times that the kernel integrates the signal over time: ``order``; 0 for a table, whose
         # given polynomials are already the integral
         ("integrals", bounded(0, 2), (signals,)),
-        # m, initial position of the base, if the signal is its velocity or acceleration, and so its integral
-        # lacks this constant; else 0
+        # m, initial position of the base, if the signal is the velocity or acceleration of the base: the
+        # integral of the signal lacks this constant; else 0
         ("begin", REAL, (signals,)),
         ("segment", INTEGER, (signals,)),  # index in `knot` of the knot whose polynomial is in use
         ("lap", INTEGER, (signals,)),  # number of times that the table has been repeated

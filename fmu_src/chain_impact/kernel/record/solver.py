@@ -175,7 +175,7 @@ def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
             (name, scalar, (slots, links))
             for name in ("gain_x", "gain_y", "inverse", "coupling", "complement")
         ),
-        # 1: the joints of this matrix transmit moments; 0: ``coupling`` and ``complement`` are not used
+        # 1: in the slot's matrix joints transmit moments; 0: ``coupling`` and ``complement`` are not used
         ("coupled", INTEGER, (slots,)),
         # 1/kg, inverse articulated inertia at the joint where the arms meet: xx, xy, yy
         ("middle_mobility", scalar, (slots, 3)),
@@ -283,7 +283,7 @@ def search_dtype(candidates: int) -> np.dtype:
         # u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)
         ("phi_start", REAL, (candidates,)),
         ("phi_end", REAL, (candidates,)),
-        # derivative φ′ of each candidate's φ in the step's variable, at the start of the interval
+        # derivative φ′ of each candidate's φ by the step's variable, at the start of the interval
         ("phi_start_rate", REAL, (candidates,)),
         ("phi_end_rate", REAL, (candidates,)),
         # second derivative φ″ of each candidate's φ by the step's variable (time or fictitious time, both in
@@ -354,8 +354,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         # N/m, slope ∂F/∂δ of the force F of each active contact with a force law, by the penetration; in the
         # order of `touch.active_index`
         ("stiffness", REAL, (candidates,)),
-        # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law; in the order of
-        # `touch.active_index`
+        # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law, by the rate of the
+        # penetration; in the order of `touch.active_index`
         ("damping", REAL, (candidates,)),
         # N·m/rad, slope −∂F/∂ψ of the torque F of each drive, by its joint's angle ψ; the last entry is the
         # slider's [N/m]

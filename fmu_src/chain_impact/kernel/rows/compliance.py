@@ -34,9 +34,9 @@ from chain_impact.kernel.rows.geometry import (
 # to it. In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass would be
 # infinite. A mass a million times the chain's has the same effect.
 LEAST_MOBILITY = 1e-6
-# The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. The number
-# does not depend on the residual, except that the iteration ends at round-off: if it did, the forces would
-# jump from one state to the next.
+# The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. It is fixed,
+# except that the iteration ends when the residual is round-off: if it depended on the residual, the forces
+# would jump from one state to the next.
 STICKING_ITERATIONS = 5
 # The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
 # the residual to about 1/(D W) of it, with the mobility W, so two or three iterations suffice. A larger D

@@ -357,7 +357,7 @@ def count_stalls(wrong, fewest, stalls_left):
 
 
 def count_violations(d, scale):
-    """Count and mark violations above round-off: p < 0 in the active set, or u < target outside of it."""
+    """Count and mark violations above round-off: impulses < 0 in the active set, motions < target outside."""
     constraints, largest, wrong = d.constraints, 0.0, 0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         largest = max(largest, abs(constraints.impulse[k]))

@@ -258,19 +258,19 @@ def gap_acceleration(d, c):
 
 
 def tangential_position(d, e):
-    """Return the coordinate [m] of element e along t relative to the wall's belt, for the located points."""
+    """Return the coordinate [m] of element e along its tangent, relative to the belt, at located points."""
     coordinate = along(tangent_row(d, e), d.scratch.position)
     return coordinate - d.shift.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
-    """Return the speed [m/s] of element e along t relative to the wall's belt, for the located points."""
+    """Return the speed [m/s] of element e along its tangent, relative to the belt, at located points."""
     speed = along(tangent_row(d, e), d.scratch.velocity)
     return speed - d.shift.belt_rate[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
-    """Return the acceleration [m/s²] of element e along t relative to the belt, at accelerated points."""
+    """Return the acceleration [m/s²] of e along its tangent, relative to the belt, for accelerated points."""
     acceleration = along(tangent_row(d, e), d.scratch.acceleration)
     return (
         acceleration - d.shift.belt_acceleration[e] if d.channels > 0 and e < d.candidates else acceleration
@@ -313,7 +313,7 @@ def clear_loads_of(d, load):
 
 
 def largest_velocity(d):
-    """Return the largest component [m/s] of the velocities of all places and moving walls."""
+    """Return the largest |component| [m/s] of the velocities of all places and moving walls."""
     fastest = largest_component(d, d.scratch.velocity)
     if d.channels > 0:
         speed, _ = fastest_wall(d)
@@ -322,7 +322,7 @@ def largest_velocity(d):
 
 
 def largest_coordinate(d):
-    """Return the largest coordinate [m] of any place, but at least the longest link.
+    """Return the largest |coordinate| [m] of any place, but at least the longest link.
 
     This is the scale of the round-off of positions.
     """
@@ -330,7 +330,7 @@ def largest_coordinate(d):
 
 
 def largest_acceleration(d):
-    """Return the largest component [m/s²] of the accelerations of all places and moving walls."""
+    """Return the largest |component| [m/s²] of the accelerations of all places and moving walls."""
     most = largest_component(d, d.scratch.acceleration)
     if d.channels > 0:
         _, acceleration = fastest_wall(d)
@@ -367,7 +367,7 @@ def coordinates_size(d, c, y):
 
 
 def link_of(d, c):
-    """Return the index of the link on which the wall of candidate c acts.
+    """Return the index, from 0, of the link on which the wall of candidate c acts.
 
     This link ends at the candidate's point, or carries the candidate's site; for the base it is link 1.
     """

@@ -166,7 +166,10 @@ def settling_time(t):
 
 
 def friction_drops(t, e):
-    """Return whether the friction of element e drops when it begins to slide: at walls with µ < µ_s only."""
+    """Return whether e's friction drops when e begins to slide: at walls with µ < µ_s only.
+
+    µ is the coefficient of sliding friction, µ_s that of static friction.
+    """
     if e >= t.candidates:
         return False
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
