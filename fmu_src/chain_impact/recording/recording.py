@@ -42,7 +42,7 @@ class Recording:
         columns: name of a variable of the FMU → its values, shape (T,).
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; for an FMU, the impacts in
             its outputs.
-        walls: name of a wall → its free side, at the start.
+        walls: name of a wall → its free side, without the displacement that inputs may give.
         wall_names: the names of all walls; ``impacts`` and ``stick_slip`` have indices into this list.
         parameters: name of a parameter of the FMU → its value at the start; for an enumeration, the name of
             the choice. Empty if the values are unknown.

@@ -94,7 +94,11 @@ class Sensitivities:
         )
 
     def _repr_html_(self) -> str:
-        """Return the text of ``repr`` for a notebook, with a table of changes of outputs at the end."""
+        """Return the text of ``repr`` for a notebook, followed by a table and by ``limits``.
+
+        The table has, for each parameter, the changes of the tip's position and of the total energy at the
+        end of the run.
+        """
         outputs = [name for name in self._usual if name in self.columns]
         ends = [self.changes(name)[-1:] for name in outputs]
         head = (

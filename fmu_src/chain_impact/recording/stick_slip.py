@@ -98,8 +98,9 @@ class Touch:
         penetration: the penetration, shape (T,) [m]; None if it is unknown.
         rate: the rate of penetration, shape (T,) [m/s]; None if it is unknown.
         friction: the force of dry friction on the point, shape (T,) [N]; it is positive along t = (n_y,
-            −n_x), for the wall's normal n. For a joint it is the moment of dry friction [N·m]. None without
-            dry friction.
+            −n_x), for the wall's normal n. For a joint it is the moment of dry friction [N·m], for a slider
+            the force of dry friction on the carriage [N]; both are positive where they push the angle or the
+            position to larger values. None without dry friction.
         sticking: shape (T,); above 0 in the rows in which the contact, joint or slider sticks, else 0. None
             without dry friction.
     """
@@ -131,7 +132,7 @@ class Touch:
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
     """Return the table of phases of dry friction from values in rows, see ``STICK_SLIP_DTYPE``.
 
-    The start and the end of a phase are times of rows, so each may be late by the distance between two rows.
+    The start and the end of a phase are times of rows, so each is late by at most the time between two rows.
     """
     changes: list[tuple[float, int, int, int]] = []
     for touch in touches:

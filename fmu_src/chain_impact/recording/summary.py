@@ -150,7 +150,10 @@ def digits(value: float) -> str:
 
 
 def load_lines(result: Recording) -> Iterator[str]:
-    """Yield lines with the largest force in each joint, in descending order, if the scene asks for loads."""
+    """Yield lines with the largest force in each joint, in descending order, if the scene asks for loads.
+
+    If there are more than JOINTS joints, the last line tells the number of those with smaller forces.
+    """
     joints = result.columns_of("joint").items()
     peaks = {n: values["peak_force"] for (n, _), values in joints if len(values.get("peak_force", ()))}
     for row, joint in enumerate(sorted(peaks, key=lambda n: -peaks[n][-1])[:JOINTS]):

@@ -146,9 +146,10 @@ class Pictured(Recording):
 
     @cached_property
     def detailed_energies(self) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
-        """Times [s], shape (T,), and ``energies`` at these times, with many more times within impacts.
+        """Times [s], shape (T,), and ``energies`` at these times.
 
-        Without these times, curves would miss the largest elastic energy of short impacts.
+        If the run can be repeated, there are many more times within impacts than rows. Without these times,
+        curves would miss the largest elastic energy of short impacts.
         """
         if self.rerun is None:
             return self.time, self.energies

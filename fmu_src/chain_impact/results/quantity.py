@@ -32,8 +32,10 @@ class RankedQuantity(NamedTuple):
         unit: the unit.
         where: words for the impact, the joint or the time of the value.
         slopes: the derivatives of the value with respect to the P parameters of the run, shape (P,).
-        size: the size relative to which a change is round-off, in the ``unit``.
-        value_in: a function that returns the value in another run of the scene, NaN if that run has none.
+        size: the size, in the ``unit``, to which a change is compared: a change that is tiny beside it is
+            round-off.
+        value_in: a function that returns the value in another run of the scene; NaN if it is a value of an
+            impact that the other run does not have.
     """
 
     value: float

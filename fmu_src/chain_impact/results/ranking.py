@@ -63,10 +63,10 @@ class Effect(NamedTuple):
 
     @property
     def differs(self) -> bool:
-        """Whether a second run shows that the change of the quantity is not of first order."""
+        """Whether ``simulated`` and ``change`` differ by more than FIRST_ORDER, or ``simulated`` is NaN."""
         if self.simulated is None:
             return False
-        # a comparison with NaN is False
+        # a comparison with NaN is False, so NaN counts as different
         least = FIRST_ORDER * max(abs(self.simulated), abs(self.change))
         return not abs(self.simulated - self.change) <= least
 

@@ -159,7 +159,7 @@ class Result(Pictured):
 
     @cached_property
     def walls(self) -> Mapping[str, HalfPlane]:
-        """Name of a wall → its free side at the start."""
+        """Name of a wall → its free side, without the displacement that inputs may give."""
         return self.scene.half_planes
 
     @cached_property
@@ -180,7 +180,7 @@ class Result(Pictured):
 
     @cached_property
     def stops(self) -> Mapping[int, JointRange]:
-        """Joint with stops → the range of its angles."""
+        """Number of a joint with stops → the range of its angles."""
         return ranges_of(self.parameters)
 
     @property
@@ -306,9 +306,9 @@ class Result(Pictured):
 
     @property
     def sensitivity_limits(self) -> tuple[str, ...]:
-        """Sentences: from which time on derivatives are NaN and why, and errors of derivatives by friction.
+        """Sentences: which derivatives are NaN or one-sided, from when on and why, and errors by friction.
 
-        The tuple is empty if all derivatives exist and can be trusted.
+        The tuple is empty if all derivatives exist, are two-sided and can be trusted, or if the run had none.
         """
         return self.sensitivities.limits if self.sensitivities else ()
 

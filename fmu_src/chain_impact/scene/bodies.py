@@ -150,10 +150,10 @@ class Rail:
 
     @property
     def stops(self) -> dict[str, HalfPlane]:
-        """The half-plane of each existing stop, by the stop's name; the drawn carriage always lies in it.
+        """The half-plane of each existing stop, by the stop's name, in which the drawn carriage lies.
 
-        ``low`` and ``high`` limit the middle of the carriage, so the edge of a half-plane is half a carriage
-        beyond ``low`` or ``high``.
+        ``low`` and ``high`` are the positions of the carriage's middle at which it meets the stops, so the
+        edge of a half-plane is half a carriage beyond ``low`` or ``high``.
         """
         (x, y), start = self.direction, float(self.origin @ self.direction)
         low, high = start + self.low - self.half, start + self.high + self.half
@@ -167,8 +167,8 @@ class Rail:
         Each segment is an array of its two ends, shape (2, 2) [m].
 
         Args:
-            bases: the positions of the base, shape (T, 2) [m]; without stops, they tell how long the drawn
-                line is.
+            bases: the positions of the base, shape (T, 2) [m]; on a side without a stop, they tell how far
+                the line is drawn.
         """
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         reached = (bases - self.origin) @ along

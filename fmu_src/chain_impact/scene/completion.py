@@ -93,8 +93,8 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
 def with_materials(scene: AnyScene) -> AnyScene:
     """Return the scene with a material, a table of [contact.wall], for each existing wall.
 
-    If the file does not give a key of this table, the key is None in the material, and the value of [contact]
-    applies. A material for a wall that does not exist is refused.
+    If the file does not give a key of this table, the key is None in the material; ``Material`` tells which
+    value applies then. A material for a wall that does not exist is refused.
     """
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}

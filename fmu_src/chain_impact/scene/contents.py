@@ -66,7 +66,7 @@ class Contents:
 
     @property
     def wall_names(self) -> tuple[str, ...]:
-        """The names of the walls in the order of their numbers.
+        """The names of the walls and stops in the order of their numbers, from 0.
 
         The four walls of the box come first, also those that do not exist, so that each has the same number
         in all scenes. Then come ``walls``, if any point may touch a wall; then ``joint_min`` and
@@ -92,7 +92,7 @@ class Contents:
 
     @property
     def may_touch(self) -> bool:
-        """Whether any point may touch a wall: one of ``contact.points``, or a point of a link.
+        """Whether there are ``touching_points``, which may touch walls; true also in a scene without walls.
 
         If the scene has walls, one of these points must also be able to reach a wall: see ``keeps_distance``.
         """

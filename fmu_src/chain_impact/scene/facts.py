@@ -1,4 +1,4 @@
-"""Facts and lists of a scene, such as whether it has friction: each is found by one rule.
+"""Facts of a scene, such as whether it has friction, and lists of its parts: most are found by one rule.
 
 The tables FACTS and LISTS have the rules; rules.py has their language. A page evaluates the same rules
 (pages/browser/scene/owners.js). Lists without a rule are found by code, in Python by FOUND. Example: a link
@@ -211,7 +211,7 @@ class SceneFacts(dict[str, Any]):
 
 
 def friction_joints(scene: Contents) -> tuple[int, ...]:
-    """Return the numbers of the joints that may have dry friction: ``joint_friction`` is given."""
+    """Return the numbers, from 1, of the existing joints whose ``joint_friction`` is given, even as 0."""
     return tuple(n for n, link in enumerate(SceneFacts(scene)["links"], 1) if link["has_friction"])
 
 
