@@ -202,9 +202,10 @@ def compare(
 
 
 def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
-    """Return the restitutions without losses and with the exact law, at the scene's stiffness × ``factor``.
+    """Return the realised restitutions without losses and with the exact law.
 
-    ``runs``: law → run at this stiffness; these runs are not repeated.
+    They are those at the scene's stiffness × ``factor``. ``runs``: law → run at this stiffness; these runs
+    are not repeated.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
     lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT_LAW))

@@ -15,11 +15,11 @@ from chain_impact.scene.scene import Scene, with_values
 from chain_impact.scene.tables import Contact
 
 EXACT_LAW = "zhang_sharf"
-"""The exact law: it gives every free impact the prescribed restitution. It is the reference of comparisons,
-if it allows the scene's restitution."""
+"""The exact law: it gives every free impact the prescribed restitution. It is the reference of a comparison
+if it is among the compared laws, needs no other exponent than the scene has, and its run has an impact."""
 LOSSLESS = "hertz"
-"""The law without losses; in a free impact (no other forces than those of the contact) its restitution is
-1."""
+"""The law without losses; in a free impact (no other forces than those of the contact) the realised
+restitution is 1."""
 OVERLAPS = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 

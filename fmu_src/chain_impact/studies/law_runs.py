@@ -31,7 +31,7 @@ class LawRun:
         law: the id of the law.
         exponent: exponent n of the run.
         stiffness: stiffness K of the run [N/m^n].
-        restitution: the first impact's restitution.
+        restitution: the realised restitution of the first impact.
         peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop of a joint, force and
             penetration are those of the joint's angle: the peak is a moment [N·m], the penetration is in rad.
         max_penetration: largest penetration in the first impact [m].
@@ -76,12 +76,12 @@ class LawRun:
 
 @dataclass(frozen=True)
 class Reached:
-    """The restitutions that the first impact reaches at one stiffness; NaN if the impact has not ended.
+    """The realised restitutions of the first impact at one stiffness; NaN if the impact has not ended.
 
     Attributes:
         stiffness: stiffness K of the contact [N/m^n].
-        lossless: restitution with the law without losses, about the largest possible one; 1 in a free impact.
-        exact: restitution with the exact law; the scene's restitution in a free impact.
+        lossless: the one with the law without losses, about the largest possible one; 1 in a free impact.
+        exact: the one with the exact law; equal to the prescribed restitution in a free impact.
     """
 
     stiffness: float
@@ -124,8 +124,8 @@ class LawRuns:
     def is_free(self) -> bool:
         """Whether the first impact is free: only contact forces matter while it lasts.
 
-        It is free if it has the restitution 1 without losses, and the scene's restitution with the exact law,
-        up to FREE_TOLERANCE. An impact that has not ended has no restitution, and counts as free.
+        It is free if its realised restitution is 1 without losses, and the prescribed one with the exact law,
+        up to FREE_TOLERANCE. An impact that has not ended has no realised restitution, and counts as free.
         """
         reached = self.reached[0]
         off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))

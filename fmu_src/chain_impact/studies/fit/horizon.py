@@ -45,7 +45,8 @@ LEAST_SIGMA = 1e-8
 # parameters, and has a larger ν.
 NO_FREEDOM = 1e-9
 # The search with all data is repeated with newly estimated standard deviations until none of these changes,
-# relatively, by more than SETTLED_SIGMA, but at most MOST_ROUNDS times.
+# relatively, by more than SETTLED_SIGMA, but at most MOST_ROUNDS times. With a single column it is made only
+# once, because a common σ of all values does not move the minimum.
 SETTLED_SIGMA, MOST_ROUNDS = 0.01, 20
 
 
@@ -57,8 +58,8 @@ class Found:
         search: the result of the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
         horizons: the horizon of each search: the time [s] up to which it used data.
-        worse: mean square of the residuals with all data, divided by the smallest mean square with fewer
-            data; 0 if each search with fewer data had fewer than MANY_VALUES values.
+        worse: mean square of the residuals with all data, divided by the smallest mean square of the searches
+            with fewer data; 0 without any. Of these, only searches with at least MANY_VALUES values count.
     """
 
     search: Search
@@ -68,7 +69,9 @@ class Found:
 
 
 def search(problem: Problem, progress: Progress = silent) -> Found:
-    """Search the values of the free parameters, in a second series of searches if the first one is not good.
+    """Search the values of the free parameters, and return the result of a series of searches.
+
+    If the first series is not good (see WORSE), a second one is made, and the better of the two is returned.
 
     Raises:
         SceneError: when the data cannot be fitted, or the model has no value to compare with them.

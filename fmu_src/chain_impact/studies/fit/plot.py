@@ -59,7 +59,8 @@ BESIDE = 0.5
 DOT_OPACITY = 0.35
 # if more values than this were measured over time, only every n-th is drawn, so that the dots do not merge
 MOST_DOTS = 60
-# the colour of the model's curve if there is a single data set; several sets have the palette's colours
+# the colour of the model's impacts, and of its curve if there is a single data set; the curves of several
+# data sets have the palette's colours
 MODEL = VERMILLION
 HARDLY = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
 # MEANS: in the running mean of residuals over time, each mean is that of 1/MEANS of the values;
@@ -240,9 +241,10 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
 
 
 def running_means(at: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return positions and means of the values over parts of the axis, each of 1 / MEANS of the values.
+    """Return the mean position and the mean value of each part of the values, shape (2, number of parts).
 
-    The parts overlap by half; the result has the shape (2, number of parts).
+    A part has 1 / MEANS of the values, which follow each other on the axis ``at``. Neighbouring parts share
+    half of their values.
     """
     order, width = np.argsort(at, kind="stable"), len(at) // MEANS
     starts = range(0, len(at) - width + 1, max(1, width // 2))

@@ -37,8 +37,8 @@ class Evaluation:
 
     Attributes:
         coordinates: the values of the parameters on the scale of the search, shape (P,).
-        residuals: model − measured, shape (M,), in the unit of each value; NaN where the model has no value:
-            beyond the horizon, after a fault, or for a missing impact.
+        residuals: model − measured, shape (M,), in the unit of each value; NaN where the model has no value,
+            as beyond the horizon, after a fault, or for an impact that is missing or has not ended.
         slopes: derivatives of the residuals with respect to the coordinates, shape (M, P); NaN where they do
             not exist.
         runs: the run of each data set, with its derivatives.
@@ -202,7 +202,8 @@ class Problem:
         ``bounds``: the lower or the upper bound of each parameter; ``errors`` as for ``bounds_reached``.
         The distance is AT_BOUND times the standard error, or times the distance from start to bound if that
         is less, but at least AT_BOUND_PART times the distance between both bounds. The standard error alone
-        is so large for an undetermined parameter that every value would be near the bound.
+        is so large for an undetermined parameter that every value would be near the bound. An infinite error,
+        an infinite bound, and a start at the bound itself do not count in this.
         """
         way = np.abs(self.start - bounds)
         distance = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))

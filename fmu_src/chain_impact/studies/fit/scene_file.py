@@ -129,8 +129,8 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
     """Write one value into a table of a TOML document; a comment after the value keeps its column.
 
-    Of a list, only the entries that differ from ``present`` are written. ``present`` is the value before the
-    change, in the unit of the scene; the table may have this value in degrees.
+    Of a list that keeps its length, only the entries that differ from ``present`` are written. ``present`` is
+    the value before the change, in the unit of the scene; the table may have this value in degrees.
     """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0

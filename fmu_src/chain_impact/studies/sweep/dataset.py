@@ -35,7 +35,8 @@ from chain_impact.system import remove_lock, written_whole
 # files whose names begin with a dot.
 MANIFEST = "_manifest.json"
 LOCK = ".lock"
-# matches the names of complete files (see ``file_name``) and of incomplete files; only these are ever removed
+# matches the names of complete and incomplete files of rows (see ``file_name`` and ``run_batch``); ``tidy``
+# removes no other files, except the manifest
 OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
 FORMAT = 2  # version of the folder's format; a folder with another version is not continued
 
@@ -194,7 +195,9 @@ def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Make a folder, and lock it against other sweeps in a ``with`` block; an empty folder is then removed.
+    """Make a folder, and lock it against other sweeps in a ``with`` block.
+
+    If the folder is empty at the end of the block, it is removed.
 
     Raises:
         SceneError: when another sweep writes to the folder.

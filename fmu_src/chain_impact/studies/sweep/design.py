@@ -109,7 +109,7 @@ class Design:
 
 
 def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
-    """Return the random generator of hypercube number ``cube`` as it is after ``drawn`` drawn numbers."""
+    """Return the random generator of hypercube ``cube`` (from 0), as after ``drawn`` random numbers."""
     bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
     return np.random.Generator(bits.advance(drawn))
 

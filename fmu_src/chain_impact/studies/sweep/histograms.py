@@ -28,7 +28,7 @@ ONE_BAR_SPREAD = 1e-9  # values share one bar if their range, relative to the la
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
     """Draw a histogram of each quantity in its panel, with the number of runs upwards, and the QUANTILES.
 
-    Runs that failed have no value, and are left out.
+    Runs without a value are left out: runs that failed and, for peaks of forces, runs with impulses.
     """
     for axes, quantity in zip(panels, quantities, strict=True):
         values = quantity.of(runs)
