@@ -87,7 +87,10 @@ def _largest(
 
 
 def _at(recording: Recording, field: str, *, at_stops: bool) -> np.ndarray:
-    """Return a column of the impacts, NaN for those not at stops or, without ``at_stops``, not at walls."""
+    """Return a column of the impacts; NaN for impacts that do not count.
+
+    With ``at_stops`` the impacts at stops of joints count; otherwise all others do.
+    """
     return np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
 
 

@@ -21,7 +21,7 @@ from chain_impact.scene.unit_text import number_hint, power_hint
 # the least similarity, from 0 to 1, to an unknown key at which ``nearest`` proposes a key; proposals of less
 # similar keys would mislead
 ALIKE = 0.7
-MOST_PARTS = 8  # largest number of names of an owner that a message lists
+MOST_PARTS = 8  # largest number of quantities of an owner that a message lists
 _ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
 _VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
 SHOWN = 60  # largest number of characters that a message shows of a value

@@ -231,7 +231,7 @@ class Follower:
                 yield from self._parted(*part)
 
     def _is_vain(self, length: int) -> bool:
-        """Return whether no polynomial is tried now for an interval of a length, as others have failed there.
+        """Return whether no polynomial is tried now for an interval, as those of its length failed before.
 
         ``length`` is the binary exponent of the length.
         """
@@ -328,8 +328,9 @@ class Follower:
     def _foresee(self, start: float, end: float) -> None:
         """Compute all pieces of an interval in one call of the functions, each as long as the last piece.
 
-        This is done only if longer pieces are certainly not tried: ``_is_vain`` must reject the lengths in
-        between, as far as FAR does not. There are at most 2^TOGETHER pieces.
+        This is done only if the interval will certainly be halved down to this length: FAR excludes all
+        longer pieces but the last few, and ``_is_vain`` must exclude these. There are at most 2^TOGETHER
+        pieces.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0

@@ -15,7 +15,9 @@ from chain_impact.simulation.simulate import simulate
 
 
 class RunError(RuntimeError):
-    """Raised when a run cannot start or continue: in this process, in an FMU, on a cluster, or in a window.
+    """Raised when a run cannot start or continue, in this process, in an FMU or on a cluster.
+
+    Also raised when the window of ``--show`` cannot be opened.
 
     ``recording`` has the results up to the fault, or is None.
     """

@@ -189,7 +189,7 @@ def _inputs_of_run(
 
 
 def _warn(instance: Instance, result: Result) -> None:
-    """Warn of points deeper in walls than the smallest body, and of positions that contradict velocities."""
+    """Warn of a point deeper in a wall than ``Body.deep``, and of positions that contradict velocities."""
     scene = result.scene
     # ``hints`` takes long, and has nothing to say unless a penetration is this deep, which is rare
     if result.impacts["max_penetration"].max(initial=0.0) > smallest_body(scene).deep:

@@ -1,4 +1,4 @@
-"""Warnings of targets of servos that change while their dampers pull towards rest."""
+"""Warnings of targets of drives that change while the drives' dampers brake the motion."""
 
 from __future__ import annotations
 
@@ -47,6 +47,9 @@ def _damping(prepared: PreparedScene, name: str) -> float:
 
 
 def _is_motion(powers: np.ndarray) -> bool:
-    """Return whether a target, given by its coefficients in P pieces, shape (P, K), is a motion."""
+    """Return whether a target is a motion: it changes within a piece, or more than MOST_POSITIONS times.
+
+    ``powers``: the coefficients of the target's polynomial in each of P pieces, shape (P, K).
+    """
     changes = np.count_nonzero(np.diff(powers[:, 0]))
     return bool(powers[:, 1:].any() or changes > MOST_POSITIONS)

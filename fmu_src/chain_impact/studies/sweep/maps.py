@@ -172,7 +172,10 @@ def axis_of(variation: Variation) -> Scale:
 
 
 def is_logarithmic(variation: Variation) -> bool:
-    """Return whether a parameter's axis is logarithmic: its values are spaced so, or have a WIDE_RANGE."""
+    """Return whether a parameter's axis is logarithmic.
+
+    It is so if the values of the variation are evenly spaced in the logarithm, or have a WIDE_RANGE.
+    """
     low, high = variation.values.min(), variation.values.max()
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
 
