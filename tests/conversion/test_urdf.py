@@ -53,6 +53,7 @@ def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
         ([link("u"), link("u"), joint("a", "base", "u")], "a link has 2 times the name u"),
         ([link("u"), joint("a", "base", "u"), joint("b", "base", "u")], "link u is the child of two joints"),
         ([link("u"), joint("a", "u", "u")], "joints make a ring of u; each link must lead back to base"),
+        (['<link name="u"/>', joint("a", "base", "u")], "on the axis of joint a; u has no mass in the file"),
     ],
 )
 def test_a_urdf_that_makes_no_sense_is_refused_with_the_place(tmp_path, parts, said):

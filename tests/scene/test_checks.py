@@ -110,11 +110,13 @@ def test_a_pinned_base_beyond_a_wall_is_warned_of():
     [
         ({"link[1].length": 500.0}, "link[1].length = 500 m is long for link[1].mass = 1 kg: is it in mm?"),
         ({"gravity.y": -9810.0}, "m/s² is a thousand times as strong as on earth: is it in mm/s²?"),
+        ({"link[2].point[1].x": -60.0}, "point 3 is 60 m from the joint of its link, far for a chain of 0.5 m"),
     ],
 )
 def test_lengths_in_millimetres_are_asked_about(changes, told):
+    model, outside = ("hopper", "box.y_min") if "link[2].point[1].x" in changes else ("pinned_arm", "box.x_max")
     with pytest.warns(SceneWarning, match=re.escape(told)):
-        load_scene("pinned_arm").with_values({"box.x_max": None, **changes})
+        load_scene(model).with_values({outside: None, **changes})
 
 
 # --- walls at any angle ----------------------------------------------------------------------------------

@@ -149,6 +149,13 @@ def test_a_table_with_other_separators_is_read_as_one_with_commas(mark, point, t
         assert again.number(row, name) == table.number(row, name)
 
 
+def test_a_table_of_one_column_may_have_decimal_commas(tmp_path):
+    path = tmp_path / "drop.csv"
+    path.write_text("onset\n0,25\n1\n\n1,5\n")
+    table = read_table(path)
+    assert [table.number(row, "onset") for row in range(3)] == [0.25, 1.0, 1.5]
+
+
 @pytest.mark.parametrize("name", ["recording", "measurements"])
 def test_decimal_points_and_commas_in_one_table_are_refused(name, tmp_path):
     read, text, form = READERS[name]

@@ -242,11 +242,10 @@ class _Conversion:
         if i + 1 < len(self.hinges):
             after = self.hinges[i + 1].joint.name
             raise NoChainError(f"{self.source}: joints {name} and {after} have the same axis", [name, after])
-        raise NoChainError(
-            f"{self.source}: the last link has no length: its centre of mass and its frames are on the axis "
-            f"of joint {name}",
-            [name],
-        )
+        bodies = [self.robot.bodies[b] for b in self.parts[i]]
+        massless = "" if any(body.mass for body in bodies) else f"; {bodies[0].name} has no mass in the file"
+        reason = f"its centre of mass and its frames are on the axis of joint {name}{massless}"
+        raise NoChainError(f"{self.source}: the last link has no length: {reason}", [name])
 
     def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
         """Return a point of body ``b`` relative to a hinge, in the plane [m].

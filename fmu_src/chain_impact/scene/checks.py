@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from functools import partial
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from chain_impact.scene.tables import Contact, Material, Stops
 # its length in mm: only a long rope is so light.
 LONG, LIGHT = 20.0, 0.2
 IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the earth's gravity in mm/s²
+FAR = 30.0  # [1] a point farther from its link's joint than this times the chain's length is probably in mm
 
 
 def check(scene: Contents) -> None:
@@ -257,12 +258,20 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def length_hints(scene: Contents) -> list[str]:
-    """Return a question, in a list, on the first link whose length is probably in mm."""
-    return [
+    """Return questions on the first link whose length is probably in mm, and on the first such point."""
+    links, whole = scene.chain.links, sum(link.length for link in scene.chain.links)
+    long = (
         f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
-        for i, link in enumerate(scene.chain.links, 1)
+        for i, link in enumerate(links, 1)
         if link.length > LONG and link.mass < LIGHT * link.length
-    ][:1]
+    )
+    far = (
+        f"point {number} is {distance:g} m from the joint of its link, far for a chain of {whole:g} m: "
+        "is it in mm?"
+        for number, (_, site) in enumerate(scene.chain.sites, len(links) + 1)
+        if (distance := math.hypot(site.x, site.y)) > FAR * whole
+    )
+    return [*islice(long, 1), *islice(far, 1)]
 
 
 def start_hints(scene: Contents) -> list[str]:

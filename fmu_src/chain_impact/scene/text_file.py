@@ -69,8 +69,8 @@ SECONDS = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 def comma_separated(text: str) -> str:
     """Return the text of a table with commas between the cells and decimal points in the numbers.
 
-    A table with semicolons or tabs between the cells, which may have decimal commas, is rewritten, line by
-    line; any other text is returned unchanged.
+    A table of one column, or with semicolons or tabs between the cells, may have decimal commas. It is
+    rewritten, line by line; any other text is returned unchanged.
 
     Raises:
         ValueError: when the numbers of such a table have decimal points and decimal commas.
@@ -78,6 +78,7 @@ def comma_separated(text: str) -> str:
     # a separator in a name in quotes does not separate cells, nor does a tab beside a comma
     head = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", text.partition("\n")[0]))
     mark = next((mark for mark in SEPARATORS if mark in head and head.count(mark) >= head.count(",")), None)
+    mark = mark or (SEPARATORS[0] if head.strip() and "," not in head else None)
     if mark is None:
         return text
     try:

@@ -170,6 +170,13 @@ def test_a_list_of_impacts_with_times_proposes_the_name_onset():
     assert len(read(mixed | {"onset": [None, 0.5]})) == 3
 
 
+def test_rows_without_time_and_number_are_the_impacts_in_order():
+    """A drop test needs no more than the onsets."""
+    alone = read({"onset": [0.1, 0.2, 0.4]})
+    assert [(row.number, row.point, row.wall) for row in alone.impacts] == [(k, None, None) for k in (1, 2, 3)]
+    assert read({"onset": [0.1, 0.2, 0.4], "impact": [None, None, None]}).impacts == alone.impacts
+
+
 @pytest.mark.parametrize(
     ("column", "cell", "allowed"),
     [

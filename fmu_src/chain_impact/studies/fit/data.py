@@ -205,7 +205,7 @@ class _Book:
         samples, quantities = self._columns(table, chosen | {*self._inputs})
         before = -math.inf
         for row in range(len(table.rows)):
-            if any(table.cell(row, name) is not None for name in WHICH):
+            if TIME not in table.names or any(table.cell(row, name) is not None for name in WHICH):
                 self._add_impact(table, row, quantities)
             else:
                 before = self._add_sample(table, row, samples, before)
@@ -260,10 +260,13 @@ class _Book:
             if is_sigma(name) and name[6:-1] in self._inputs:
                 raise SceneError(f"{table.source}: column {name}: an input has no standard deviation")
         samples = [name for name in values if name in over_time]
+        quantities = [name for name in values if name in MEASURED_OF_IMPACT]
+        # without times, each row is an impact, and without WHICH it is the next impact
+        uncertain = quantities if TIME in table.names else []
         for keys, columns, kinds in (
             ((TIME,), [name for name in samples if name in self._outputs], "outputs"),
             ((TIME,), [name for name in samples if name in self._inputs], "inputs"),
-            (WHICH, [name for name in values if name in MEASURED_OF_IMPACT], "impacts"),
+            (WHICH, uncertain, "impacts"),
         ):
             if columns and not any(name in table.names for name in keys):
                 raise SceneError(
@@ -275,7 +278,7 @@ class _Book:
                 f"{table.source}: it has no column with values, of an output such as {self._outputs[0]} or "
                 f"of impacts: {', '.join(MEASURED_OF_IMPACT)}{likely}"
             )
-        return samples, [name for name in values if name in MEASURED_OF_IMPACT]
+        return samples, quantities
 
     def _hint(self, name: str, others: Sequence[str]) -> str:
         near = nearest(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
