@@ -190,6 +190,14 @@ def test_a_fault_does_not_hide_another(native, tmp_path, names):
     assert all(any(fault.sentence in line for line in lines) for fault in faults), lines
 
 
+def test_the_cause_is_listed_before_its_consequences(native, tmp_path):
+    """A variable of an unknown causality is no output, so other findings follow from it."""
+    wrong = edited(('causality="output"', 'causality="outgoing"'), alone=True)
+    first, *others = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", wrong))
+    assert "outgoing" in first
+    assert any("ModelStructure" in line for line in others)
+
+
 def test_findings_that_differ_only_in_the_variable_share_a_line(native, tmp_path):
     change = edited(('(<Real declaredType="Length" unit=")m"', r'\1parsec"'), alone=True)
     found = description_findings(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))

@@ -49,6 +49,8 @@ NAME_PATTERNS = {
 
 See FMI 2.0.4, section 2.2.9, and FMI 3.0, section 2.4.7.5.1.
 """
+# finds the line of a fault in the beginning of fmpy's sentence on a fault that the XML schema refuses
+_OF_SCHEMA = re.compile(r"^ERROR \(line (\d+), column \d+\): ")
 # finds the name of a variable in fmpy's sentence on a fault
 _NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')
 
@@ -88,7 +90,8 @@ def description_findings(path: Path) -> list[Finding]:
     # fmpy would raise IndexError or KeyError for a reference to a variable that does not exist
     if not (lost := list(structure.lost())):
         faults += structure.findings()
-        faults += _of_fmpy(path, known=bool(faults))
+        # a fault that the XML schema refuses causes other faults, so it is listed first
+        faults = _of_fmpy(path, known=bool(faults)) + faults
     # two references to the same variable may give the same finding, which is listed once
     return list(dict.fromkeys(lost + faults))
 
@@ -115,9 +118,10 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
         problems = [str(error) if plain else f"fmpy cannot read it: {type(error).__name__}: {error}"]
     else:
         return []
+    problems = [_OF_SCHEMA.sub(r"line \1: ", " ".join(problem.split())) for problem in problems]
     named = [_NAMED.search(problem) for problem in problems]
     return [
-        Finding(" ".join(problem.split()), variable=name[1] if name else "")
+        Finding(problem, variable=name[1] if name else "")
         for problem, name in zip(problems, named, strict=True)
     ]
 
