@@ -26,6 +26,8 @@ from tests.helpers.scenes.problems import of_law
 from tests.helpers.tools.refusal import refusal
 from tests.scene.finger import FINGER
 
+HEEL = "link[2].point[1].x"
+
 
 def refused(*changes) -> str:
     """Return the message for the four-link scene with (path, value) changes; it starts with the source."""
@@ -110,11 +112,11 @@ def test_a_pinned_base_beyond_a_wall_is_warned_of():
     [
         ({"link[1].length": 500.0}, "link[1].length = 500 m is long for link[1].mass = 1 kg: is it in mm?"),
         ({"gravity.y": -9810.0}, "m/s² is a thousand times as strong as on earth: is it in mm/s²?"),
-        ({"link[2].point[1].x": -60.0}, "point 3 is 60 m from the joint of its link, far for a chain of 0.5 m"),
+        ({HEEL: -60.0}, "point 3 is 60 m from the joint of its link, far for a chain of 0.5 m"),
     ],
 )
 def test_lengths_in_millimetres_are_asked_about(changes, told):
-    model, outside = ("hopper", "box.y_min") if "link[2].point[1].x" in changes else ("pinned_arm", "box.x_max")
+    model, outside = ("hopper", "box.y_min") if HEEL in changes else ("pinned_arm", "box.x_max")
     with pytest.warns(SceneWarning, match=re.escape(told)):
         load_scene(model).with_values({outside: None, **changes})
 

@@ -22,8 +22,14 @@ SHORTEST_REST = 0.05  # [1] shortest rest that counts, relative to the duration 
 
 def rest_word(recording: Recording) -> str:
     """Return the word for the rest at the end: "held" if dry friction holds the chain, or "at rest"."""
-    last = recording.stick_slip[np.isnan(recording.stick_slip["end"])]
-    return "held" if (last["mode"] == STICKS).any() else "at rest"
+    return "held" if len(_held_since(recording)) else "at rest"
+
+
+def _held_since(recording: Recording) -> np.ndarray:
+    """Return the start [s] of each phase of sticking that lasts to the end."""
+    phases = recording.stick_slip
+    starts: np.ndarray = phases["start"][np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
+    return starts
 
 
 def ends_at_rest(recording: Recording) -> bool:
@@ -102,7 +108,9 @@ def rest_lines(recording: Recording) -> Iterator[str]:
     The line tells the start of the rest, and the positions of the chain's free ends.
     """
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
-        start, last = rests(recording)[-1][0], recording.points[-1]
+        # dry friction may hold the chain only some milliseconds after the last noticeable motion
+        start = max([rests(recording)[-1][0], *_held_since(recording)])
+        last = recording.points[-1]
         ends = {"tip": last[-1]} if recording.pinned else {"base": last[0], "tip": last[-1]}
         texts = [f"{name} at ({_metres(x)}, {_metres(y)}) m" for name, (x, y) in ends.items()]
         yield f"rest     {rest_word(recording)} from {start:.4g} s on: {', '.join(texts)}"

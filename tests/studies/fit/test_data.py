@@ -173,7 +173,8 @@ def test_a_list_of_impacts_with_times_proposes_the_name_onset():
 def test_rows_without_time_and_number_are_the_impacts_in_order():
     """A drop test needs no more than the onsets."""
     alone = read({"onset": [0.1, 0.2, 0.4]})
-    assert [(row.number, row.point, row.wall) for row in alone.impacts] == [(k, None, None) for k in (1, 2, 3)]
+    found = [(row.number, row.point, row.wall) for row in alone.impacts]
+    assert found == [(number, None, None) for number in (1, 2, 3)]
     assert read({"onset": [0.1, 0.2, 0.4], "impact": [None, None, None]}).impacts == alone.impacts
 
 
