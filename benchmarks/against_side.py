@@ -17,7 +17,7 @@ from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_va
 try:
     from chain_impact.compilation.signatures import SIGNATURES
 except ImportError:  # an older commit
-    SIGNATURES = dict.fromkeys(["initialize", "advance", "observe"], "")
+    SIGNATURES = dict.fromkeys(["initialize", "advance", "observe"])  # type: ignore
 try:
     from chain_impact.variables.prepared import PreparedScene
 except ImportError:  # an older commit
