@@ -99,7 +99,7 @@ def test_a_brick_rests_on_an_edge_and_never_where_its_rocking_turns():
     [(start, end)] = rests(result)
     assert (start, end) == (pytest.approx(result.impacts["onset"][-1], abs=0.1), 4.0)
     (line,) = rest_lines(result)
-    assert f" held from {2.0 / (0.5 * 9.81):.4g} s on" in line
+    assert " held " in line
     upright = result.points[-1, 1] - result.points[-1, 0]
     assert abs(upright[0]) < 1e-6
 
@@ -173,4 +173,4 @@ stop_time = 2.0
     [(start, _)] = rests(result)
     assert start == pytest.approx(2.0 / (0.5 * 9.81), abs=0.06)
     (line,) = rest_lines(result)
-    assert " held " in line
+    assert f" held from {2.0 / (0.5 * 9.81):.4g} s on" in line

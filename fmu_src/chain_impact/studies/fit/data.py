@@ -261,12 +261,10 @@ class _Book:
                 raise SceneError(f"{table.source}: column {name}: an input has no standard deviation")
         samples = [name for name in values if name in over_time]
         quantities = [name for name in values if name in MEASURED_OF_IMPACT]
-        # without times, each row is an impact, and without WHICH it is the next impact
-        uncertain = quantities if TIME in table.names else []
         for keys, columns, kinds in (
             ((TIME,), [name for name in samples if name in self._outputs], "outputs"),
             ((TIME,), [name for name in samples if name in self._inputs], "inputs"),
-            (WHICH, uncertain, "impacts"),
+            (WHICH, quantities if TIME in table.names else [], "impacts"),  # else each row is an impact
         ):
             if columns and not any(name in table.names for name in keys):
                 raise SceneError(
