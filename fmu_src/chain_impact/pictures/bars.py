@@ -27,6 +27,7 @@ from chain_impact.pictures.style import (
 WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in row 0, later ones lower
+DOT = 24.0  # [square points] the size of a dot
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # If the axes of all blocks of bars have the same label, they have one scale, provided that the longest bar of
 # each block is at most ONE_SCALE times as long as the longest bar of any other block.
@@ -45,6 +46,7 @@ class Bars:
         heading: a text above the column of ``texts``.
         title: a text above the block.
         colours: the colour of each bar; if there are none, the colour of a bar shows the sign of its value.
+        dots: whether a dot stands in place of each bar, for an axis that is not linear.
     """
 
     names: Sequence[str]
@@ -54,6 +56,7 @@ class Bars:
     heading: str = ""
     title: str = ""
     colours: Sequence[str] = ()
+    dots: bool = False
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -115,7 +118,10 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
     rows = range(len(block.names))
     colours = block.colours or [BLUE if value > 0.0 else VERMILLION for value in block.values]
     axes.hlines(rows, 0.0, 1.0, PALE, linewidth=0.6, zorder=0, transform=axes.get_yaxis_transform())
-    axes.barh(rows, block.values, THICK, color=colours)
+    if block.dots:
+        axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
+    else:
+        axes.barh(rows, block.values, THICK, color=colours)
     heading = [(HEADING_ROW, block.heading)] if block.heading else []
     for row, text in [*zip(rows, block.texts, strict=True), *heading]:
         axes.annotate(

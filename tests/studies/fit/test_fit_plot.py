@@ -12,7 +12,7 @@ import pytest
 from chain_impact import fit, load_scene, simulate
 from chain_impact.studies.fit.estimates import LawEstimates
 from chain_impact.studies.fit.plot import MOST_DOTS, MOST_IN_TITLE, running_means
-from chain_impact.studies.fit.report import heading
+from chain_impact.studies.fit.report import heading, sigma_of
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 SIGMA = dict.fromkeys(TIP, NOISE) | {"onset": 1e-4}
@@ -147,9 +147,41 @@ def test_several_data_sets_and_an_input():
         tables.append({"time": result.time, "link[1].angle": result["link[1].angle"]})
     found = fit(arm, tables, [], free_each=["joint[1].torque"], sigma={"link[1].angle": 1e-4})
     values, _ = found.plot().axes
-    assert [text.get_text() for text in values.get_legend().get_texts()] == ["data set 1", "data set 2"]
+    assert [text.get_text() for text in values.get_legend().get_texts()][:2] == ["data set 1", "data set 2"]
     for (curve, points), table in zip(zip(*[iter(values.get_lines())] * 2, strict=True), tables, strict=True):
         assert np.interp(table["time"], *curve.get_data()) == pytest.approx(points.get_ydata(), abs=1e-4)
+
+
+def test_sigma_has_a_unit_and_tells_that_it_is_estimated(found):
+    columns, _ = motion(0.7, count=60)
+    given, guessed = (fit(scene(), columns, FREE[2:], sigma=s) for s in (dict.fromkeys(TIP, 1e-3), None))
+    for each, how in ((given, "given"), (guessed, "estimated")):
+        page = each.plot()
+        told = [text.get_text() for text in page.axes[0].get_legend().get_texts()]
+        assert [text.rpartition("σ = ")[2] for text in told if "σ" in text] == [sigma_of(each, TIP[0])]
+        assert re.fullmatch(rf"[\d.]+ [µm]m {how}", sigma_of(each, TIP[0]))
+
+
+def test_correlated_residuals_are_told_in_the_picture(found):
+    told = "neighbouring residuals of"
+    assert not any(told in text.get_text() for text in found.plot().texts)
+    waves = found.residuals + 3.0 * NOISE * np.sin(0.1 * np.arange(len(found.residuals)))
+    page = replace(found, residuals=waves).plot()
+    said = "\n".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert f"errors are too small: {told} {TIP[0]}, {TIP[1]}" in said
+
+
+def test_laws_that_fit_equally_show_their_range_and_a_search_without_end_is_named(found):
+    name = FREE[1]
+    other = replace(found, values=found.values | {name: 0.25}, deviance=found.deviance + 0.1)
+    poor = replace(found, deviance=found.deviance + 399.4, converged=False)
+    fits = {"zhang_sharf": found, "ye": other, "gharib_hurmuzlu": poor}
+    ranking = tuple(LawEstimates(law, each) for law, each in fits.items())
+    page = replace(found, ranking=ranking).plot(size=(7.0, 6.0))
+    told = "\n".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert f"{name} 0.25 to {found.values[name]:.3g} under these laws" in told
+    assert "did not converge: gharib_hurmuzlu" in told
+    assert "399" in [text.get_text() for text in page.axes[0].texts]
 
 
 def test_laws_that_differ_by_round_off_tie(found):
@@ -164,7 +196,7 @@ def test_laws_that_differ_by_round_off_tie(found):
 
 
 @pytest.mark.full("fits every law")
-def test_a_ranking_has_a_bar_for_each_law():
+def test_a_ranking_has_a_dot_for_each_law():
     columns, _ = motion(0.55, count=60)
     found = fit(scene(), columns, ["contact.restitution"], sigma=dict.fromkeys(TIP, NOISE), laws=True)
     for size in (None, (84 / 25.4, None)):
@@ -172,7 +204,8 @@ def test_a_ranking_has_a_bar_for_each_law():
         page.draw_without_rendering()
         bars = page.axes[-1]
         assert [name.get_text() for name in bars.get_yticklabels()] == [entry.law for entry in found.ranking]
-        lengths = [bar.get_width() for bar in bars.patches]
+        (dots,) = (each for each in bars.collections if len(each.get_offsets()))
+        lengths = dots.get_offsets()[:, 0].tolist()
         best, *others = [entry.fit.aic for entry in found.ranking if entry.fit is not None]
         assert lengths[: 1 + len(others)] == pytest.approx([0.0, *(aic - best for aic in others)])
         *told, heading = [text.get_text() for text in bars.texts]

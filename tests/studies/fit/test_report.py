@@ -30,7 +30,7 @@ def test_a_fit_is_printed_whole(lines):
     assert "N/m^1.5" in lines[3]
     assert "rad/s" in lines[5]
     by_name = {line.split()[0]: line for line in lines if line}
-    assert "0.001 given" in by_name[TIP[0]]
+    assert "1 mm given" in by_name[TIP[0]]
     assert "estimated" in by_name[TIP[1]]
     assert by_name["peak_force"].count("…") == 1
     assert "χ² per degree of freedom" in by_name["converged;"]

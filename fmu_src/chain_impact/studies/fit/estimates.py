@@ -14,6 +14,8 @@ from chain_impact.simulation.derivatives import Differentiated
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.parameters import Parameter
+from chain_impact.variables.impact_units import IMPACT_UNITS
+from chain_impact.variables.prepared import PreparedScene
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,10 @@ class Estimates:
         if point_wall_pairs(self.scene):
             return contact.model
         return stops.model or contact.model if self.scene.chain.stops else ""
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a measured column."""
+        return str((PreparedScene(self.scene).units | IMPACT_UNITS).get(name, "s"))
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:

@@ -1,7 +1,7 @@
 """The picture of a fit: for each measured column a panel with data and model, and the residuals below.
 
 Outputs are drawn over time, with a vertical line at each impact of the model. Quantities of impacts are drawn
-over the number of the impact. If laws were ranked, the picture has a bar for each contact law instead.
+over the number of the impact. If laws were ranked, the picture has a dot for each contact law instead.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from matplotlib.ticker import MaxNLocator
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
 from chain_impact.pictures.curves import axis_unit
 from chain_impact.pictures.figures import draw_figure, settle
+from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.over_time import name_time
 from chain_impact.pictures.sizes import Size
@@ -42,10 +43,9 @@ from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
-from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, misfit, rounded
+from chain_impact.studies.fit.remarks import alike_neighbours
+from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, misfit, rounded, sigma_of
 from chain_impact.studies.fit.unknown import size_of
-from chain_impact.variables.impact_units import IMPACT_UNITS
-from chain_impact.variables.prepared import PreparedScene
 
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
 MOST_IN_TITLE = 2  # largest number of parameters in the headline
@@ -107,7 +107,9 @@ def fill(figure: Figure, fit: Estimates) -> None:
     alone = len(names) - 1 if len(names) % across else None
     cells = [grid[k // across, :] if k == alone else grid[k // across, k % across] for k in range(len(names))]
     has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
-    more = [f"rms residual {number(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
+    poor = ", ".join(alike_neighbours(fit))
+    more = [f"errors are too small: neighbouring residuals of {poor} are correlated"] if poor else []
+    more += [f"rms residual {number(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
     if len(names) < len(fit.columns):
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
@@ -128,10 +130,10 @@ def fill(figure: Figure, fit: Estimates) -> None:
 
 @styled()
 def fill_ranking(figure: Figure, fit: Estimates) -> None:
-    """Draw the ranking of contact laws on an empty figure: ΔAIC of each law as a bar with a dot at its end.
+    """Draw the ranking of contact laws on an empty figure: ΔAIC of each law as a dot.
 
     The best law is on top. The axis is linear up to HARDLY, and logarithmic beyond. A law without a fit has
-    no bar.
+    no dot.
     """
     above = [math.nan if entry.fit is None else max(0.0, entry.fit.aic - fit.aic) for entry in fit.ranking]
     most = float(np.nanmax(above))
@@ -139,14 +141,19 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
         names=[entry.law for entry in fit.ranking],
         values=above,
         texts=[
-            "–" if entry.fit is None else number(round(value, 1), 2)
+            "–" if entry.fit is None else number(round(value, 1), 2) if value < HARDLY else f"{value:.0f}"
             for entry, value in zip(fit.ranking, above, strict=True)
         ],
         label="ΔAIC",
         heading="ΔAIC",
+        dots=True,
         colours=[PALETTE[0] if fits_equally(entry, fit) else GREY for entry in fit.ranking],
     )
-    told = [*_estimate_texts(fit), "blue: as good as the best law"]
+    tied = [entry.fit for entry in fit.ranking if entry.fit and fits_equally(entry, fit)]
+    told = _ranges(fit, tied) if len(tied) > 1 else _estimate_texts(fit)
+    told.append("blue: as good as the best law")
+    open_ended = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
+    told += [f"did not converge: {open_ended}"] if open_ended else []
     if most > HARDLY:
         told.append(f"from {HARDLY:g} on (dashed): hardly supported")
     others = count_of_best(fit) - 1
@@ -154,12 +161,22 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
     headline(figure, heading(fit, ": ", laws), SEPARATOR.join(told))
     axes = figure.subplots()
     draw_bars(axes, bars, (0.0, most or 1.0), small=is_narrow(figure))
-    axes.scatter(above, range(len(above)), 12.0, bars.colours, zorder=3.0, clip_on=False)
     axes.axvline(HARDLY, color=INK, linewidth=0.8, linestyle="--")
     if most > HARDLY:
         axes.set_xscale("symlog", linthresh=HARDLY)
         axes.set_xlim(0.0, 2.0 * most)
     settle(figure)
+
+
+def _ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
+    """Return the least and the largest estimate of each parameter under laws that fit equally well."""
+    found = []
+    for parameter in fit.parameters[:MOST_ESTIMATES]:
+        values = [each.values[parameter.label] for each in tied]
+        ends = " to ".join(dict.fromkeys(number(end(values), 3) for end in (min, max)))
+        unit = of_scene(parameter.unit, fit.scene)
+        found.append(f"{parameter.label} {raised(with_unit(ends, unit))} under these laws")
+    return found
 
 
 def strongest_correlation(fit: Estimates) -> str:
@@ -197,10 +214,11 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     over_impacts, has_lines = name in MEASURED_OF_IMPACT, False
     several = len(fit.data) > 1
     measured = np.concatenate([data_set.value for data_set in fit.data])
-    scale, unit = axis_unit(_unit(fit, name), [measured[fit.columns[name]]])
+    scale, unit = axis_unit(fit.unit(name), [measured[fit.columns[name]]])
     largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL))
     residuals.set(ylim=(-1.15 * largest, 1.15 * largest))
-    residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
+    spread = f"± {USUAL:g} σ; σ = {sigma_of(fit, name)}"
+    band = residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0, label=spread)
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.run + 1}" if several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": ".", "color": colour}
@@ -234,9 +252,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             residuals.set_xlim(np.nanmin(numbers) - BESIDE, np.nanmax(numbers) + BESIDE)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
-        values.legend(
-            loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4
-        )
+        legend_above(values, [*values.get_legend_handles_labels()[0], band])
     return has_lines
 
 
@@ -292,11 +308,6 @@ def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray
 
 def _colours(count: int) -> list[str]:
     return [PALETTE[k % len(PALETTE)] for k in range(count)]
-
-
-def _unit(fit: Estimates, name: str) -> str:
-    units = PreparedScene(fit.scene).units | IMPACT_UNITS
-    return str(units.get(name, "s"))
 
 
 def _estimate_texts(fit: Estimates) -> list[str]:

@@ -121,14 +121,14 @@ def unusual(result: Estimates) -> Iterator[str]:
         )
 
 
-def not_random(result: Estimates) -> Iterator[str]:
-    """Yield a remark that lists the columns in which neighbouring residuals are correlated.
+def alike_neighbours(result: Estimates) -> dict[str, float]:
+    """Return the columns in which neighbouring residuals are correlated: column → correlation r.
 
     A column is listed if √n r > ALIKE_NEIGHBOURS, where r is the correlation of the n pairs of a residual and
     the next one in the same data set. For independent residuals, √n r has about the standard normal
     distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
     """
-    texts = []
+    found: dict[str, float] = {}
     data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])
     for name, mine in result.columns.items():
         used = mine & result.used
@@ -139,9 +139,15 @@ def not_random(result: Estimates) -> Iterator[str]:
             continue
         alike = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
         if math.sqrt(len(pairs)) * alike > ALIKE_NEIGHBOURS:
-            texts.append(f"{name} ({alike:.2f})")
+            found[name] = alike
+    return found
+
+
+def not_random(result: Estimates) -> Iterator[str]:
+    """Yield a remark that lists the columns in which neighbouring residuals are correlated."""
+    texts = ", ".join(f"{name} ({alike:.2f})" for name, alike in alike_neighbours(result).items())
     if texts:
         yield (
-            f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(texts)}. The "
+            f"Neighbouring residuals are correlated, so they are not only noise: {texts}. The "
             "model leaves something out, and the standard errors are too small."
         )

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chain_impact.recording.text import TextTable, number, plural
+from chain_impact.recording.text import TextTable, number, plural, prefixed
 from chain_impact.scene.unit_text import of_scene, with_unit
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter
@@ -126,14 +126,25 @@ def _columns(fit: Estimates) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = []
     for name, mine in fit.columns.items():
         used = mine & fit.used
-        sigma = np.unique(fit.sigma[mine])
-        sigma_text = (
-            number(sigma[0], 3) if len(sigma) == 1 else f"{number(sigma[0], 3)} … {number(sigma[-1], 3)}"
-        )
-        how = "estimated" if name in fit.estimated else "given"
         rms = math.sqrt(float((fit.residuals[used] ** 2).mean())) if used.any() else math.nan
-        rows.append((name, str(int(used.sum())), f"{sigma_text} {how}", number(rms, 3)))
+        rows.append((name, str(int(used.sum())), sigma_of(fit, name), measured([rms], fit.unit(name))))
     return rows
+
+
+def sigma_of(fit: Estimates, name: str) -> str:
+    """Return the standard deviation σ of a measured column, and whether the user gave it.
+
+    For example "0.935 mm estimated"; if σ differs between the values, its least and its largest value.
+    """
+    sigma = fit.sigma[fit.columns[name]]
+    how = "estimated" if name in fit.estimated else "given"
+    return f"{measured([*dict.fromkeys((sigma.min(), sigma.max()))], fit.unit(name))} {how}"
+
+
+def measured(values: Sequence[float], unit: str) -> str:
+    """Return one or two values as text with a unit, whose prefix suits the largest of them."""
+    factor, shown = prefixed(max(values), unit) if unit else (1.0, unit)
+    return with_unit(" … ".join(number(factor * value, 3) for value in values), shown)
 
 
 def _quality(fit: Estimates) -> str:

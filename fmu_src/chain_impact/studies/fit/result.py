@@ -97,7 +97,7 @@ class Fit(Estimates):
         return require("pandas", "pandas").DataFrame(rows, columns=columns).set_index("parameter")
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
-        """Draw data, model, residuals and impacts; after a fit of all laws, a bar for each law instead.
+        """Draw data, model, residuals and impacts; after a fit of all laws, a dot for each law instead.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
