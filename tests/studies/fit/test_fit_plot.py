@@ -171,7 +171,7 @@ def test_correlated_residuals_are_told_in_the_picture(found):
     assert f"errors are too small: {told} {TIP[0]}, {TIP[1]}" in said
 
 
-def test_laws_that_fit_equally_show_their_range_and_a_search_without_end_is_named(found):
+def test_equally_good_laws_show_their_range_and_open_searches_are_named(found):
     name = FREE[1]
     other = replace(found, values=found.values | {name: 0.25}, deviance=found.deviance + 0.1)
     poor = replace(found, deviance=found.deviance + 399.4, converged=False)
