@@ -3,7 +3,7 @@
 # Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_drawing.js
 # Tests: pages/browser/explore/map/map_scales.js, pages/browser/explore/map/map_rows.js
 # Tests: pages/browser/explore/map/map_outputs.js, pages/browser/explore/map/map_files.js
-# Tests: pages/browser/explore/map/ranking.js
+# Tests: pages/browser/explore/map/map_marks.js, pages/browser/explore/map/ranking.js
 
 import math
 import re
@@ -69,7 +69,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     box = page.locator("#map-canvas").bounding_box()
     titles = page.locator("#map-scales text").all_text_contents()
     assert {"Restitution", AXIS, "Number of impacts", "0.4", "20"} <= set(titles)
-    assert page.locator(".map-present").count() == 1
+    assert page.locator(".map-present").count() == 2, "in the map and on the scale of colours"
     table = saved(page, "Map as CSV").read_text().splitlines()
     assert table[0] == "contact.restitution,initial.angle[1],impact.count"
     assert len(table) == 1 + 41 * 41
@@ -93,11 +93,12 @@ def test_the_preview_stays_below_the_rows_that_come(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-text").get_by_text("A preview of 9 × 9 runs.").wait_for()
-    titles = page.locator("#map-scales text").all_text_contents()
+    others = page.locator("#map-scales text:not(.map-value)")
+    titles = others.all_text_contents()
     page.evaluate("document.getElementById('map-run').click()")  # at once, before any row
     assert page.locator("#map-canvas").get_attribute("width") == "41"
     assert page.evaluate(EMPTY) == 0
-    assert page.locator("#map-scales text").all_text_contents() == titles
+    assert others.all_text_contents() == titles
     page.locator("#map-text").get_by_text("1681 runs in").wait_for()
     assert page.evaluate(EMPTY) == 0
     choices = page.locator("#map-x-name option").all_inner_texts()
@@ -322,7 +323,7 @@ def test_the_scale_of_a_number_of_impacts_has_whole_numbers(show):
     for end, angle in (("from", "-25 deg"), ("to", "25 deg")):
         page.locator(f"#map-y-{end}").fill(angle)
     draw_map(page)
-    texts = page.locator("#map-scales text").all_text_contents()
+    texts = page.locator("#map-scales text:not(.map-value)").all_text_contents()
     assert texts[texts.index(AXIS) + 1 :] == ["0", "1", "Number of impacts"]
 
 
@@ -334,7 +335,7 @@ def test_the_colours_of_a_wide_range_are_logarithmic(show):
     page.locator("#map-x-from").fill("10")
     page.locator("#map-x-to").fill("1e10")
     draw_map(page)
-    texts = page.locator("#map-scales text").all_text_contents()
+    texts = page.locator("#map-scales text:not(.map-value)").all_text_contents()
     ticks = [float(text) for text in texts[texts.index(AXIS) + 1 : -1]]
     assert len(ticks) >= 2
     assert np.ptp(np.diff(np.log10(ticks))) < 1e-9 < np.ptp(np.diff(ticks))
@@ -402,3 +403,27 @@ def test_another_axis_of_a_whole_map_begins_a_new_preview(show):
     page.locator("#map-canvas").click(position={"x": 5, "y": 5})
     until(page, "chainImpact.parameters['contact.stiffness'] !== '1e6'")
     assert page.evaluate("chainImpact.parameters['gravity.y']") == "-5"
+
+
+def test_a_map_tells_numbers_of_runs_the_present_run_and_the_pointers(show):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
+    shown = {float(text) for text in page.locator(".map-value").all_text_contents()}
+    low = {
+        "contact.restitution": 0.05,
+        "initial.angle[1]": np.deg2rad(float(page.locator("#map-y-from").input_value())),
+    }
+    corner = simulate(load_scene("rod_drop").with_values(MAP | low)).impacts["peak_force"].max() / 1e3
+    assert min(abs(value / corner - 1.0) for value in shown) < 5e-3, "the run at the lower left is told"
+    present = simulate(load_scene("rod_drop").with_values(MAP)).impacts["peak_force"].max()
+    number = page.text_content(".map-value.of-present")
+    assert float(number) == pytest.approx(present / 1e3, rel=5e-3)
+    page.locator("#map-canvas").hover(position={"x": 5, "y": 5})
+    label = page.text_content(".map-label-text")
+    told = re.search(r"Largest force at a wall = ([\d.]+)", page.inner_text("#map-text"))[1]
+    assert float(label.split("\u202f")[0]) == pytest.approx(float(told), rel=5e-3)
+    assert page.locator(".map-at").count() == 1, "the scale of colours has a mark, too"
+    page.mouse.move(1, 1)
+    page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
+    assert page.locator(".map-label-text").count() == 0

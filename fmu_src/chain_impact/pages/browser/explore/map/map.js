@@ -8,9 +8,9 @@ import { mainParametersOf, wordsFor } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
 import { connectFiles } from "./map_files.js";
-import { mainOutput, outputIn, outputsOf, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
-import { completed, rowOrder, valuesAt } from "./map_rows.js";
-import { areaOf, axisScale, isLogarithmic, quantityOf, rangeOf, scaledTo } from "./map_scales.js";
+import { failureOf, mainOutput, outputIn, outputsOf, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
+import { completed, hasAreaOf, rowOrder, valuesAt } from "./map_rows.js";
+import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, scaledTo } from "./map_scales.js";
 import { Ranking } from "./ranking.js";
 
 const POINTS = 41; // number of values of each parameter in the map
@@ -19,18 +19,11 @@ const BY_FINGER = "Tap a run to read it, and once more to open it.";
 const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
 const WORKERS = 8; // largest number of workers that compute a map
 
-/** If all runs of a map fail, return why the first one does, and which parameters beside the map's two are changed in all; else "". */
-function failureOf({ names, values, faults, runs }) {
-  if (faults.size < runs.length) return "";
-  const changed = Object.keys(values).filter((name) => !names.includes(name));
-  const others = changed.length ? ` All have changed values of ${changed.join(", ")}.` : "";
-  return `All ${faults.size} runs fail; the first one: ${faults.get(0)}.${others}`;
-}
-
 export class GridMap {
   #engines = []; // the workers that are in use
   #touched; // the run that a finger has touched once
-  #chosen; // the run that the arrow keys have reached
+  #chosen; // the run that the reader points at, or that the arrow keys have reached
+  #hasRing = false; // whether the present run is in the map
   #isLeft = false; // whether the reader has left the map for one of its runs
   #refuses = false; // whether the dialog's text tells that the fields' values are refused
 
@@ -58,7 +51,8 @@ export class GridMap {
     };
     new Ranking(changes, { startEngines: () => this.#startEngines(), wordsOf: (name) => this.wordsOf(name), choose });
     this.canvas.addEventListener("click", (event) => this.#choose(event));
-    this.canvas.addEventListener("pointermove", (event) => this.#describe(this.#runAt(event)));
+    this.canvas.addEventListener("pointermove", (event) => this.#mark(this.#runAt(event)));
+    this.canvas.addEventListener("pointerleave", ({ pointerType }) => pointerType === "mouse" && this.#mark(undefined));
     this.canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
@@ -176,8 +170,10 @@ export class GridMap {
     }
     this.#stop();
     this.#touched = this.#chosen = undefined;
-    // runs: for each run the values of all outputs, so that another colour needs no runs; null for a run that fails
-    const shown = { ...request, points, coarse: this.#coarseFor(request), runs: Array(points * points), faults: new Map(), rows: 0 };
+    // runs: for each run the values of all outputs, so that another colour needs no runs; null for a run that fails; known: present values
+    // of both parameters, as text → their run
+    const coarse = this.shown?.points === COARSE && hasAreaOf(this.shown, request) ? this.shown : undefined;
+    const shown = { ...request, points, coarse, runs: Array(points * points), faults: new Map(), known: new Map(), rows: 0 };
     this.shown = shown;
     Object.assign(this.canvas, { width: points, height: points });
     this.#draw();
@@ -198,8 +194,9 @@ export class GridMap {
     const summary = points === POINTS
       ? `${points * points} runs in ${seconds.toPrecision(2)} s${grey}.`
       : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
+    const ring = this.#hasRing ? " The ring is the present run." : "";
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
-    const others = Object.keys(this.changes.inputSteps).length || this.#isOfPresent() ? "" : " Other parameters have changed since then.";
+    const others = Object.keys(this.changes.inputSteps).length || this.#isOfPresent() ? ring : " Other parameters have changed since then.";
     const done = `${summary}${inputs}${others} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
     const stopped = `Stopped after ${rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
     this.#say(shown.fault || (rows === points ? failureOf(shown) || done : stopped));
@@ -211,12 +208,6 @@ export class GridMap {
     this.#tell();
   }
 
-  /** Return the shown map if it is the preview of a request, with the same ends of the axes and changes; otherwise undefined. */
-  #coarseFor(request) {
-    const partsOf = (map) => areaOf(map) + JSON.stringify(map.values);
-    return this.shown?.points === COARSE && partsOf(this.shown) === partsOf(request) ? this.shown : undefined;
-  }
-
   #say(text, isFault = false) {
     Object.assign(find("map-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
@@ -226,23 +217,16 @@ export class GridMap {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
     const axes = this.inputs.map(([name, from, to]) => {
-      const [first, last] = [from, to].map((field) => this.#limit(name.value, field.value));
+      const [first, last] = [from, to].map((field) => limitOf(this.changes, name.value, field.value));
       const { valueAt } = axisScale(first, last, isLogarithmic(name.value));
       return Array.from({ length: points }, (_, k) => Number(valueAt(k / (points - 1)).toPrecision(12)));
     });
     return { names, axes, values: { ...this.changes.values }, outputs: presentOutputs(this.changes) };
   }
 
-  /** Return the end of an axis, an angle in radians, that the text of a field stands for; an angle in it without a unit is in degrees. */
-  #limit(name, text) {
-    const { factor } = shownIn(this.changes.parameters.get(name));
-    const isShown = factor !== 1 && text.trim() !== "" && Number.isFinite(Number(text));
-    return this.changes.numberOf(name, isShown ? Number(text) / factor : text);
-  }
-
   /** Simulate the rows of a map, each in the next free worker. There are as many workers as processors, but at most WORKERS. */
   async #simulate(shown) {
-    const { names, axes, values, outputs, points } = shown;
+    const { names, axes, values, outputs, points, known } = shown;
     const words = wordsOfRun(this.changes.scene, outputs);
     const rows = rowOrder(points);
     const work = async (engine) => {
@@ -254,10 +238,15 @@ export class GridMap {
         if (shown === this.shown) this.#store(result.rows, row);
       }
     };
-    this.#engines = this.#startEngines();
+    const engines = this.#startEngines();
+    this.#engines = engines;
     this.#showState();
     if (!this.#refuses) this.#say(`0 of ${points} rows`);
-    await Promise.all(this.#engines.map(work));
+    const present = names.map((name) => this.changes.valueOf(name));
+    const run = await engines[0].ask("study", values, { names, each: Float64Array.from(present), words });
+    if (!run) return;
+    known.set(present.join(), runIn(outputs, run.rows, 0));
+    await Promise.all(engines.map(work));
   }
 
   #startEngines() {
@@ -314,8 +303,11 @@ export class GridMap {
     const { names, values } = this.shown;
     const varied = Object.fromEntries(names.filter((name) => name.endsWith(".exponent")).map((name) => [name, "exponent"]));
     const units = names.map((name) => ({ ...this.#unitOf(name, { ...values, ...varied }), isLogarithmic: isLogarithmic(name) }));
-    const present = this.#isOfPresent() ? names.map((name) => this.changes.valueOf(name)) : null;
-    this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.wordsOf(name)) }, units, { present, chosen: this.#chosen });
+    const at = names.map((name) => this.changes.valueOf(name));
+    const run = this.shown.known.get(at.join());
+    const present = this.#isOfPresent() ? { at, value: run && !run.status ? outputIn(run.values, this.shown.output) : null } : null;
+    const inWords = { ...this.shown, names: names.map((name) => this.wordsOf(name)) };
+    this.#hasRing = this.drawing.drawScales(inWords, units, { present, chosen: this.#chosen });
   }
 
   /** Return whether the present parameters equal those of the map, apart from the map's two; false if inputs have steps in time. */
@@ -342,13 +334,20 @@ export class GridMap {
     const { points } = this.shown;
     const middle = (points * points - 1) / 2;
     if (event.key === "Enter") {
-      if (this.#chosen !== undefined) this.#open(this.#chosen);
+      this.#open(this.#chosen);
       return;
     }
     const [column, row] = this.#chosen === undefined ? [middle % points, Math.floor(middle / points)]
       : [this.#chosen % points + right, Math.floor(this.#chosen / points) + up].map((number) => Math.min(Math.max(number, 0), points - 1));
-    this.#chosen = row * points + column;
-    this.#describe(this.#chosen);
+    this.#mark(row * points + column);
+  }
+
+  /** Mark a run, and tell its values; without an index, remove the mark. */
+  #mark(index) {
+    if (!this.shown || index === this.#chosen) return;
+    this.#chosen = index;
+    if (index === undefined) this.#tell();
+    else this.#describe(index);
     this.#drawScales();
   }
 
@@ -379,7 +378,7 @@ export class GridMap {
     const isSecond = event.pointerType !== "touch" || index === this.#touched;
     this.#touched = index;
     if (isSecond) this.#open(index);
-    else this.#describe(index);
+    else this.#mark(index);
   }
 
   #open(index) {
@@ -387,6 +386,7 @@ export class GridMap {
     try {
       // the inputs get no steps, because the runs of a map have constant inputs
       this.changes.replace(this.changes.with(valuesAt(this.shown, index), this.shown.values), {});
+      this.shown.known.set(Object.values(valuesAt(this.shown, index)).join(), { values: this.shown.runs[index] });
       this.#leave(true);
       this.dialog.close();
     } catch (error) {

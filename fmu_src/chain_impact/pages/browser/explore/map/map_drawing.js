@@ -3,12 +3,12 @@
 import { digits, numberText, ticksOf, withMinus } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
 import { colourAt, VIRIDIS } from "./map_colours.js";
+import { markRuns } from "./map_marks.js";
 import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_scales.js";
 
 const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
 const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
 const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
-const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 // [pixels] free space around the canvas for axes and scale; the style sheet must have the same lengths
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
 
@@ -40,17 +40,17 @@ export class MapDrawing {
   }
 
   /**
-   * Draw the axes, the scale of the colours, and marks of runs.
+   * Draw the axes, the scale of the colours, and marks of runs; return whether the present run is in the map.
    *
    * @param map the words for both axes and their values, the number of values of an axis, the output and the scale of its colours. @param
-   * units the units of both axes, from `shownIn`, and whether the axes are logarithmic. @param present the present values of both
-   * parameters; null if other parameters differ from those of the map. @param chosen the index of the run that the arrow keys have reached,
-   * if any.
+   * units the units of both axes, from `shownIn`, and whether the axes are logarithmic. @param present `at`, the present values of both
+   * parameters, and the output `value` of their run; null if other parameters differ from those of the map. @param chosen the index of the
+   * run that the reader points at, if any.
    */
-  drawScales({ names, axes, output, scale, points }, units, { present, chosen }) {
+  drawScales({ names, axes, output, scale, points, results }, units, { present, chosen }) {
     const { scales, frame: { clientWidth, clientHeight } } = this;
     const [width, height] = [clientWidth - EDGE.left - EDGE.right, clientHeight - EDGE.top - EDGE.bottom];
-    if (!(width > 0 && height > 0)) return;
+    if (!(width > 0 && height > 0)) return false;
     scales.clear().size(clientWidth, clientHeight).viewbox(0, 0, clientWidth, clientHeight);
     const bottom = EDGE.top + height;
     const at = (k, value) => {
@@ -72,16 +72,19 @@ export class MapDrawing {
     });
     scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
     this.#drawColours(EDGE.left, bottom + 52, width, output, scale);
-    if (chosen !== undefined) {
-      const [column, row] = [chosen % points, Math.floor(chosen / points)];
-      const [left, top] = [EDGE.left + (column * width) / points, bottom - ((row + 1) * height) / points];
-      ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
-        scales.rect(width / points + 2 * RIM, height / points + 2 * RIM).move(left - RIM, top - RIM).addClass(kind));
-    }
-    if (!present) return;
-    const [x, y] = present.map((value, k) => at(k, value));
+    if (!scale) return false;
+    const [x, y] = present?.at.map((value, k) => at(k, value)) ?? [];
     const isSeen = x >= EDGE.left && x <= EDGE.left + width && y >= EDGE.top && y <= bottom;
-    if (isSeen) ["map-present-edge", "map-present"].forEach((kind) => scales.circle(13).center(x, y).addClass(kind));
+    const marked = { present: isSeen ? { at: [x, y], value: present.value } : null, chosen };
+    markRuns(scales, { results, points, output, scale }, { left: EDGE.left, top: EDGE.top, width, height }, marked);
+    const values = [[present?.value, "map-present-edge"], [present?.value, "map-present"], [results[chosen], "map-at"]];
+    values.filter(([value]) => Number.isFinite(value ?? NaN)).forEach(([value, kind]) => {
+      const share = Math.min(Math.max(scale.shareOf(value), 0), 1);
+      const bins = scale.bins?.length - 1;
+      const shown = bins ? (share * (bins - 1) + 0.5) / bins : share; // the middle of a count's colour
+      scales.circle(8).center(EDGE.left + width * shown, bottom + 48.5).addClass(kind);
+    });
+    return isSeen;
   }
 
   #write(text, x, y, anchor) {

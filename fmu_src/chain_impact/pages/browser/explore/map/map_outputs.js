@@ -60,6 +60,14 @@ export function outputsOf(scene) {
   return [...first, ...largestOf(scene), ...last];
 }
 
+/** If all runs of a map fail, return why the first one does, and which parameters beside the map's two are changed in all; else "". */
+export function failureOf({ names, values, faults, runs }) {
+  if (faults.size < runs.length) return "";
+  const changed = Object.keys(values).filter((name) => !names.includes(name));
+  const others = changed.length ? ` All have changed values of ${changed.join(", ")}.` : "";
+  return `All ${faults.size} runs fail; the first one: ${faults.get(0)}.${others}`;
+}
+
 /** Return the outputs of a map, each with `rigid`, the rigid law, if any, with which an output of 0 in a run with impacts is unknown. */
 export function presentOutputs(changes) {
   return outputsOf(changes.scene).map((output) => ({ ...output, rigid: rigidLaw(changes, output.name) }));

@@ -1,5 +1,7 @@
 // The rows of a map that grows: the order of their simulation, and the outputs that are shown for runs not simulated yet.
 
+import { areaOf } from "./map_scales.js";
+
 /** Return the indices of the rows of a map in the order of their simulation: first rows that are far apart, then those between them. */
 export function rowOrder(points) {
   const largest = 2 ** Math.floor(Math.log2(Math.max(points - 1, 1)));
@@ -28,6 +30,12 @@ function coarseAt(coarse, ...shares) {
   if (!coarse) return undefined;
   const [column, row] = shares.map((share) => Math.round(share * (coarse.points - 1)));
   return coarse.results[row * coarse.points + column];
+}
+
+/** Return whether a map has the ends of the axes and the changes of a request. */
+export function hasAreaOf(map, request) {
+  const partsOf = (one) => areaOf(one) + JSON.stringify(one.values);
+  return partsOf(map) === partsOf(request);
 }
 
 /** Return the values of the two parameters of a map in one of its runs. */

@@ -22,6 +22,13 @@ export function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
+/** Return the end of an axis, an angle in radians, that the text of a field stands for; an angle in it without a unit is in degrees. */
+export function limitOf(changes, name, text) {
+  const { factor } = shownIn(changes.parameters.get(name));
+  const isShown = factor !== 1 && text.trim() !== "" && Number.isFinite(Number(text));
+  return changes.numberOf(name, isShown ? Number(text) / factor : text);
+}
+
 /** Return a text by which maps, or requests of maps, are compared: it is equal if the parameters and the ends of the axes are equal. */
 export function areaOf({ names, axes }) {
   return JSON.stringify([names, axes.map((axis) => [axis[0], axis.at(-1)])]);

@@ -116,7 +116,8 @@ export class Ranking {
     }));
     const others = [some.length > MOST_EFFECTS && `${some.length - MOST_EFFECTS} more with smaller effects`,
       effects.length > some.length && `${effects.length - some.length} without any`].filter(Boolean).join(", ");
-    const told = `Effects of 1\u00a0% more of a parameter${others && `; ${others}`}. Click one to vary it in the map.`;
+    const effect = "Effects of 1\u00a0% more of a parameter, each from a run (simulate --rank: from derivatives)";
+    const told = `${effect}${others && `; ${others}`}. Click one to vary it in the map.`;
     text.textContent = base === null ? `${quantityOf(output.name)} is not known in this run.`
       : `${quantityOf(output.name)} = ${output.integer ? base : write(base, 4)}. ${told}`;
   }

@@ -1,0 +1,65 @@
+// The marks on a map: numbers on the colours of runs, the present run, and the run that the reader points at.
+
+import { digits, numberText, withMinus } from "../../base/format.js";
+import { scaledTo } from "./map_scales.js";
+
+const [NUMBERS_BESIDE, NUMBERS_ABOVE] = [56, 30]; // [pixels] least distances between two numbers, beside and above each other
+const RING_SIZE = 13; // [pixels] diameter of the ring at the present run
+const MARK_RIM = 2; // [pixels] width of the mark around a run
+const BLACK_FROM = 0.45; // fraction of the scale of colours from which on a number is black
+const [LABEL_SIGN, LABEL_PAD] = [7, 5]; // [pixels] width of a sign in the label of a run, and the label's free space at both sides
+
+/** Return an output in the unit of the map as short text. */
+function outputText(value, { output, scale }) {
+  const shown = scaledTo(output, scale).factor * value;
+  const size = Math.abs(shown);
+  if (output.integer) return String(value);
+  return withMinus(size === 0 || (size >= 1e-3 && size < 1e6) ? digits(shown) : numberText(Number(shown.toPrecision(3))));
+}
+
+/** Return where the number beside the ring at [x, y] begins, its `anchor`, and the `middle` of ring and number. */
+function ringOf([x, y], { left, width }) {
+  const [side, anchor] = x > left + width - NUMBERS_BESIDE ? [-1, "end"] : [1, "start"];
+  return { from: x + side * RING_SIZE, middle: x + side * 1.5 * RING_SIZE, y, anchor };
+}
+
+/**
+ * Draw the marks of a map into the group `scales`: `place` is the rectangle { left, top, width, height } of its runs on the screen,
+ * `present` the position [x, y] of the present run there and its output `value`, if it is known, and `chosen` the index of a run.
+ */
+export function markRuns(scales, map, place, { present, chosen }) {
+  const { results, points, scale } = map;
+  const [width, height] = [place.width / points, place.height / points];
+  const middle = (index) => [place.left + (index % points + 0.5) * width, place.top + (points - Math.floor(index / points) - 0.5) * height];
+  const write = (value, [x, y], kind, anchor = "middle") => scales.plain(outputText(value, map))
+    .attr({ x, y: y + 4, "text-anchor": anchor, fill: scale.shareOf(value) > BLACK_FROM ? "#000" : "#fff" }).addClass(`map-value ${kind}`);
+  const steps = [Math.ceil(NUMBERS_BESIDE / width), Math.ceil(NUMBERS_ABOVE / height)];
+  const isWritten = (number, k) => number % steps[k] === Math.floor(steps[k] / 2);
+  const ring = present && ringOf(present.at, place);
+  results.forEach((value, index) => {
+    const at = middle(index);
+    const isFree = !ring || Math.abs(at[0] - ring.middle) > NUMBERS_BESIDE / 2 + RING_SIZE || Math.abs(at[1] - ring.y) > RING_SIZE;
+    const isThere = isWritten(index % points, 0) && isWritten(Math.floor(index / points), 1);
+    if (isThere && isFree && Number.isFinite(value)) write(value, at, "");
+  });
+  if (ring) {
+    ["map-present-edge", "map-present"].forEach((kind) => scales.circle(RING_SIZE).center(...present.at).addClass(kind));
+    if (Number.isFinite(present.value ?? NaN)) write(present.value, [ring.from, ring.y], "of-present", ring.anchor);
+  }
+  if (results[chosen] === undefined) return;
+  const [x, y] = middle(chosen);
+  ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
+    scales.rect(width + 2 * MARK_RIM, height + 2 * MARK_RIM).center(x, y).addClass(kind));
+  if (Number.isFinite(results[chosen])) writeLabel(scales, map, place, { value: results[chosen], x, y, height });
+}
+
+/** Write the output `value` of the run with the middle `x`, `y` and a `height` above the run, or below it at the upper edge. */
+function writeLabel(scales, map, { left, top, width }, { value, x, y, height }) {
+  const text = [outputText(value, map), scaledTo(map.output, map.scale).text].filter(Boolean).join("\u202f");
+  const [wide, high] = [text.length * LABEL_SIGN + 2 * LABEL_PAD, 20];
+  const middle = Math.min(Math.max(x, left + wide / 2), left + width - wide / 2);
+  const above = y - height / 2 - MARK_RIM - high / 2 - 4;
+  const at = above - high / 2 < top ? y + height / 2 + MARK_RIM + high / 2 + 4 : above;
+  scales.rect(wide, high).radius(5).center(middle, at).addClass("map-label");
+  scales.plain(text).attr({ x: middle, y: at + 4, "text-anchor": "middle" }).addClass("map-number map-label-text");
+}
