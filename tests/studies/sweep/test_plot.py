@@ -1,6 +1,7 @@
 """The picture of a sweep: it shows the values of the table, and nothing overlaps."""
 
-# Tests: studies/sweep/histograms.py, studies/sweep/maps.py, studies/sweep/quantities.py
+# Tests: studies/sweep/curves.py, studies/sweep/histograms.py, studies/sweep/maps.py
+# Tests: studies/sweep/quantities.py
 
 import itertools
 
@@ -14,16 +15,17 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.text import number
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.histograms import edges_of
+from chain_impact.studies.sweep.curves import COLOURS
+from chain_impact.studies.sweep.histograms import edges_of, rank_correlation
 from chain_impact.studies.sweep.maps import FAILED_COLOUR, beyond_ends
-from chain_impact.studies.sweep.plot import COLOURS, fill, usual_size
+from chain_impact.studies.sweep.plot import fill, usual_size
 from chain_impact.studies.sweep.quantities import QUANTITIES, results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers.scenes.stops import knee
 from tests.pictures.pictures import contrast, lab
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
-TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact")][:10]
+TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact", "ye")][:10]
 KINDS = {
     "one number": ({"contact.restitution": "0.0:0.8:9"}, {}),
     "one choice": ({"contact.model": list(CONTACT_LAWS)}, {}),
@@ -152,7 +154,9 @@ def test_maps_are_the_columns_with_ordered_axes():
     vary = {"contact.stiffness": "1e9,5e8,1e8,1e7", "contact.restitution": "0.4,0.0,0.8,0.6"}
     found = sweep(SCENE, vary)
     panel = drawn(found).axes[0]
-    (mesh,) = panel.collections
+    mesh, *lines = panel.collections
+    values = [float(text.get_text()) for text in panel.texts]
+    assert [line.levels.tolist() for line in lines] == [[value] for value in values] != []
     shown = mesh.get_array()
     assert panel.get_xscale() == "linear"
     force = 1e-3 * found["peak_force"].reshape(4, 4)
@@ -318,7 +322,17 @@ def test_samples_of_several_parameters_are_histograms():
     """Each bar has the number of runs in it, and the legend the median."""
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
     found = sweep(SCENE, vary, samples=20)
-    (panel,) = drawn(found).axes  # by default the loads
+    page = drawn(found)
+    panel, *dots = page.axes  # by default of the loads
+    order = ["contact.stiffness [N/m$^{1.5}$]", "contact.restitution", "initial.vx [m/s]"]
+    assert dots[0].get_xlabel() == order[0]
+    assert sorted(axes.get_xlabel() for axes in dots) == sorted(order)
+    line, mark = dots[0].lines
+    np.testing.assert_array_equal(
+        line.get_xydata().T, [found["contact.stiffness"], 1e-3 * found["peak_force"]]
+    )
+    assert mark.get_xdata() == [SCENE.values["contact.stiffness"]]
+    assert "peak force follows contact.stiffness most (rank correlation 1.00)" in page.texts[1].get_text()
     force = 1e-3 * found["peak_force"][~found.failed]
     bars = edges_of(force, logarithmic=False, whole=False)
     assert [bar.get_x() for bar in panel.patches] == pytest.approx(bars[:-1])
@@ -326,8 +340,35 @@ def test_samples_of_several_parameters_are_histograms():
     told = [text.get_text() for text in panel.get_legend().get_texts()]
     assert told[0] == f"median {np.median(force):.3g} kN"
     assert told[1].startswith("90 % of the runs: ")
-    (counts,) = found.plot(panels="impact.count").axes
+    counts, *_ = found.plot(panels="impact.count").axes
     assert {bar.get_x() % 1.0 for bar in counts.patches} == {0.5}
+
+
+def test_ranks_correlate_whatever_the_scale():
+    at = np.random.default_rng(0).permutation(np.linspace(0.0, 9.0, 40))
+    assert rank_correlation(at, np.exp(at)) == pytest.approx(1.0)
+    assert rank_correlation(at, -(at**3)) == pytest.approx(-1.0)
+    assert rank_correlation(at, np.ones(40)) == 0.0
+    assert rank_correlation(at, np.where(at > 1.0, at, np.nan)) == pytest.approx(1.0)
+
+
+def test_laws_with_equal_results_share_a_line_and_merging_lines_are_dashed():
+    vary = {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,zhang_sharf,ye"}
+    (legend,) = drawn(sweep(SCENE, vary)).legends
+    assert [text.get_text() for text in legend.get_texts()] == ["flores = ye", "zhang_sharf"]
+    close = drawn(sweep(SCENE, {"contact.stiffness": "1e8,1.0000001e8", "contact.restitution": "0.3:0.7:5"}))
+    whole, dashed = (line.get_linestyle() for line in close.axes[0].lines[:2])
+    assert (whole, dashed) == ("-", "--")
+
+
+def test_repeated_values_are_drawn_once_and_close_ones_named_apart():
+    vary = {"contact.stiffness": "1e8,1.0000001e8,1e8", "contact.restitution": "0.3:0.7:5"}
+    page = drawn(sweep(SCENE, vary))
+    (legend,) = page.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["1e8", "1.0000001e8"]
+    twice = {"contact.stiffness": "1e7,1e8,1e7,1e9,2e9", "contact.restitution": "0.3:0.7:5"}
+    mesh = drawn(sweep(SCENE, twice)).axes[0].collections[0]
+    assert mesh.get_array().shape == (5, 4)
 
 
 @pytest.mark.parametrize(

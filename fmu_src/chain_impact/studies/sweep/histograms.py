@@ -1,4 +1,4 @@
-"""Histograms of a sweep: how its results are distributed over the samples."""
+"""Samples of a sweep: how its results are distributed, and over which parameter they change."""
 
 from __future__ import annotations
 
@@ -11,15 +11,25 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.dark import SKY
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.style import COUNT_STEPS, INK, give_ticks
+from chain_impact.pictures.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.recording.map_colours import spread
 from chain_impact.scene.unit_text import with_unit
-from chain_impact.studies.sweep.maps import NEVER, WIDE_RANGE
-from chain_impact.studies.sweep.quantities import Quantity
+from chain_impact.studies.sweep.maps import (
+    NEVER,
+    SCENE_MARK,
+    WIDE_RANGE,
+    is_logarithmic,
+    label_of,
+    own_value,
+)
+from chain_impact.studies.sweep.quantities import LOADS, Quantity
 from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.variation import Variation
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """Quantile → matplotlib's style of the line that marks it in each panel."""
+MOST_SCATTERS = 3  # the largest number of parameters over which each quantity of samples is drawn
+FEWEST = 3  # fewer pairs of values have no correlation
 # the largest number of bars; more would be so narrow that they show mainly random differences
 MOST_BINS = 60
 ONE_BAR_SPREAD = 1e-9  # values share one bar if their range, relative to the largest |value|, is at most this
@@ -50,6 +60,78 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         legend_above(axes)
         give_ticks(axes)
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
+
+
+def draw_samples(
+    panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]
+) -> None:
+    """Draw each quantity in some panels: its histogram, and a dot of each run over ``drawn_parameters``."""
+    each = len(panels) // len(quantities)
+    draw_histograms(panels[::each], runs, quantities)
+    for k, quantity in enumerate(quantities):
+        beside = panels[each * k + 1 : each * (k + 1)]
+        for axes, variation in zip(beside, drawn_parameters(runs, varying), strict=True):
+            _scatter(axes, runs, quantity, variation)
+
+
+def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation]:
+    """Return the parameters over which samples are drawn: at most MOST_SCATTERS, the strongest first.
+
+    The strength is the rank correlation with any load of the run; choices come last.
+    """
+    loads = [runs[name].astype(float) for name in LOADS if name in runs.names] or [np.zeros(len(runs))]
+
+    def strength(variation: Variation) -> float:
+        if variation.choices:
+            return -1.0
+        return max(abs(rank_correlation(runs[variation.name], load)) for load in loads)
+
+    return sorted(varying, key=strength, reverse=True)[:MOST_SCATTERS]
+
+
+def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
+    """Return Spearman's correlation of the ranks of some values; 0 if they or the others are equal.
+
+    Pairs without finite values are left out.
+    """
+    known = np.isfinite(first) & np.isfinite(second)
+    first, second = first[known], second[known]
+    if len(first) < FEWEST or not np.ptp(first) or not np.ptp(second):
+        return 0.0
+    ranks = [np.unique(values, return_inverse=True)[1] for values in (first, second)]
+    return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
+
+
+def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
+    """Return words for the number that each quantity follows most, and its rank correlation."""
+    numbers, parts = [variation.name for variation in varying if not variation.choices], []
+    for quantity in quantities:
+        found = {name: rank_correlation(runs[name], quantity.of(runs)) for name in numbers}
+        most = max(found, key=lambda name: abs(found[name]), default="")
+        if most and found[most]:
+            value = f"{found[most]:.2f}".replace("-", "−")
+            parts.append(f"{quantity.name} follows {most} most (rank correlation {value})")
+    return "; ".join(parts)
+
+
+def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
+    """Draw a dot for each run: a quantity over a varied parameter, with the scene's own value marked."""
+    shown, given = quantity.of(runs), runs[variation.name]
+    if variation.choices:
+        names = variation.shown(np.unique(variation.values)).tolist()
+        given = np.array([names.index(name) for name in given])
+        axes.set_xticks(range(len(names)), names)
+        axes.set_xlim(-0.5, len(names) - 0.5)
+    else:
+        axes.set_xscale("log" if is_logarithmic(variation) else "linear")
+    axes.plot(given, shown, ".", color=BLUE, markersize=4.0, rasterized=True)
+    axes.set(xlabel=label_of(runs, variation), ylabel=quantity.label)
+    if spread(shown[np.isfinite(shown)]) >= WIDE_RANGE:
+        axes.set_yscale("log")
+    if (own := own_value(runs, variation)) is not None:
+        axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
+    if not variation.choices:
+        give_ticks(axes)
 
 
 def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:

@@ -11,6 +11,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -34,6 +35,10 @@ FEW_TICKS = (2.0, 5.0)
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
 """The mark of the scene's own value, with matplotlib's names."""
+# CONTOURS: the places in the range of the colours near which a map has a line with its value; MOST_PIECES:
+# the largest number of pieces of such a line; LEAST_CELLS: the least number of cells on each axis; LIGHT: the
+# place from which on colours are so light that a line is black
+CONTOURS, MOST_PIECES, LEAST_CELLS, LIGHT = (0.35, 0.7), 2, 4, 0.5
 NEVER = "no run has a finite value"
 
 
@@ -110,14 +115,41 @@ def _draw_map(
     extend = beyond[are_beyond((least, most), ends)]
     label = quantity.label_for(shown.compressed()) + beyond_ends((least, most), ends)
     bar = figure.colorbar(mesh, ax=axes, label=label, extend=extend)
-    if isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]:
+    few_decades = isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]
+    if few_decades:
         axis = bar.ax.yaxis
         number_few_decades(axis)
         # when a bar gets new colours, as for a dark ground, matplotlib sets its axis again from these two
         bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
+    if not quantity.is_count and not x.names and not y.names:
+        levels = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if few_decades else [])]
+        _contours(axes, scales, shown, [level for level in levels if ends[0] < level < ends[1]], mesh)
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
         bar.ax.tick_params(which="both", length=0)
+
+
+def _contours(
+    axes: Axes, scales: tuple[Scale, Scale], shown: Any, levels: Sequence[float], mesh: QuadMesh
+) -> None:
+    """Draw a line with its value in a map for the two of ``levels`` whose colours are nearest to CONTOURS.
+
+    A line with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion.
+    """
+    place = dict(zip(levels, np.asarray(mesh.norm(np.array(levels))).tolist(), strict=True))
+    nearest = {min(levels, key=lambda level: abs(place[level] - part)) for part in CONTOURS if levels}
+    for level in sorted(nearest) if min(shown.shape) >= LEAST_CELLS else ():
+        ink = "black" if place[level] > LIGHT else "white"
+        line = axes.contour(*(scale.middles for scale in scales), shown, [level], colors=ink, linewidths=0.9)
+        pieces = [piece for piece in line.allsegs[0] if len(piece)]
+        if not 0 < len(pieces) <= MOST_PIECES:
+            line.remove()
+            continue
+        longest = max(pieces, key=len)
+        ground = {"facecolor": mesh.cmap(place[level]), "edgecolor": "none", "pad": 1.0}
+        right, up = longest[len(longest) // 2]
+        text = axes.text(right, up, f"{level:g}", color=ink, fontsize="small", bbox=ground)
+        text.set(ha="center", va="center", clip_on=True)
 
 
 def number_few_decades(axis: Axis) -> None:
@@ -150,25 +182,28 @@ class Scale:
         edges: the edges of the cells along the axis, one more than values.
         logarithmic: whether the axis is logarithmic.
         names: the names of the choices; empty for a number.
+        middles: the values themselves, in ascending order.
     """
 
     order: np.ndarray
     edges: np.ndarray
     logarithmic: bool
     names: list[str]
+    middles: np.ndarray
 
 
 def axis_of(variation: Variation) -> Scale:
     """Return the axis of a map for a varied parameter: the order of its values and the edges of the cells."""
     if variation.choices:
-        names = variation.shown(variation.values).tolist()
-        return Scale(np.arange(len(names)), np.arange(len(names) + 1) - 0.5, False, names)
-    order = np.argsort(variation.values)
+        order = np.sort(np.unique(variation.values, return_index=True)[1])
+        names = variation.shown(variation.values[order]).tolist()
+        return Scale(order, np.arange(len(names) + 1) - 0.5, False, names, np.arange(len(names)))
+    order = np.unique(variation.values, return_index=True)[1]
     logarithmic = is_logarithmic(variation)
     at = np.log(variation.values[order]) if logarithmic else variation.values[order]
     middles = 0.5 * (at[1:] + at[:-1])
     edges = np.array([2 * at[0] - middles[0], *middles, 2 * at[-1] - middles[-1]])
-    return Scale(order, np.exp(edges) if logarithmic else edges, logarithmic, [])
+    return Scale(order, np.exp(edges) if logarithmic else edges, logarithmic, [], variation.values[order])
 
 
 def is_logarithmic(variation: Variation) -> bool:

@@ -3,7 +3,8 @@
 One varied number gives lines, one choice dots, and two numbers a map, or lines if one of them has few values.
 A choice beside a number, such as the contact law, gives a line for each of up to ten choices; with more than
 ten choices, these become the rows of a map. Runs that failed are crosses, or grey in a map. Samples of one
-number are points; samples of a choice or of several parameters give a histogram of each result.
+number are points; samples of a choice or of several parameters give a histogram of each result, and dots over
+the parameters that it follows most.
 """
 
 from __future__ import annotations
@@ -12,41 +13,29 @@ import math
 import os
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.figures import draw_figure, settle
-from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.sizes import Size, figure_size
 from chain_impact.pictures.style import (
-    BLACK,
     COUNT_STEPS,
-    PALETTE,
-    give_ticks,
     headline,
     is_narrow,
     raised,
     styled,
 )
-from chain_impact.recording.map_colours import spread
 from chain_impact.recording.text import number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.unit_text import unit_text
+from chain_impact.studies.sweep.curves import COLOURS, CROSS, draw_curves, told_apart
 from chain_impact.studies.sweep.design import Design
-from chain_impact.studies.sweep.histograms import draw_histograms
+from chain_impact.studies.sweep.histograms import MOST_SCATTERS, draw_samples, drawn_parameters, influence
 from chain_impact.studies.sweep.maps import (
-    NEVER,
-    SCENE_MARK,
-    WIDE_RANGE,
     draw_maps,
-    is_logarithmic,
-    label_of,
-    number_few_decades,
     own_value,
     unit_of,
 )
@@ -54,22 +43,15 @@ from chain_impact.studies.sweep.quantities import Quantity, Results, constants, 
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
-CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 # [inch] NAMES_WIDTH: the width left of the panels for the names of a parameter's choices, one at each row of
 # dots; DOTS_WIDTH: the least width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 MOST_SPLIT = 3  # of two varied numbers, one with at most this number of values has a line for each
 MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
-FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
 # exactly this number of panels stands in one row if the figure is wide enough; of another number, two are in
 # a row, except for panels with dots
 IN_ONE_ROW = 3
-# If the axis of the parameter is logarithmic, that of a quantity is logarithmic, too, if the quantity's
-# largest value is at least DECADE times its smallest one, which must be > 0; a power law is then a straight
-# line.
-DECADE = 10.0
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
 THREE_MAPS = 9.0  # [inch] width of the figure from which on three maps stand in one row
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
@@ -117,6 +99,8 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     quantities, kind = results.drawn, kind_of(runs.design)
     varying = varying_in(runs.design)
     told = [conditions(runs, varying), constants(runs, results)]
+    if kind == HISTOGRAMS:
+        told.insert(0, influence(runs, quantities, varying))
     mark = " (×)" if kind in (DOTS, CURVES) else ""
     head, *parts = title(runs, results, mark)
     kept = 1 if is_narrow(figure) else len(parts)  # a narrow figure's headline has only two parts
@@ -124,18 +108,24 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
     # a parameter that is a number comes before a choice, and gets the horizontal axis
     first, *others = in_order(varying, kind)
-    across = _across(len(quantities), kind, figure.get_figwidth())
+    count = len(quantities) * panels_of_each(runs.design)
+    across = _across(count, kind, figure.get_figwidth())
     if kind == DOTS:
         _dots(figure, runs, quantities, first)
     elif kind == CURVES:
-        _curves(figure, runs, quantities, first, *others)
+        draw_curves(_panels(figure, count, across), runs, quantities, first, *others)
     elif kind == HISTOGRAMS:
-        draw_histograms(_panels(figure, len(quantities), across), runs, quantities)
+        draw_samples(_panels(figure, count, across), runs, quantities, varying)
     else:
-        draw_maps(figure, _panels(figure, len(quantities), across), runs, quantities, (first, *others))
+        draw_maps(figure, _panels(figure, count, across), runs, quantities, (first, *others))
     if is_narrow(figure):
         name_once(figure)
     settle(figure)
+
+
+def panels_of_each(design: Design) -> int:
+    """Return the number of panels of each quantity: for samples a histogram, and one for each parameter."""
+    return 1 + min(len(varying_in(design)), MOST_SCATTERS) if kind_of(design) == HISTOGRAMS else 1
 
 
 def name_once(figure: Figure) -> None:
@@ -158,7 +148,8 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
     before one with fewer.
     """
     return sorted(
-        varying, key=lambda each: (bool(each.choices), kind == CURVES and len(each.values) <= MOST_SPLIT)
+        varying,
+        key=lambda each: (bool(each.choices), kind == CURVES and len(np.unique(each.values)) <= MOST_SPLIT),
     )
 
 
@@ -170,6 +161,8 @@ def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
     kind = kind_of(runs.design)
     if kind == CURVES:
         return in_order(varying, kind)[:1]
+    if kind == HISTOGRAMS:
+        return drawn_parameters(runs, varying)
     all_known = kind == MAPS and all(own_value(runs, variation) is not None for variation in varying)
     return varying if all_known else []
 
@@ -183,8 +176,8 @@ def kind_of(design: Design) -> str:
     if len(varying) == 1:
         return DOTS if choices else CURVES
     if not choices:
-        return CURVES if min(len(variation.values) for variation in varying) <= MOST_SPLIT else MAPS
-    return CURVES if len(choices) == 1 and len(choices[0].values) <= len(COLOURS) else MAPS
+        return CURVES if min(len(np.unique(each.values)) for each in varying) <= MOST_SPLIT else MAPS
+    return CURVES if len(choices) == 1 and len(np.unique(choices[0].values)) <= len(COLOURS) else MAPS
 
 
 def usual_size(runs: Runs, results: Results, width: float | None = None) -> tuple[float, float]:
@@ -192,7 +185,7 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
 
     If the user gives a ``width``, the height is for it: the width determines how many panels fit in a row.
     """
-    count, kind = len(results.drawn), kind_of(runs.design)
+    count, kind = len(results.drawn) * panels_of_each(runs.design), kind_of(runs.design)
     if kind == DOTS:
         width = width or NAMES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
         rows = math.ceil(count / _dots_across(count, width))
@@ -219,14 +212,12 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
     """Return a text with each varied parameter: its range and its value in the scene, or how many choices."""
     parts = []
     for variation in varying:
-        ends = " to ".join(
-            number(end) for end in dict.fromkeys((variation.values.min(), variation.values.max()))
-        )
+        ends = " to ".join(told_apart([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
         interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
         own = own_value(runs, variation)
         marked = " (+)" if variation in with_marks(runs, varying) else ""
         told = "" if own is None else f", {number(own)} in the scene{marked}"
-        count = f"{len(variation.values)} of {variation.name}"
+        count = f"{len(np.unique(variation.values))} of {variation.name}"
         parts.append(count if variation.choices else f"{variation.name} {interval}{told}")
     return "; ".join(parts)
 
@@ -267,54 +258,6 @@ def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> l
     return panels[:count]
 
 
-def _curves(
-    figure: Figure,
-    runs: Runs,
-    quantities: list[Quantity],
-    across: Variation,
-    choice: Variation | None = None,
-) -> None:
-    """Draw each quantity over a parameter in a panel, with a cross at the foot for each failed run.
-
-    ``across``: the parameter, a number. ``choice``: a second parameter, each choice or number of which has a
-    line.
-    """
-    panels = _panels(figure, len(quantities), _across(len(quantities), CURVES, figure.get_figwidth()))
-    values = runs[across.name]
-    for axes, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.of(runs)
-        for name, colour in zip(choice.shown(choice.values) if choice else [None], COLOURS, strict=False):
-            rows = np.flatnonzero(runs[choice.name] == name) if choice else np.arange(len(runs))
-            rows = rows[np.argsort(values[rows], kind="stable")]
-            text = number(float(name)) if choice and not choice.choices else name
-            label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
-            marks: dict[str, Any] = {}
-            if runs.design.samples is not None:
-                marks = {"marker": ".", "linestyle": "", "rasterized": True}
-            elif len(rows) <= FEW_VALUES:
-                marks = {"marker": "o", "markersize": 3.0}
-            # a count is drawn as steps: a sloping line would show numbers that are not whole between two runs
-            if quantity.is_count and runs.design.samples is None:
-                marks["drawstyle"] = "steps-mid"
-            axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
-        failed = values[runs.failed]
-        if len(failed):
-            axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
-        axes.set_xscale("log" if is_logarithmic(across) else "linear")
-        axes.set_xlabel(label_of(runs, across))
-        if (own := own_value(runs, across)) is not None:
-            axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
-        give_ticks(axes)
-        _dress(axes, quantity, shown)
-    if choice:
-        handles, labels = panels[0].get_legend_handles_labels()
-        if is_narrow(figure):
-            name = Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:")
-            legend_at_foot(figure, [name, *handles])
-        else:
-            figure.legend(handles, labels, loc="outside right center", title=label_of(runs, choice))
-
-
 def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
     """Draw each quantity in a panel with a row for each choice of a parameter, and a dot in each row.
 
@@ -338,24 +281,3 @@ def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variat
             axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
     panels[0].set_yticks(rows, names)
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
-
-
-def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
-    """Set the scale, the ticks and the label of the vertical axis of a panel.
-
-    ``shown``: the values of the quantity in all runs, NaN where a run failed.
-    """
-    finite = shown[np.isfinite(shown)]
-    axes.set_ylabel(quantity.label_for(finite))
-    if ends := quantity.ends_for(finite):
-        axes.set_ylim(*ends)
-    if not finite.size:
-        axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
-    elif quantity.is_count:
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
-    elif finite.min() > 0.0:
-        is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
-        if is_over_log or spread(finite) >= WIDE_RANGE:
-            axes.set_yscale("log")
-        if axes.get_yscale() == "log" and finite.max() < WIDE_RANGE * finite.min():
-            number_few_decades(axes.yaxis)

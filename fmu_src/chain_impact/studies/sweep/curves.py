@@ -1,0 +1,147 @@
+"""The curves of a sweep: its results over a number, with a line for each choice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from chain_impact.pictures.bands import merged_dashes
+from chain_impact.pictures.legends import legend_at_foot
+from chain_impact.pictures.style import BLACK, COUNT_STEPS, PALETTE, give_ticks, is_narrow
+from chain_impact.recording.map_colours import spread
+from chain_impact.recording.text import number
+from chain_impact.studies.sweep.maps import (
+    NEVER,
+    SCENE_MARK,
+    WIDE_RANGE,
+    is_logarithmic,
+    label_of,
+    number_few_decades,
+    own_value,
+)
+from chain_impact.studies.sweep.quantities import EQUAL_RESULTS, Quantity, results_of
+from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.variation import Variation
+
+COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
+CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
+FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
+# If the axis of the parameter is logarithmic, that of a quantity is logarithmic, too, if the quantity's
+# largest value is at least DECADE times its smallest one, which must be > 0; a power law is then a straight
+# line.
+DECADE = 10.0
+MOST_DIGITS = 17  # with so many significant digits, all different numbers have different texts
+
+
+def draw_curves(
+    panels: Sequence[Axes],
+    runs: Runs,
+    quantities: list[Quantity],
+    across: Variation,
+    choice: Variation | None = None,
+) -> None:
+    """Draw each quantity over a parameter in a panel, with a cross at the foot for each failed run.
+
+    ``across``: the parameter, a number. ``choice``: a second parameter, each choice or number of which has a
+    line.
+    """
+    values = runs[across.name]
+    lines = lines_of(runs, across, choice)
+    for axes, quantity in zip(panels, quantities, strict=True):
+        shown = quantity.of(runs)
+        curves = [np.array([values[rows], shown[rows]]) for rows in lines.values()]
+        drawn = [curve[:, np.isfinite(curve[1])] for curve in curves]
+        usable = [curve.shape[1] > 1 and runs.design.samples is None for curve in drawn]
+        dashes = iter(merged_dashes([curve for curve, use in zip(drawn, usable, strict=True) if use]))
+        for (text, rows), colour, use in zip(lines.items(), COLOURS, usable, strict=False):
+            label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
+            marks: dict[str, Any] = {}
+            if runs.design.samples is not None:
+                marks = {"marker": ".", "linestyle": "", "rasterized": True}
+            elif len(rows) <= FEW_VALUES:
+                marks = {"marker": "o", "markersize": 3.0}
+            # a count is drawn as steps: a sloping line would show numbers that are not whole between two runs
+            if quantity.is_count and runs.design.samples is None:
+                marks["drawstyle"] = "steps-mid"
+            (line,) = axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
+            if use and (dash := next(dashes)):
+                line.set_linestyle(dash)
+        failed = values[runs.failed]
+        if len(failed):
+            axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
+        axes.set_xscale("log" if is_logarithmic(across) else "linear")
+        axes.set_xlabel(label_of(runs, across))
+        if (own := own_value(runs, across)) is not None:
+            axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
+        give_ticks(axes)
+        _dress(axes, quantity, shown)
+    if choice:
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure = panels[0].get_figure(root=True)
+        assert figure is not None
+        if is_narrow(figure):
+            name = Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:")
+            legend_at_foot(figure, [name, *handles])
+        else:
+            figure.legend(handles, labels, loc="outside right center", title=label_of(runs, choice))
+
+
+def lines_of(runs: Runs, across: Variation, choice: Variation | None = None) -> dict[str, np.ndarray]:
+    """Return the lines of each panel: label → the line's runs, sorted by the parameter ``across``.
+
+    Each choice or number of ``choice`` has a line. Choices with equal results in all runs share one line,
+    whose label is as "flores = ye".
+    """
+    rows = np.argsort(runs[across.name], kind="stable")
+    if choice is None:
+        return {"": rows}
+    names = [*dict.fromkeys(choice.shown(choice.values))]
+    results = np.array([quantity.of(runs) for quantity in results_of(runs).every])
+    lines: list[tuple[list[str], np.ndarray]] = []
+    for name, text in zip(names, names if choice.choices else told_apart(names), strict=True):
+        mine = rows[runs[choice.name][rows] == name]
+        same = (texts for texts, others in lines if choice.choices and _equal(results, mine, others))
+        if texts := next(same, None):
+            texts.append(text)
+        else:
+            lines.append(([text], mine))
+    return {" = ".join(texts): mine for texts, mine in lines}
+
+
+def _equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
+    """Return whether some runs have the same results as others; ``results`` has a row for each quantity."""
+    if len(first) != len(second):
+        return False
+    return np.allclose(results[:, first], results[:, second], rtol=EQUAL_RESULTS, equal_nan=True)
+
+
+def told_apart(values: Sequence[float]) -> list[str]:
+    """Return different numbers as texts with as many digits, at least 4, as they need to differ."""
+    texts = ([number(float(value), digits) for value in values] for digits in range(4, MOST_DIGITS))
+    return next((found for found in texts if len({*found}) == len(found)), [*map(repr, values)])
+
+
+def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
+    """Set the scale, the ticks and the label of the vertical axis of a panel.
+
+    ``shown``: the values of the quantity in all runs, NaN where a run failed.
+    """
+    finite = shown[np.isfinite(shown)]
+    axes.set_ylabel(quantity.label_for(finite))
+    if ends := quantity.ends_for(finite):
+        axes.set_ylim(*ends)
+    if not finite.size:
+        axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
+    elif quantity.is_count:
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
+    elif finite.min() > 0.0:
+        is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
+        if is_over_log or spread(finite) >= WIDE_RANGE:
+            axes.set_yscale("log")
+        if axes.get_yscale() == "log" and finite.max() < WIDE_RANGE * finite.min():
+            number_few_decades(axes.yaxis)
