@@ -274,3 +274,23 @@ def test_a_long_name_of_a_point_cuts_no_number_of_the_list(show, width):
     until(page, "document.querySelectorAll('#impacts tbody tr').length > 2")
     page.evaluate("document.querySelector('#impacts td:nth-child(3)').textContent = '14 (left heel)'")
     assert page.evaluate("(list => list.scrollWidth <= list.clientWidth)(document.getElementById('impacts'))")
+
+
+@pytest.mark.parametrize("pins", [False, True])
+def test_a_phone_on_its_side_shows_force_and_motion_beside_a_slider(show, pins):
+    page = show(viewport=ON_ITS_SIDE, has_touch=True)
+    if pins:
+        page.get_by_role("button", name="Pin").click()
+    names = ("#parameters", "#stage", "#contact", "footer", "#energy")
+    parameters, stage, contact, foot, energy = (page.locator(name).bounding_box() for name in names)
+    assert parameters["x"] < stage["x"] < contact["x"]
+    for box in (stage, contact):
+        assert box["y"] + box["height"] <= foot["y"] + 1.0
+    name, button = (page.locator(name).bounding_box() for name in ("#contact-name", "#force-loop"))
+    assert name["x"] + name["width"] <= button["x"] or name["y"] >= button["y"] + button["height"]
+    chart = page.locator("#force").bounding_box()
+    assert chart["y"] + chart["height"] <= contact["y"] + contact["height"]
+    assert energy["width"] > 700.0, "the other charts have the whole width below"
+    page.evaluate("chainImpact.show({'simulation.stop_time': 0.2})")
+    until(page, "document.querySelector('#impacts.none')")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
