@@ -237,7 +237,8 @@ def test_a_bar_below_the_chain_has_the_round_length_that_is_written_at_it(width,
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(12345.0, "12.3 kN"), (999.4, "999 N"), (1.0, "1.00 N"), (0.0249, "24.9 mN")]
+    ("value", "text"),
+    [(12345.0, "12.3 kN"), (999.4, "999 N"), (1.0, "1.00 N"), (0.981, "0.981 N"), (0.0249, "24.9 mN")],
 )
 def test_forces_as_text(value, text):
     assert force_text(value, "N") == text

@@ -1,15 +1,17 @@
 """Labels stand beside their places, and never overlap another label, a line or a mark."""
 
-# Tests: pictures/lines.py
+# Tests: pictures/impact_numbers.py, pictures/lines.py
 
 import itertools
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from chain_impact.pictures.labels import Ink, Label, folded, listed, place_labels
+from chain_impact.pictures.impact_numbers import listed
+from chain_impact.pictures.labels import Ink, Label, folded, place_labels
 
 
 @pytest.fixture
@@ -217,3 +219,38 @@ def test_another_order_is_tried_if_a_label_has_no_room():
     page.draw_without_rendering()
     one, two = sorted(axes.texts, key=Text.get_text)
     assert Text.get_window_extent(one).x1 < 183.0 < Text.get_window_extent(two).x0
+
+
+def test_labels_in_a_row_do_not_read_as_one(axes):
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    texts, point = ("5 + 14 more", "2, 6 + 13 more"), axes.figure.dpi / 72.0
+    axes.figure.draw_without_rendering()
+    widths = [axes.text(0.0, 0.0, text).get_window_extent().width for text in texts]
+    for text in [*axes.texts]:
+        text.remove()
+    way = (0.5 * sum(widths) + 3.0 * point) / axes.get_window_extent().width
+    assert (
+        place_labels(axes, [Label(texts[0], (0.3, 0.5)), Label(texts[1], (0.3 + way, 0.5))], Ink(axes.figure))
+        == []
+    )
+    first, second = (text.get_window_extent() for text in axes.texts)
+    assert second.x0 - first.x1 > 5.0 * point or second.y0 > first.y1 or first.y0 > second.y1
+
+
+def test_a_line_behind_a_label_is_not_seen_between_its_words(axes):
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    for height in np.linspace(0.0, 1.0, 60):
+        axes.axhline(height, color="0.8")
+    assert (
+        place_labels(
+            axes, [Label("joint 2: 670 N", (0.5, 0.5))], Ink(axes.figure), lines=True, fontsize="small"
+        )
+        == []
+    )
+    (text,) = axes.texts
+    box = text.get_window_extent()
+    canvas = FigureCanvasAgg(axes.figure)
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[::-1, :, 0]
+    words = pixels[int(box.y0) + 2 : int(box.y1) - 2, int(box.x0) : int(box.x1)]
+    assert (words[:, :-3] == round(0.8 * 255)).mean() < 0.01

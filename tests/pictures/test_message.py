@@ -7,8 +7,8 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.message import conditions, has_contact, load_text, message, peaks
-from chain_impact.pictures.style import PEAK_COLOUR
+from chain_impact.pictures.message import conditions, has_contact, load_text, marked_peaks, message, peaks
+from chain_impact.pictures.style import LOAD, PEAK_COLOUR
 from chain_impact.scene.scene import with_values
 from tests.helpers.scenes.stops import knee
 from tests.pictures.pictures import MODELS, hit, recorded, swing
@@ -109,12 +109,67 @@ def test_the_impulse_of_a_rest_is_no_largest_impulse():
     assert told.row == 0
 
 
-def test_the_force_of_a_rest_on_a_rigid_wall_is_no_peak():
-    """A rigid wall stops a ball by an impulse, and then bears its weight: no measure of the impact."""
-    run = simulate(load_scene("bouncing_ball").with_values({"contact.restitution": 0.0}))
-    assert run.impacts["peak_force"].max() > 0.0
-    assert peaks(run) == []
+@pytest.mark.parametrize("duration", [0.7, 1.5])
+def test_the_weight_on_a_rigid_wall_is_no_part_of_the_impact(duration):
+    """A rigid wall stops a ball by the impulse m v, and then bears its weight."""
+    scene = load_scene("bouncing_ball").with_values({"contact.restitution": 0.0})
+    run = simulate(scene, duration)
+    (impact,) = run.impacts
+    assert impact["peak_force"] > 0.0
+    assert np.isnan(impact["end"])
+    (told,) = peaks(run)
+    momentum = sum(link.mass for link in scene.chain.links) * impact["impact_speed"]
+    assert told.words == "impulse"
+    assert float(told.value.removesuffix(" N·s")) == pytest.approx(momentum, rel=5e-3)
     assert "peak" not in message(run)
+
+
+def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
+    run = simulate(load_scene("kneed_leg"))
+    short = simulate(load_scene("kneed_leg"), float(run.impacts["onset"][0]) + 1e-6)
+    (told,) = peaks(run)
+    assert told.words == "impulse at a stop"
+    value = float(told.value.removesuffix(" mN·m·s"))
+    assert value == pytest.approx(1e3 * short.impacts["impulse"][0], rel=5e-3)
+    page = run.plot(size=(84 / 25.4, None))
+    assert told.value in page.get_suptitle()
+    assert any("joint 3 hits joint_max at 0.3478 s with 7.69 rad/s" in t.get_text() for t in page.texts)
+    panel = next(axes for axes in page.axes if axes.get_label() == "impacts")
+    assert f"1: {told.value}" in [text.get_text() for text in panel.texts]
+
+
+def test_none_of_equal_impulses_is_singled_out():
+    run = recorded("bouncing_table")
+    (told,) = peaks(run)
+    assert told.equal == len(run.impacts)
+    assert marked_peaks(run) == []
+    assert told.text == f"{told.equal} equal impulses of {run.impacts['impulse'].max():.3f} N·s"
+    assert f": {told.text}, " in message(run)
+    page = run.plot(panels=["motion", "impacts"])
+    assert not any(line.get_color() == PEAK_COLOUR for axes in page.axes for line in axes.lines)
+    assert any("the first in impact 1: ball hits y_min at " in text.get_text() for text in page.texts)
+    assert recorded("rod_drop").plot(panels="impacts").axes[0].get_ylabel() == "peak force [kN]"
+    assert page.axes[1].get_ylabel() == "impulse [N·s]"
+
+
+@pytest.mark.parametrize(("supplied", "told"), [(0.5, "0.5 J supplied"), (-2.0, "2 J taken"), (1e-3, "")])
+def test_energy_of_drives_is_told_beside_that_lost(supplied, told):
+    recording = swing()
+    recording.columns["energy.supplied"] = np.linspace(0.0, supplied, 50)
+    drives = f", {told} by drives" if told else ""
+    assert message(recording) == f"Swing: no impacts in 2 s, 1 J dissipated{drives}"
+
+
+def test_in_a_narrow_picture_the_load_stands_below_the_peak_force():
+    result = simulate(with_values(load_scene("pinned_arm"), {("outputs", "loads"): True}))
+    page = result.plot(size=(84 / 25.4, None))
+    (peak,) = (text for text in page.texts if text.get_color() == PEAK_COLOUR)
+    (load,) = (text for text in page.texts if text.get_color() == LOAD)
+    assert load.get_text() == load_text(result)
+    assert sum(load_text(result) in text.get_text() for text in page.texts) == 1
+    head = page.get_window_extent().y1 - load.get_window_extent().y0
+    assert load.get_window_extent().y1 <= peak.get_window_extent().y0
+    assert head < 0.1 * page.bbox.height
 
 
 @pytest.mark.full("takes long")

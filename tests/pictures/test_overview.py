@@ -17,7 +17,8 @@ from matplotlib.text import Text
 
 from chain_impact.pictures.arrangement import broadness, is_beside, is_over_time
 from chain_impact.pictures.figures import FIGURE_SIZE
-from chain_impact.pictures.labels import MOST_LISTED, Ink
+from chain_impact.pictures.impact_numbers import MOST_LISTED
+from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import MARK, fit_legends, legend_above
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording

@@ -151,3 +151,16 @@ def test_no_large_part_of_the_axes_is_empty(model):
             reach = places[:, along]
             empty = max(reach.min() - limits[0], limits[1] - reach.max())
             assert empty < 0.3 * np.ptp(limits)
+
+
+@pytest.mark.parametrize("model", ["pinned_arm", "whip", "rod_drop"])
+def test_the_view_of_a_narrow_picture_is_not_much_wider_than_the_motion(model):
+    page = recorded(model).plot(size=(120 / 25.4, None))
+    motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    places = recorded(model).points[..., 0]
+    left, right = motion.get_xlim()
+    beside = [places.min() - left, right - places.max()]
+    assert min(beside) > 0.0
+    assert max(beside) < 0.26 * (right - left)
+    page.draw_without_rendering()
+    assert motion.get_window_extent().height > 0.3 * page.bbox.height

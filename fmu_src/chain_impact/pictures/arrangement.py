@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -180,7 +181,8 @@ def _height_above(ratio: float, width: float) -> float:
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """
     if width < WIDE:
-        return ABOVE_TIME * min(1.0, BROADEST_HIGH / ratio) * max(1.0, width / COLUMN)
+        grown = max(1.0, width / COLUMN)
+        return ABOVE_TIME * grown * min(math.sqrt(grown), BROADEST_HIGH / ratio)
     return _whole_height(ratio, width) / ENERGY_HEIGHT
 
 

@@ -44,7 +44,8 @@ COLOURED = 0.3  # a colour with less saturation counts as a grey
 # On a dark ground, the distance of a grey from the ground, 0…1, is raised to this power. The distance becomes
 # larger, because greys near black are hard to see.
 SPREAD = 0.8
-TEXT_OUTLINE = 3.0  # [points] the width of the outline of a text
+# [points] the width of the outline of a text; a line behind the text is not seen in the spaces between words
+TEXT_OUTLINE = 4.0
 # the name of the colour map for time; on a dark ground its colours change, because lines are drawn in them
 TIME = "time"
 Colour = tuple[float, float, float, float]

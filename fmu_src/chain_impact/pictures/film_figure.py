@@ -26,10 +26,9 @@ from chain_impact.pictures.message import hardness, hit
 from chain_impact.pictures.names import brief_hit, short_names
 from chain_impact.pictures.over_time import (
     ENERGIES,
-    ENERGY_PARTS,
-    energy_look,
     mark_impacts,
     offset_text,
+    part_look,
     without_gap,
 )
 from chain_impact.pictures.room import draw_pin, draw_room, moves
@@ -211,11 +210,9 @@ class Film:
         time = self.recording.time
         mark_impacts(axes, self.recording)
         known = self.recording.energies
-        shown, offset = without_gap({name: known[name] for name in known if name in ENERGIES})
+        shown, offset = without_gap({name: known[name] for name in ENERGIES if name in known})
         curves: list[tuple[np.ndarray, dict[str, Any]]] = [
-            (energy, energy_look(name) | {"linestyle": "--" if name in ENERGY_PARTS else "-"})
-            for name, energy in shown.items()
-            if known[name].any()
+            (energy, part_look(name)) for name, energy in shown.items() if known[name].any()
         ]
         plot_curves(axes, time, curves)
         note = f"; potential, total {offset_text(offset)}" if offset else ""

@@ -25,6 +25,7 @@ from chain_impact.pictures.style import (
     give_ticks,
     headline,
     is_narrow,
+    load_unit,
     styled,
 )
 from chain_impact.recording.course import Course
@@ -63,7 +64,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
         axes = figure.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
         timed.append(axes)
-        factor, prefixed_unit = prefixed(np.abs(values).max(initial=0.0), unit)
+        factor, prefixed_unit = load_unit(np.abs(values).max(initial=0.0), unit)
         axes.set_ylabel(f"{name} [{prefixed_unit}]")
         if not len(course.time):
             say_impulse(axes)
@@ -112,7 +113,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
     whether the impact is at a stop of a joint, so that the force is a moment.
     """
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
-    force_factor, prefixed_force_unit = prefixed(force.max(initial=0.0), force_unit)
+    force_factor, prefixed_force_unit = load_unit(force.max(initial=0.0), force_unit)
     depth_factor, prefixed_depth_unit = prefixed(depth.max(initial=0.0), depth_unit)
     label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost by the chain"
     x, y = depth_factor * depth, force_factor * force

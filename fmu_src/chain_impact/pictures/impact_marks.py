@@ -15,15 +15,20 @@ from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
-from chain_impact.pictures.labels import Ink, Label, listed_or_counted, place_labels
+from chain_impact.pictures.impact_numbers import (
+    LISTED_OF_MANY,
+    MOST_IN_LABEL,
+    listed_or_counted,
+    numbers_text,
+)
+from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.message import peaks, strengths
-from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_IN_LABEL, numbers_text
+from chain_impact.pictures.message import marked_peaks, strengths
 from chain_impact.pictures.names import short_names, what_touches
 from chain_impact.pictures.over_time import over_all_time
-from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR, scale_numbers
+from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR, load_unit, scale_numbers
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import prefixed, speed_unit
+from chain_impact.recording.text import speed_unit
 
 # the largest number of points (or joints at stops) with a mark of their own, so that the legend has room
 MOST_OWN_MARKS = 5
@@ -62,7 +67,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     If neither is known, the impact speeds are drawn. A stem leads from the onset to the mark at the time of
     the peak force (``impacts_at_peaks``). The look of a mark tells the point. At most MOST_OWN_MARKS points
     have a look of their own: those with the hardest impacts. The marks of all other points are grey. The
-    impacts in ``peaks`` have a colour of their own.
+    impacts in ``marked_peaks`` have a colour of their own.
 
     Contacts that are long enough to be seen are thick, pale lines below the marks. Each kind of mark has a
     row of these lines, and the axis of time is below all rows. If there are impacts both at walls and at
@@ -74,7 +79,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     groups, lanes = point_groups(recording, tops), 0
     sizes = mark_sizes(recording, tops, [hits for *_, hits in groups])
-    strongest = {peak.row for peak in peaks(recording)}
+    strongest = {peak.row for peak in marked_peaks(recording)}
     lines = np.stack([onsets, np.zeros(len(tops)), times, tops], axis=1).reshape(-1, 2, 2)
     for name, mark, hits in groups:
         colour = mark["color"]
@@ -149,7 +154,7 @@ def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarra
 
 def scaled_name(axis: Axis, words: str, unit: str, values: np.ndarray) -> str:
     """Write an axis's numbers in a unit with a prefix for the values; return ``words`` with this unit."""
-    factor, unit = prefixed(values.max(initial=0.0), unit)
+    factor, unit = load_unit(values.max(initial=0.0), unit)
     scale_numbers(axis, factor)
     return f"{words} [{unit}]"
 
@@ -231,7 +236,7 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the number of each impact at its mark, where ``ink`` is free, the hardest impact first.
 
-    Impacts whose marks coincide share a label. If an impact in ``peaks`` has a label of its own, this label
+    Impacts whose marks coincide share a label. If an impact in ``marked_peaks`` has its own label, this label
     also has the force, moment or impulse, if there is room. If impacts have equal distances in time and their
     numbers have no room, only every k-th impact has a number, and the numbers are written in order of time.
 
@@ -243,7 +248,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     if step > 1:
         order = np.arange(step - 1, len(tops), step)
     common = {row: rows for rows in common_marks(recording, high).values() for row in rows}
-    strongest = {peak.row: peak.value for peak in peaks(recording)}
+    strongest = {peak.row: peak.value for peak in marked_peaks(recording)}
     wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
     numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]
     texts = (numbers_text(each, MOST_IN_LABEL, LISTED_OF_MANY) for each in numbers)

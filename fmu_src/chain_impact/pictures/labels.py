@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -15,6 +15,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from chain_impact.pictures.dark import TEXT_OUTLINE
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] the usual distance from a position to its label
@@ -38,14 +39,12 @@ CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 OWN_LINE = 4.5
 # [pixels] the distance from a strong pixel, or from another leader, at which a leader counts as crossing it
 CROSSING = 2
-LABEL_RIM = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
 BEYOND = 64.0  # [points] how far a label with leaders allowed may be beyond the right edge of its axes
 PAD = 1.0  # [points] the width of the border around a label that must be free, too
+APART = 5.0  # [points] the least space between two labels in a row, so that they do not read as one
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
 # matplotlib's order of drawing (zorder) for labels and their leaders: above links and points
 LABEL_LAYER = 6.0
-LEAST_RUN = 3  # the least number of successive numbers that are written as a range
-MOST_LISTED = 5  # the largest number of numbers and ranges that a text at the foot lists
 
 
 class Label(NamedTuple):
@@ -92,6 +91,7 @@ class Ink:
             self._drawn &= colours != ground
         self._labels, self._leaders = np.zeros_like(self._drawn), np.zeros_like(self._drawn)
         self._counts = counted(self._drawn)
+        self.apart = int(APART * figure.dpi / 72.0)
 
     def pixels(self) -> list[np.ndarray]:
         """Return copies of the arrays that change when labels are written, for ``restore``."""
@@ -154,7 +154,8 @@ class Ink:
             led = np.zeros_like(self._drawn)
             led[line] = True
             self._leaders |= widened(led)
-        box[:] = labels[:] = True
+        box[:] = True
+        self._labels[y0:y1, max(x0 - self.apart, 0) : x1 + self.apart] = True
         return True
 
 
@@ -316,7 +317,11 @@ def _place(
         "in_layout": False,
     }
     grounds = (False, True) if may_lead else (False,)
-    outline: Any = {True: {"path_effects": [withStroke(linewidth=LABEL_RIM, foreground="white")]}, False: {}}
+    apart = np.array([ink.apart, 0.0])
+    outline: Any = {
+        True: {"path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]},
+        False: {},
+    }
     tries = product(CROSSED, grounds, sizes, (homes, homes[:0]))
     for crossed, on_pale, words, spared in tries:
         half = sizes[words]
@@ -325,7 +330,7 @@ def _place(
         is_inside = ((low >= inside.min) & (high <= highest)).all(axis=-1)
         is_inside &= (high[..., 0] <= inside.x1) | (low[..., 0] >= inside.x1)
         for home in spared:
-            is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
+            is_inside &= ~((low < home[1] + apart) & (home[0] - apart < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
         free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
         # Limits > 0 concern leaders only; positions without a leader were already tried with the limit 0.
@@ -368,26 +373,3 @@ def _pixel(colour: Any) -> int:
     """Return a colour as the number that an opaque pixel with this colour has in ``Ink``."""
     parts = [round(255.0 * part) for part in to_rgba(colour, 1.0)]
     return int(np.array(parts, np.uint8).view(np.uint32)[0])
-
-
-def listed(numbers: Iterable[int]) -> str:
-    """Return whole numbers as ascending text; LEAST_RUN or more successive ones are a range: "3, 7–9"."""
-    runs: list[list[int]] = []
-    for number in sorted(set(numbers)):
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    parts: list[str] = []
-    for run in runs:
-        parts += [f"{run[0]}–{run[-1]}"] if len(run) >= LEAST_RUN else map(str, run)
-    return ", ".join(parts)
-
-
-def listed_or_counted(numbers: Sequence[int], count: int) -> str:
-    """Return numbers of impacts as text, such as "3, 7–9".
-
-    If the text would be long, it has only their number and ``count``, the number of all impacts: "31 of 81".
-    """
-    text = listed(numbers)
-    return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of {count}"

@@ -11,7 +11,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.contact_times import has_impulses, peak_time
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.names import brief_hit, what_touches
-from chain_impact.pictures.style import force_text, headline, is_narrow, raised
+from chain_impact.pictures.style import INK, LOAD, PEAK_COLOUR, force_text, headline, is_narrow, raised
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import number, plural, prefixed, speed_unit
@@ -22,6 +22,10 @@ from chain_impact.variables.impact_units import unit_at
 # a dissipated energy up to this, relative to the largest energy, is round-off, and not a loss
 NO_LOSS = 1e-12
 
+# Two largest values count as equal if they differ by at most this, relative to the larger one.
+SAME_PEAK = 1e-3
+# an energy of drives and inputs up to this, relative to the dissipated energy, is not told
+LITTLE_SUPPLIED = 0.01
 SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
 
 
@@ -40,21 +44,31 @@ class Peak(NamedTuple):
         words: the quantity in words: "peak force".
         value: its value with its unit: "12.6 kN".
         row: the row of the impact, from 0.
+        equal: how many impacts have this value (SAME_PEAK); ``row`` is the first of them.
     """
 
     words: str
     value: str
     row: int
+    equal: int = 1
+
+    @property
+    def text(self) -> str:
+        """The quantity and its value: "peak force 12.6 kN", "30 equal impulses of 0.981 N·s"."""
+        if self.equal == 1:
+            return f"{self.words} {self.value}"
+        quantity, *at = self.words.removeprefix("largest ").split(" at ")
+        return f"{self.equal} equal {' at '.join([f'{quantity}s', *at])} of {self.value}"
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
-    """Return the headline: the largest force, the number of impacts, and the lost energy.
+    """Return the headline: the largest force, the number of impacts, and the lost and supplied energy.
 
     For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated"; if ``short``, only the name
     and the first of these that is known.
     """
-    parts = [*(f"{peak.words} {peak.value}" for peak in peaks(recording)[:1]), counted(recording)]
-    parts = parts[:1] if short else [*parts, dissipated(recording)]
+    parts = [*(peak.text for peak in peaks(recording)[:1]), counted(recording)]
+    parts = parts[:1] if short else [*parts, *lost_and_supplied(recording)]
     return f"{recording.name}: {', '.join(filter(None, parts))}"
 
 
@@ -65,11 +79,20 @@ def counted(recording: Recording) -> str:
     return f"{plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
 
 
-def dissipated(recording: Recording) -> str:
-    """Return words for the energy that the run lost, "50.3 J dissipated"; "" if none is lost or known."""
-    lost = recording.energies.get("dissipated", np.zeros(1))[-1]
+def lost_and_supplied(recording: Recording) -> list[str]:
+    """Return words for the energies that the run lost and got: "2.98 J dissipated", "10.5 J taken by drives".
+
+    Without a loss, or if it is not known, the list is empty. Drives of joints and inputs supply or take
+    energy; they are told if this is more than LITTLE_SUPPLIED.
+    """
+    lost, supplied = (
+        float(recording.energies.get(name, np.zeros(1))[-1]) for name in ("dissipated", "supplied")
+    )
     least = NO_LOSS * np.abs(recording.energies.get("total", np.zeros(1))).max()
-    return f"{lost:.3g} J dissipated" if lost > least else ""
+    parts = [f"{lost:.3g} J dissipated"] if lost > least else []
+    if abs(supplied) > max(least, LITTLE_SUPPLIED * lost):
+        parts.append(f"{abs(supplied):.3g} J {'supplied' if supplied > 0.0 else 'taken'} by drives")
+    return parts
 
 
 def hit(recording: Recording, impact: np.void) -> str:
@@ -85,34 +108,48 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     one of which the results tell.
 
     A message in a narrow figure is short. The impact of the largest force then has a line of its own below
-    the message, in the colour of its mark, and the rest of the message stands among the conditions.
+    the message, in the colour of its mark, and so has the largest force in a joint. The rest of the message
+    stands among the conditions.
     """
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
-    shown = place(recording, most[0].row) if short and most and not title else ""
+    lines: list[tuple[str, str]] = []
+    if short and most and not title:
+        first_told = told.pop(0).removeprefix(f"{most[0].words} in ")
+        lines.append((first_told, PEAK_COLOUR if most[0].equal == 1 else INK))
     # only a picture of curves gives texts in ``first``: of its impact, or of the largest forces that it shows
-    results = [*first, *told[bool(shown) :], "" if any(first) else load_text(recording)]
+    load = "" if any(first) else load_text(recording)
+    if short and load:
+        lines.append((load, LOAD))
+    results = [*first, *told, "" if short else load]
     if short and not title:
-        results += [*([counted(recording)] if most else []), dissipated(recording)]
+        results += [*([counted(recording)] if most else []), *lost_and_supplied(recording)]
     known = conditions(recording, *results, touches=has_contact(recording))
-    headline(figure, title or message(recording, short=short), known, shown)
+    headline(figure, title or message(recording, short=short), known, *lines)
 
 
 def peaks(recording: Recording) -> list[Peak]:
     """Return the largest peak force at walls, and the largest moment at a stop of a joint, if there are any.
 
-    Under an impulsive law, the largest impulse replaces them. Only impacts that end count for it: the impulse
-    of a contact that lasts to the end of the run grows with the duration of the run. The law also
-    counts as impulsive if an impact has an impulse and no known force, as in a recording without the law.
+    Under an impulsive law, the largest impulse replaces them. The law also counts as impulsive if an impact
+    has an impulse and no known force, as in a recording without the law.
     """
     found = []
     for is_stop in (False, True):
         words, unit, values = strengths(recording, is_stop=is_stop)
-        if values.max(initial=0.0) > 0.0:
+        most = float(values.max(initial=0.0))
+        if most > 0.0:
             if words == "impulse":
-                words = f"largest impulse{' at a stop' if is_stop else ''}"
-            found.append(Peak(words, force_text(float(values.max()), unit), int(values.argmax())))
+                largest = "largest " if np.count_nonzero(values) > 1 else ""
+                words = f"{largest}impulse{' at a stop' if is_stop else ''}"
+            equal = np.flatnonzero(values >= (1.0 - SAME_PEAK) * most)
+            found.append(Peak(words, force_text(most, unit), int(equal[0]), len(equal)))
     return found
+
+
+def marked_peaks(recording: Recording) -> list[Peak]:
+    """Return those of ``peaks`` that a single impact has; only these have a mark of their own."""
+    return [peak for peak in peaks(recording) if peak.equal == 1]
 
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:
@@ -137,20 +174,37 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     """Return how hard impacts are: words, unit, values, shape (I,).
 
     If ``is_stop``, the values are those of the impacts at stops of joints, else those of the impacts at
-    walls. The words are "peak force", "peak moment" or "impulse". A value is 0 if it is unknown, if the
-    impact is of the other kind, or if it is the impulse of a contact that lasts to the end of the run.
+    walls. The words are "peak force", "peak moment" or "impulse". A value is 0 if it is unknown, or if the
+    impact is of the other kind.
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
-    forces, impulses = (
-        np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
-        for quantity in ("peak_force", "impulse")
-    )
+    is_own = recording.at_stops == is_stop
+    forces, impulses = (np.nan_to_num(impacts[name]) * is_own for name in ("peak_force", "impulse"))
     # Under an impulsive law, the values are impulses even if some impacts have forces: a rod that lies on a
     # rigid wall after its bounces has a force, and this force says nothing on the bounces.
     is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
-        return "impulse", unit_at("impulse", stop=is_stop), impulses * ~lasts(impacts)
+        return "impulse", unit_at("impulse", stop=is_stop), impulses_of_hits(recording) * is_own
     return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
+
+
+def impulses_of_hits(recording: Recording) -> np.ndarray:
+    """Return the impulses of the impacts under a law that acts by impulses, shape (I,).
+
+    The impulse of a contact that lasts to the end of the run grows with the duration of the run, so the part
+    of its force is subtracted; the result is 0 if this force is not known.
+    """
+    impacts, time, found = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
+    forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
+    for row in np.flatnonzero(lasts(impacts)):
+        onset, wall = impacts["onset"][row], recording.wall_names[impacts["wall"][row]]
+        force, first = forces.get((int(impacts["point"][row]), wall)), np.searchsorted(time, onset)
+        if force is None or first == len(time):
+            found[row] = 0.0
+            continue
+        held = np.append(force[first], force[first:])
+        found[row] = max(0.0, found[row] - np.trapezoid(held, np.append(onset, time[first:])))
+    return np.asarray(found)
 
 
 def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
@@ -160,6 +214,9 @@ def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
 
     ``valued``: with the value of the peak.
     """
+    if peak.equal > 1:
+        told = f"{peak.text}, the first in " if valued else "the first in "
+        return f"{told}{place(recording, peak.row)}"
     return f"{peak.words}{f' {peak.value}' if valued else ''} in {place(recording, peak.row)}"
 
 

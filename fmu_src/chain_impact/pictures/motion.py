@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,15 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.body import draw_bodies, draw_rail
-from chain_impact.pictures.labels import Ink, Label, listed, listed_or_counted, place_labels
+from chain_impact.pictures.impact_numbers import (
+    LISTED_OF_MANY,
+    MOST_IN_LABEL,
+    listed_or_counted,
+    numbers_text,
+)
+from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.message import largest_load, peaks
+from chain_impact.pictures.message import largest_load, marked_peaks
 from chain_impact.pictures.moving import draw_moving
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import BAND, View, draw_walls, is_flat, seen_size, view_of
@@ -66,9 +72,6 @@ LONGEST_LOAD = 0.3
 # SHORTEST_LOAD: if arrows would leave the view, all become shorter; but the arrow for the largest force keeps
 # at least this part of LONGEST_LOAD, so that an arrow near the edge may still leave the view
 SHORTEST_LOAD = 0.4
-# MOST_IN_LABEL: the largest number of items in a label; an item is an impact, or a range such as "1–81".
-# LISTED_OF_MANY: if there are more, the label lists so many impacts, and counts the others.
-MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
@@ -243,18 +246,18 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
 def plot_rings(
     axes: Axes, recording: Recording, spots: Mapping[int, tuple[float, float]], size: float
 ) -> None:
-    """Draw a ring at the place of each impact; the rings of the impacts in ``peaks`` have a colour.
+    """Draw a ring at the place of each impact; those of the impacts in ``marked_peaks`` have a colour.
 
-    The first of ``peaks`` has no entry in the legend if a line below the headline tells it in this colour.
+    The first of these has no entry in the legend if a line below the headline tells it in this colour.
 
     ``spots`` maps rows of impacts to positions in the axes; ``size`` is the diameter of a ring [points].
     """
     look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none", "linestyle": ""}
-    most = [peak for peak in peaks(recording) if peak.row in spots]
+    most = [peak for peak in marked_peaks(recording) if peak.row in spots]
     if places := list(dict.fromkeys(spots.values())):
         label = "impacts" if len(places) > len(most) else "_"
         axes.plot(*np.transpose(places), **look, color=INK, zorder=5, label=label)
-    named = peaks(recording)[:1] if tells_peak(axes.get_figure(root=True)) else []
+    named = most[:1] if tells_peak(axes.get_figure(root=True)) else []
     for peak in most:
         name = "_" if peak in named else peak.words
         bold = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": name}
@@ -341,18 +344,6 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
         place_labels(axes, [named], ink, lines=True, fontsize="small", color=LOAD)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
     return listed_or_counted([hit + 1 for hits in missing for hit in hits], len(recording.impacts))
-
-
-def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
-    """Return numbers of impacts as text: "1–81".
-
-    If the text would have more than ``most`` numbers and ranges, it lists only the first ``kept`` numbers and
-    counts the others: "7, 10 + 4 more".
-    """
-    whole = listed(numbers)
-    if whole.count(",") < most:
-        return whole
-    return f"{listed(numbers[:kept])} + {len(numbers) - kept} more"
 
 
 def _label_place(

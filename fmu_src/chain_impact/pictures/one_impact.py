@@ -9,7 +9,7 @@ from chain_impact.pictures.contact_times import course_in_run
 from chain_impact.pictures.impact_marks import HEADROOM
 from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.message import peaks
-from chain_impact.pictures.style import INK, PEAK_COLOUR, force_text, give_ticks
+from chain_impact.pictures.style import INK, PEAK_COLOUR, force_text, give_ticks, load_unit
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.recording.recording import Recording
@@ -55,7 +55,7 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     They come from a repeated run or, if it cannot be repeated, from at least LEAST_ROWS rows. The result is
     None if they are not known, or if there are only impulses.
     """
-    hardest = next((peak for peak in peaks(recording) if peak.words != "largest impulse"), None)
+    hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.words), None)
     if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
         return None
     row, impact = hardest.row, recording.impacts[hardest.row]
@@ -99,7 +99,7 @@ def curve_of(
     row, time, force = course
     impact = recording.impacts[row]
     factor, _ = prefixed(shown_contact(impact, time, force), "s")
-    scale, unit = prefixed(float(force.max()), unit_at("peak_force", stop=recording.is_stop(impact["wall"])))
+    scale, unit = load_unit(float(force.max()), unit_at("peak_force", stop=recording.is_stop(impact["wall"])))
     return factor * (time - impact["onset"]), scale * force, unit
 
 

@@ -46,14 +46,15 @@ ALIKE, MOSTLY = 0.03, 0.8
 CLOSER = 0.8
 ENERGY_PARTS = {"friction": BROWN}
 """Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``."""
+PART_LABEL = "of this {}"  # the label of such an energy, which follows that of the whole
 ENERGIES = {
     "kinetic": GREEN,
     "potential": OCHRE,
     "elastic": BLUE,
     "total": BLACK,
     "dissipated": VIOLET,
-    "supplied": PURPLE,
     **ENERGY_PARTS,
+    "supplied": PURPLE,
 }
 """Name of an energy → its colour in all pictures."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
@@ -145,7 +146,7 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
     is_dashed = {name: name in ENERGY_PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
     return [
-        (energy, energy_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
+        (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
         for name, energy in shown.items()
     ]
 
@@ -156,7 +157,8 @@ def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int
     If there are at most MOST_GREY such curves, the list is empty. Energies in ENERGY_PARTS do not count.
     """
     sizes = [float(np.abs(values).max(initial=0.0)) for values, _ in curves]
-    is_part = [look["label"] in ENERGY_PARTS for _, look in curves]
+    parts = {PART_LABEL.format(name) for name in ENERGY_PARTS}
+    is_part = [look["label"] in parts for _, look in curves]
     tiny = [k for k, size in enumerate(sizes) if size < TINY * max(sizes) and not is_part[k]]
     return tiny if len(tiny) > MOST_GREY else []
 
@@ -206,6 +208,12 @@ def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
         "linewidth": 1 + is_total,
         "zorder": 2.0 - 0.1 * is_total,
     }
+
+
+def part_look(name: str, offset: float = 0.0) -> dict[str, Any]:
+    """Return ``energy_look``, but an energy in ENERGY_PARTS, dashed, has the label for a part of another."""
+    part = {"label": PART_LABEL.format(name), "linestyle": "--"} if name in ENERGY_PARTS else {}
+    return energy_look(name, offset) | part
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:

@@ -23,6 +23,7 @@ from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLoca
 
 from chain_impact.pictures.dark import PLUM, TIME, UMBER, Ground
 from chain_impact.pictures.lines import in_lines
+from chain_impact.recording.text import LOAD_UNITS, prefixed
 from chain_impact.system import written_whole
 
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
@@ -87,11 +88,13 @@ DPI = 160
 # [inch] FULL: the usual width of a figure; WIDE: the least width for two columns of axes
 FULL, WIDE = 10.0, 6.0
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
-GAP = 0.09  # [inch] space below the headline, and below the conditions
+# [inch] GAP: space below the headline, and below the conditions; LINE_GAP: between the lines in colours
+GAP, LINE_GAP = 0.09, 0.02
 MOST_HEAD = 0.33  # conditions are left out if they and the headline are higher than this part of the figure
 # the largest height of the texts at the foot, relative to the height of the figure. MOST_FOOT: if the height
 # of the figure is given; FREE_FOOT: if the contents determine it
 MOST_FOOT, FREE_FOOT = 0.15, 0.25
+LEAST_LOAD = 0.1  # [N, N·m, N·s] a force, moment or impulse below this has a unit with a prefix, such as mN
 LEAST_TICKS = 3  # the least number of ticks on an axis
 TICK_STEPS = (1, 2, 2.5, 5, 10)  # the allowed distances between ticks, times any power of ten
 # the allowed distances between ticks on an axis of counts, times any power of ten
@@ -197,11 +200,11 @@ def scale_numbers(axis: Axis, factor: float) -> None:
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.10g}".replace("-", "−")))
 
 
-def headline(figure: Figure, message: str, conditions: str = "", peak: str = "") -> None:
+def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[str, str]) -> None:
     """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
 
-    ``peak`` is a text on the largest force. It stands between message and conditions, in the colour of the
-    marks of this force.
+    ``lines`` are texts with their colours, which stand between message and conditions: on the largest force,
+    in the colour of its marks (PEAK_COLOUR), and on the largest force in a joint.
 
     Lines are broken at the edge of the figure; the font has the same size in all figures. In a narrow figure
     the conditions stand at the foot. If the figure is too low for the conditions, they are left out.
@@ -211,11 +214,11 @@ def headline(figure: Figure, message: str, conditions: str = "", peak: str = "")
     title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
     in_lines(title, (width - 2.0 * LEFT) * figure.dpi)
     top = TOP + title.get_window_extent().height / figure.dpi + GAP
-    if peak:
-        look: dict[str, Any] = {"fontsize": "small", "color": PEAK_COLOUR, "va": "top"}
-        line = figure.text(s=broken(figure, peak), y=1.0 - (top - 0.5 * GAP) / height, **placement, **look)
-        line.set_gid(PEAK_LINE)
-        top += line.get_window_extent().height / figure.dpi
+    for text, colour in lines:
+        look: dict[str, Any] = {"fontsize": "small", "color": colour, "va": "top"}
+        line = figure.text(s=broken(figure, text), y=1.0 - (top - 0.5 * GAP) / height, **placement, **look)
+        line.set_gid(PEAK_LINE if colour == PEAK_COLOUR else None)
+        top += line.get_window_extent().height / figure.dpi + LINE_GAP
     if conditions and is_narrow(figure):
         write_foot(figure, conditions)
     elif conditions:
@@ -319,8 +322,16 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
         figure.savefig(fresh, dpi="figure", metadata=metadata)
 
 
+def load_unit(largest: float, unit: str) -> tuple[float, str]:
+    """Return factor and unit as ``prefixed``, but no prefix for a force or the like from LEAST_LOAD to 1."""
+    is_load = unit.replace("·", ".") in LOAD_UNITS
+    return (1.0, unit) if is_load and LEAST_LOAD <= largest < 1.0 else prefixed(largest, unit)
+
+
 def force_text(value: float, unit: str) -> str:
     """Return a positive quantity, such as a force, as text with a prefix and three digits: 12.3 kN."""
+    if value < 1.0 and load_unit(value, unit)[1] == unit:
+        return f"{value:.3g} {unit}"
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
 
 

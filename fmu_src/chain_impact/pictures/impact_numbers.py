@@ -1,0 +1,46 @@
+"""Numbers of impacts as text, in labels and at the foot of a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+LEAST_RUN = 3  # the least number of successive numbers that are written as a range
+MOST_LISTED = 5  # the largest number of numbers and ranges that a text at the foot lists
+# MOST_IN_LABEL: the largest number of items in a label; an item is an impact, or a range such as "1–81".
+# LISTED_OF_MANY: if there are more, the label lists so many impacts, and counts the others.
+MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
+
+
+def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
+    """Return numbers of impacts as text: "1–81".
+
+    If the text would have more than ``most`` numbers and ranges, it lists only the first ``kept`` numbers and
+    counts the others: "7, 10 + 4 more".
+    """
+    whole = listed(numbers)
+    if whole.count(",") < most:
+        return whole
+    return f"{listed(numbers[:kept])} + {len(numbers) - kept} more"
+
+
+def listed(numbers: Iterable[int]) -> str:
+    """Return whole numbers as ascending text; LEAST_RUN or more successive ones are a range: "3, 7–9"."""
+    runs: list[list[int]] = []
+    for number in sorted(set(numbers)):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    parts: list[str] = []
+    for run in runs:
+        parts += [f"{run[0]}–{run[-1]}"] if len(run) >= LEAST_RUN else map(str, run)
+    return ", ".join(parts)
+
+
+def listed_or_counted(numbers: Sequence[int], count: int) -> str:
+    """Return numbers of impacts as text, such as "3, 7–9".
+
+    If the text would be long, it has only their number and ``count``, the number of all impacts: "31 of 81".
+    """
+    text = listed(numbers)
+    return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of {count}"
