@@ -1,6 +1,7 @@
 """Films: their content as their viewers see them."""
 
-# Tests: pictures/film_figure.py, pictures/film_files.py, pictures/film_labels.py, pictures/scale_bar.py
+# Tests: pictures/film_caption.py, pictures/film_figure.py, pictures/film_files.py
+# Tests: pictures/film_labels.py, pictures/scale_bar.py
 
 import dataclasses
 import itertools
@@ -17,7 +18,8 @@ from chain_impact import Recording, SceneWarning, load_scene, record_slowly
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
-from chain_impact.pictures.film_figure import CAPTION_FRAMES, CHAIN, FILM_STYLE, FORCE, Film
+from chain_impact.pictures.film_caption import CAPTION_FRAMES, caption_starts
+from chain_impact.pictures.film_figure import CHAIN, FILM_STYLE, FORCE, Film
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import LOAD, force_text
@@ -215,8 +217,8 @@ def test_no_text_runs_out_of_a_film(size):
     boxes = [text.get_window_extent() for text in written]
     assert [label.get_text().endswith(" J") for label in labels] == [False, True][: len(labels)]
     assert page.tells_energies == (size[0] >= 480 and size[1] >= 270)
-    assert ("point 1 hits ramp\n" in page.caption.get_text()) == page.tells_energies
-    assert (page.caption in written) == page.tells_energies
+    assert ("point 1 hits ramp\n" in page.caption.text.get_text()) == page.tells_energies
+    assert (page.caption.text in written) == page.tells_energies
     for box in boxes:
         assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
         assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
@@ -264,9 +266,9 @@ def test_arrow_lengths_go_with_the_cube_root_of_the_force():
     assert scale.length(250.0) == pytest.approx(LONGEST_ARROW / 2.0)
     assert not scale.shows(1e-3)
     marks = scale.marks()
-    assert [text for _, text in marks] == ["1 kN", "100 N"]
-    for at, text in marks[:2]:
-        assert at == pytest.approx(scale.length({"1 kN": 1000.0, "100 N": 100.0}[text]))
+    assert [text for _, text in marks] == ["2.00 kN", "100 N"]
+    for at, text in marks:
+        assert at == pytest.approx(scale.length({"2.00 kN": 2000.0, "100 N": 100.0}[text]))
 
 
 def test_numbers_in_a_film_cover_no_body_and_no_other_number():
@@ -294,9 +296,9 @@ def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number,
     page = Film(figure, recording, np.array([0.0, 0.5 * (impact["onset"] + impact["end"]), 3.0]))
     figure.draw_without_rendering()
     list(page.show(0, 1.0))
-    assert page.caption.get_text() == ""
+    assert page.caption.text.get_text() == ""
     drawn = list(page.show(1, 1.0))
-    told, hard = page.caption.get_text().split("\n")
+    told, hard = page.caption.text.get_text().split("\n")
     assert told == f"impact {number} of 4: slider hits slider_{end}"
     force, speed = re.fullmatch(r"peak force ([\d.]+) N, with ([\d.]+) m/s", hard).groups()
     assert float(force) == pytest.approx(impact["peak_force"], rel=5e-3)
@@ -313,9 +315,41 @@ def test_the_caption_of_an_impact_stays_for_some_frames():
     told = []
     for frame in range(201):
         list(page.show(frame, 1.0))
-        told.append(bool(page.caption.get_text()))
+        told.append(bool(page.caption.text.get_text()))
     frames = np.flatnonzero(told)
-    assert frames.tolist() == list(range(50, 51 + CAPTION_FRAMES))
+    assert frames.tolist() == list(range(45, 51 + CAPTION_FRAMES))
+
+
+def test_the_caption_tells_an_impact_when_slow_motion_for_it_begins():
+    onsets = [0.5, 0.52, 1.0, 1.5]
+    recording = made.swing(
+        [made.hit(t, 1, "y_min", 1e-3 if t == 1.5 else 1.0) for t in onsets], {"y_min": 0.0}
+    )
+    recording.impacts["end"] = recording.impacts["onset"] + 1e-3
+    shown = [0.46, 0.505, 0.515, 0.94, 0.96, 1.49, 1.501]
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array(shown))
+    told = []
+    for frame in range(len(shown)):
+        list(page.show(frame, 1.0))
+        told.append(page.caption.told)
+    assert told == [1, 1, 2, 2, 3, 3, 4]
+    np.testing.assert_allclose(caption_starts(recording)[[0, 2, 3]], [0.45, 0.95, 1.5])
+
+
+def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
+    recording = record_slowly("hopping_leg")
+    for size in ((960, 540), (640, 360)):
+        with mpl.rc_context(FILM_STYLE):
+            dpi = resolution(size)
+            figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
+            page = Film(figure, recording, recording.impacts["onset"])
+            list(page.show(0, 1.0))
+            figure.draw_without_rendering()
+        legend = page.now.axes.get_legend().get_window_extent()
+        assert legend.y1 < page.caption.text.get_window_extent().y0
+        assert legend.x1 <= figure.bbox.x1
+        least = min(text.get_fontsize() for text in figure.findobj(mpl.text.Text) if text.get_text())
+        assert least * dpi / 72.0 > 9.5  # pixels
 
 
 @pytest.mark.parametrize(
@@ -333,8 +367,8 @@ def test_the_last_impact_has_the_words_that_have_room(point, wall, text):
     figure = Figure((8.0, 4.5), dpi=80)
     page = Film(figure, recording, np.array([0.0, 1.0]))
     list(page.show(1, 1.0))
-    assert page.caption.get_text() == f"{text}\nwith 1 m/s"
-    assert page.caption.get_window_extent().x1 < figure.bbox.x1
+    assert page.caption.text.get_text() == f"{text}\nwith 1 m/s"
+    assert page.caption.text.get_window_extent().x1 < figure.bbox.x1
 
 
 def test_numbers_in_a_film_may_stand_where_the_tip_comes_later():

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
 from chain_impact.pictures.scale_bar import placed_below
+from chain_impact.pictures.style import force_text
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 
 SHORTEST_ARROW = 0.02  # the length of the shortest arrow, relative to the smaller side of the view
@@ -44,12 +45,13 @@ class ArrowScale:
     def marks(self) -> list[tuple[float, str]]:
         """Return, for each mark, its distance from the ruler's left end [m] and its text.
 
-        The marks are powers of ten [N], at most DECADES: first the largest one up to the largest force, then
-        the smaller ones in turn. A mark is left out if its distance from the left end is less than
-        FIRST_MARK, or its distance from the mark at its right is less than MARK_GAP.
+        The first mark is the largest force, at the right end. The others are powers of ten [N], at most
+        DECADES: the largest one up to the largest force, then the smaller ones in turn. Such a mark is left
+        out if its distance from the left end is less than FIRST_MARK, or its distance from the mark at its
+        right is less than MARK_GAP.
         """
-        marks: list[tuple[float, str]] = []
-        highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side
+        highest, whole = math.floor(math.log10(self.peak)), LONGEST_ARROW * self.side
+        marks, free = [(whole, force_text(self.peak, "N"))], whole
         for force in 10.0 ** (highest - np.arange(DECADES)):
             at = self.length(float(force))
             if at < FIRST_MARK * whole:

@@ -19,11 +19,9 @@ from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.bands import plot_curves
 from chain_impact.pictures.body import body_look, draw_rail
-from chain_impact.pictures.contact_times import contact_ends
 from chain_impact.pictures.dark import Ground
+from chain_impact.pictures.film_caption import Caption
 from chain_impact.pictures.film_labels import Number, write_numbers
-from chain_impact.pictures.message import hardness, hit
-from chain_impact.pictures.names import brief_hit, short_names
 from chain_impact.pictures.over_time import (
     ENERGIES,
     mark_impacts,
@@ -48,13 +46,11 @@ FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENER
 FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
 FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
-ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
+ROOM = (7.0, 3.9375)  # [inch] the least width and height of a figure with energies
 # position and size of the axes: left, bottom, width and height, relative to the size of the figure
 SCENE, ENERGY = (0.02, 0.09, 0.6, 0.79), (0.69, 0.12, 0.29, 0.6)
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
-CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.838)
-CAPTION_FRAMES = 40  # how many frames the caption of an impact stays after the contact's end; 2 s in a gif
-CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
+CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.832)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
 # half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
@@ -95,11 +91,8 @@ class Film:
         )
         moving: dict[str, Any] = {"animated": True, "va": "center"}
         self.clock = figure.text(*clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
-        self.rate, self.caption = (
-            figure.text(*place, "", fontsize=size, **moving) for place, size in ((rate, 10), (CAPTION, 8))
-        )
-        # told_impact: the number of the impact in the caption; 0 if there is none
-        self.told_impact, self.contact_ends = 0, contact_ends(recording)
+        self.rate = figure.text(*rate, "", fontsize=10, **moving)
+        self.caption = Caption(figure, CAPTION, recording, times if self.tells_energies else times[:0])
         radius = radius_of(recording)
         self._draw_ground(radius)
         if self.tells_energies:
@@ -207,9 +200,8 @@ class Film:
         return self.room
 
     def _draw_energies(self, axes: Any) -> None:
-        time = self.recording.time
         mark_impacts(axes, self.recording)
-        known = self.recording.energies
+        time, known = self.recording.detailed_energies
         shown, offset = without_gap({name: known[name] for name in ENERGIES if name in known})
         curves: list[tuple[np.ndarray, dict[str, Any]]] = [
             (energy, part_look(name)) for name, energy in shown.items() if known[name].any()
@@ -218,7 +210,14 @@ class Film:
         note = f"; potential, total {offset_text(offset)}" if offset else ""
         axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel=f"energy [J]{note}")
         position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
-        axes.legend(**position, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
+        for columns in (3, 2):
+            key = axes.legend(**position, ncols=columns, fontsize=8, handlelength=1.0, columnspacing=1.0)
+            if key.get_window_extent().x1 <= axes.figure.bbox.x1:
+                break
+        # a legend of many rows makes the axes lower, so that it does not touch the caption
+        left, low, width, high = ENERGY
+        above = (key.get_window_extent().y1 - self.caption.lowest) / axes.figure.bbox.height
+        axes.set_position((left, low, width, high - max(0.0, above)))
         self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)
 
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
@@ -245,41 +244,17 @@ class Film:
         self.tip.set_data(*points[-1:].T)
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
-        self._show_last_impact(frame)
+        self.caption.show(frame)
         self.rate.set_color(self._suited(INK if rate < SLOW_RATE else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
         yield from (self.trace, self.tail, *self.patches, self.ranges)
         yield from (self.chain, self.sites, self.joints, self.tip)
         yield from self._forces(frame)
-        yield from (self.clock, self.rate, self.caption)
+        yield from (self.clock, self.rate, self.caption.text)
         if self.tells_energies:
             self.now.set_xdata([time, time])
             yield self.now
-
-    def _show_last_impact(self, frame: int) -> None:
-        """Write a caption on the latest impact up to a frame, with the longest words that have room.
-
-        The caption is empty before the first impact, and from CAPTION_FRAMES frames after the end of the
-        latest impact on. In a film without energies it is always empty.
-        """
-        recording, impacts = self.recording, self.recording.impacts
-        number = int(np.searchsorted(impacts["onset"], self.times[frame], side="right"))
-        since = self.times[max(frame - CAPTION_FRAMES, 0)]
-        if number and self.contact_ends[number - 1] < since:
-            number = 0
-        if number == self.told_impact:
-            return
-        self.told_impact, texts = number, [""]
-        if number and self.tells_energies:
-            count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
-            whole, brief = short_names(recording, hit(recording, impact)), brief_hit(recording, impact)
-            hard = hardness(recording, number - 1)
-            texts = [f"{text}\n{hard}" for text in (f"{count}: {whole}", f"{count}: {brief}", brief)]
-        for text in texts:
-            self.caption.set_text(text)
-            if self.caption.get_window_extent().x1 <= CAPTION_END * self.scene.figure.bbox.x1:
-                break
 
     def _show_tail(self, time: float) -> None:
         moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)

@@ -33,7 +33,7 @@ def placed_below(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
     figure = axes.get_figure(root=True)
     assert figure is not None
     place: Any = blended_transform_factory(axes.transData, figure.transFigure)
-    look: dict[str, Any] = {"xycoords": place, "textcoords": "offset points", "fontsize": 7}
+    look: dict[str, Any] = {"xycoords": place, "textcoords": "offset points", "fontsize": 8}
     return figure, place, look | {"color": colour, "va": "center", "annotation_clip": False}
 
 
