@@ -184,6 +184,8 @@ def test_a_tap_on_an_impact_shows_the_motion(show, size):
 @pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "hopper"])
 def test_the_sentence_on_an_impact_stays_within_its_card(show, model):
     page = show(model, viewport=PHONE, has_touch=True)
+    name = page.locator("#contact-name")
+    assert name.evaluate("one => one.scrollWidth <= one.clientWidth"), "no word of the contact is cut"
     stage, caption = (page.locator(name).bounding_box() for name in ("#stage", "#caption"))
     assert caption["x"] + caption["width"] <= stage["x"] + stage["width"] - 10.0
 

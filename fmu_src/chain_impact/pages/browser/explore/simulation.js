@@ -2,6 +2,7 @@
 
 import { find, make } from "../base/dom.js";
 import { numberText, readable } from "../base/format.js";
+import { withBoxWalls } from "../scene/words.js";
 import { faultText, stopText } from "./console.js";
 import { markFailing } from "./parameters/parameter_fields.js";
 import { wordsFor } from "./parameters/sliders.js";
@@ -74,7 +75,7 @@ export class Simulation {
     this.#sentence = result.fault ?? this.faultOf(result, result.parts);
     this.#tell();
     const suspects = result.parts || result.fault ? [] : this.#newNames();
-    if (suspects.length === 1) markFailing(suspects[0], faultText(result, scene));
+    if (suspects.length === 1) markFailing(suspects[0], this.#inWords(faultText(result, scene)));
     this.show(result.parts, { changed, scene, values, inputSteps });
     if (this.#nextRun) this.soon();
     else find("stage").ariaBusy = "false";
@@ -100,7 +101,11 @@ export class Simulation {
   faultOf(run, hasMotion) {
     const { scene } = this.changes;
     if (run.status === 0) return "";
-    return hasMotion ? `The simulation ${stopText(run, scene)}.` : `The simulation cannot start: ${faultText(run, scene)}.`;
+    return this.#inWords(hasMotion ? `The simulation ${stopText(run, scene)}.` : `The simulation cannot start: ${faultText(run, scene)}.`);
+  }
+
+  #inWords(sentence) {
+    return withBoxWalls(sentence, (name) => this.changes.valueOf(name));
   }
 
   /** Show a sentence on a fault in the address, `notice`, until a parameter changes. */

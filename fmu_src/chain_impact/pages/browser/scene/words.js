@@ -18,6 +18,14 @@ export function boxWallText(name, valueOf) {
   return valueOf("gravity.x") === 0 && valueOf("gravity.y") < 0 ? OF_BOX[name] : undefined;
 }
 
+/** Return a sentence in which walls of the box, as in "at the wall y_min", have their words, as in "at the floor". */
+export function withBoxWalls(sentence, valueOf) {
+  return sentence.replace(/\bthe wall (\w+)/g, (all, name) => {
+    const words = boxWallText(name, valueOf);
+    return words ? `the ${words}` : all;
+  });
+}
+
 /** Return the name of a contact's wall, or its words as a wall of a box; for a stop, only which end it is: min or max. */
 export function wallText({ wall, boxWall }) {
   return boxWall ?? wall.replace(/^(joint|slider)_(?=(min|max)$)/, "");

@@ -1,7 +1,7 @@
 // The sliders of the main parameters, of inputs and of signals.
 
 import { make } from "../../base/dom.js";
-import { numberText } from "../../base/format.js";
+import { numberText, readable } from "../../base/format.js";
 import { boxWallText, inputText, parameterText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
@@ -108,7 +108,7 @@ export function impulsiveLaw(changes, ofStops) {
 function choiceSentence(changes, { name, items }) {
   const element = make("p", { className: "sentence" });
   return { element, show: () => {
-    element.textContent = items[changes.valueOf(name) - 1][1];
+    element.textContent = readable(items[changes.valueOf(name) - 1][1]);
   } };
 }
 
@@ -226,7 +226,8 @@ export function wordsFor(changes) {
   const labels = new Map(mainParametersOf(changes).map(({ name, label }) => [name, label]));
   return (name) => {
     const [, signal, key] = /^signal\.([^.]+)\.(.+)$/.exec(name) ?? [];
-    return labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
+    const wall = boxWallText(name.replace(/^box\./, ""), (parameter) => changes.valueOf(parameter));
+    return labels.get(name) ?? (signal ? signalText(signal, key) : wall ? `Position of the ${wall}` : parameterText(name));
   };
 }
 
