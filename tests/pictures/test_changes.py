@@ -11,11 +11,12 @@ from chain_impact import UnknownNameError, simulate
 from chain_impact.pictures.changes import (
     LARGEST_EFFECTS,
     calm,
+    draw_speeds,
     fill_sensitivities,
     fit_scale,
     holds,
     looks_of,
-    relative_changes,
+    shares,
     short_contacts,
     span_of,
 )
@@ -57,7 +58,8 @@ def test_curves_are_the_changes(swing, page):
         curves = [line for line in axes.lines if len(line.get_xdata()) == len(swing.time)]
         for line, changes in zip(curves, found.changes(name).T, strict=True):
             shown = np.where(short_contacts(swing), np.nan, changes)
-            assert np.array_equal(line.get_ydata(), shown, equal_nan=True)
+            scale = 1e3 if axes.get_ylabel().endswith(("[mm]", "[mJ]")) else 1.0
+            np.testing.assert_allclose(line.get_ydata(), scale * shown)
     dots = [line for line in speeds.lines if line.get_marker() == "o"]
     assert len(swing.impacts) == 1
     right = found.impact_changes("impact_speed")
@@ -66,7 +68,7 @@ def test_curves_are_the_changes(swing, page):
 
 def test_axes_have_units_and_impacts_are_marked(swing, page):
     labels = [axes.get_ylabel() for axes in page.axes]
-    assert [re.findall(r"\[(\w+(?:/\w)?)\]$", label) for label in labels] == [["m"], ["m"], ["J"], ["m/s"]]
+    assert [re.findall(r"\[(\w+(?:/\w)?)\]$", label) for label in labels] == [["mm"], ["mm"], ["mJ"], ["m/s"]]
     assert [axes.get_xlabel().partition(";")[0] for axes in page.axes] == ["", "", "time [s]", "time [s]"]
     onsets = swing.impacts["onset"].tolist()
     for axes in page.axes:
@@ -103,8 +105,8 @@ def test_the_most_important_of_many_parameters_have_colours():
     colours = [line.get_color() for line in curves]
     assert colours == [*PALETTE[:LARGEST_EFFECTS]]
     ranges = {name: span_of(recording, name) for name in ("point[1].x", "point[1].y", "energy.total")}
-    shares = [np.abs(found.changes(name)[calm(recording)]) / span for name, span in ranges.items()]
-    matter = np.max(shares, axis=(0, 1))
+    parts = [np.abs(found.changes(name)[calm(recording)]) / span for name, span in ranges.items()]
+    matter = np.max(parts, axis=(0, 1))
     share = dict(zip(found.parameters, matter.tolist(), strict=True))
     largest = sorted(share.values(), reverse=True)
     told = [line.get_label().partition(" + ")[0] for line in curves]
@@ -116,7 +118,7 @@ def test_the_most_important_of_many_parameters_have_colours():
         :, [k for k, parameter in enumerate(found.parameters) if parameter not in told]
     ]
     ends = band.get_datalim(page.axes[1].transData).intervaly
-    np.testing.assert_allclose(ends, (np.nanmin(grey), np.nanmax(grey)))
+    np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
     (legend,) = page.legends
     *_, last = sorted(text.get_text() for text in legend.get_texts() if "others" in text.get_text())
     number, _, most = last.partition(" others, most ")
@@ -154,7 +156,7 @@ def test_a_scale_fits_what_is_outside_of_impacts(swing, page):
     *_, energy, _ = page.axes
     changes, rows = swing.sensitivities.changes("energy.total"), calm(swing)
     assert np.abs(changes).max() > 3.0 * np.abs(changes[rows]).max()
-    low, high = energy.get_ylim()
+    low, high = 1e-3 * np.array(energy.get_ylim())  # mJ
     assert low <= changes[rows].min()
     assert high >= changes[rows].max()
     assert max(-low, high) < 0.5 * np.abs(changes).max()
@@ -196,10 +198,10 @@ def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
 def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page):
     assert "contact.restitution + 1 % changes" in said(drawn(chaotic))[0]
     assert "more than the range of all energies" in said(drawn(chaotic))[0].replace("\n", " ")
-    found = re.search(r"(\S+) \+ 1 % changes (\S+) by up to (\S+) ", said(page)[0])
+    found = re.search(r"(\S+) \+ 1 % changes (\S+) by up to (\S+) mm", said(page)[0])
     parameter, output, value = found.groups()
     changes = swing.sensitivities.changes(output)[calm(swing), FEW.index(parameter)]
-    assert float(value) == pytest.approx(np.abs(changes).max(), rel=0.05)
+    assert 1e-3 * float(value) == pytest.approx(np.abs(changes).max(), rel=0.05)
 
 
 def test_a_result_draws_itself(tmp_path):
@@ -232,10 +234,26 @@ def test_changes_of_speeds_at_stops_have_their_own_unit(scene, label, markers):
 def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
     """The rod falls freely: x has a range of round-off, and a longer link shifts the tip at once."""
     falling = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y", "link[1].length"])
-    found = relative_changes(falling, falling.sensitivities, ["point[1].x", "point[1].y"])
-    assert holds(found).all()
+    for name in ("point[1].x", "point[1].y"):
+        assert holds(shares(falling, falling.sensitivities, name)).all()
     only = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y"])
-    assert "changes point[1].y by up to 0.0044 m" in only.plot_sensitivities().get_suptitle()
+    assert "changes point[1].y by up to 4.4 mm" in only.plot_sensitivities().get_suptitle()
+
+
+def test_a_fast_stop_does_not_raise_the_limit_of_speeds_at_walls():
+    recording = SimpleNamespace(at_stops=np.array([False, True]), row_at=lambda _: 0)
+    impacts = {"onset": np.array([0.1, 0.2]), "impact_speed": np.array([1.0, 50.0])}
+    found = SimpleNamespace(impacts=impacts, impact_changes=lambda _: np.array([[2.0], [3.0]]))
+    axes = Figure().subplots()
+    draw_speeds(axes, recording, found, [{"color": "blue", "zorder": 2}], np.ones((1, 1), bool))
+    assert not any(np.isfinite(line.get_ydata()).any() for line in axes.lines if line.get_color() == "blue")
+
+
+def test_a_panel_without_any_change_says_so():
+    page = drawn(made("pinned_arm", ("contact.stiffness",), stop_time=0.3), "point[2].x")
+    axes = page.axes[0]
+    assert "no change" in [text.get_text() for text in axes.texts]
+    assert axes.get_yticks().tolist() == [0.0]
 
 
 def test_the_headline_says_where_derivatives_end():

@@ -28,7 +28,7 @@ def arm():
 def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
     page = result.plot(curves=[FORCES, "point[4].*", "impact.count"], size=(10.0, 9.0))
     units = [axes.get_ylabel() for axes in page.axes]
-    assert units == ["force [kN]", "[m]", "[m/s]", "[m/s²]", "impact.count"]
+    assert units == ["force [kN]", "position [m]", "velocity [m/s]", "acceleration [m/s²]", "impact.count"]
     forces, places = page.axes[:2]
     peaks = [1e3 * line.get_ydata().max() for line in forces.lines]
     assert sorted(peaks)[-2:] == pytest.approx(sorted(result.impacts["peak_force"]), rel=1e-3)

@@ -36,7 +36,7 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.text import plural, speed_unit
+from chain_impact.recording.text import LOAD_UNITS, number, plural, prefixed, speed_unit
 from chain_impact.scene.names import AXES
 from chain_impact.scene.unit_text import in_brackets, with_unit
 
@@ -51,6 +51,7 @@ MOST_POWERS = 4  # the largest number of ticks, at powers of ten, on each side o
 # up to this value a logarithmic axis is about linear (``fit_scale``); relative to its least tick above 0
 LINEAR = 0.3
 ENDED = "a curve ends where a change exceeds the range of an output in the run"
+PREFIXED = (*LOAD_UNITS, "m", "m/s", "s", "rad", "rad/s")  # the units that get a prefix, as in mm
 JUMP = ", where changes jump as they shift in time"
 Looks = list[dict[str, Any]]
 
@@ -64,10 +65,11 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     sensitivities = recording.sensitivities
     assert sensitivities is not None
     names = sensitivities.drawn(outputs)
-    relative = relative_changes(recording, sensitivities, names)
+    parts = np.stack([shares(recording, sensitivities, name) for name in names])
+    relative = parts.max(axis=0)
     known = holds(relative)
     told = ["changes to first order", "" if known.all() else ENDED]
-    headline(figure, finding(recording, sensitivities, names, relative), conditions(recording, *told))
+    headline(figure, finding(recording, sensitivities, names, parts), conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
     grid = figure.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
@@ -84,8 +86,8 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         give_ticks(axes)
     start, end = recording.time[[0, -1]].tolist()
     for axes in panels[-across:]:
-        parts = name_time(axes, end), impact_lines(recording, start, end, JUMP)
-        axes.set_xlabel("; ".join(filter(None, parts)))
+        words = name_time(axes, end), impact_lines(recording, start, end, JUMP)
+        axes.set_xlabel("; ".join(filter(None, words)))
     legend_at_foot(figure, panels[0].get_legend_handles_labels()[0])
     figure.supxlabel(
         "\n".join(sensitivities.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True
@@ -114,19 +116,6 @@ def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
     for impact in impacts:
         rows |= (recording.time >= impact["onset"]) & (recording.time <= impact["end"])
     return rows
-
-
-def relative_changes(
-    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str]
-) -> np.ndarray:
-    """Return the largest |change| of any of ``outputs`` for each row and parameter, shape (T, P).
-
-    A change is relative to ``span_of`` its output. The result is 0 within impacts.
-    """
-    largest: np.ndarray = np.max(
-        [shares(recording, sensitivities, name) for name in outputs], axis=0, initial=0.0
-    )
-    return largest
 
 
 def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
@@ -159,13 +148,13 @@ def span_of(recording: Recording, output: str) -> float:
 def holds(relative: np.ndarray) -> np.ndarray:
     """Return whether changes to first order can hold: until the first one above 1, shape (T, P).
 
-    ``relative`` is the result of ``relative_changes``.
+    ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P).
     """
     return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
 
 
 def finding(
-    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], relative: np.ndarray
+    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], parts: np.ndarray
 ) -> str:
     """Return the headline: the parameter that matters most, and what it does to which output.
 
@@ -173,6 +162,8 @@ def finding(
     change relative to this range; among outputs of one unit, the output that changes most is named. A
     parameter with the value 0 is named only if no other has an effect: a change by 0.01 of its unit does not
     compare with one by 1 %.
+
+    ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
     """
     known = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
     if not known[1:].any():
@@ -180,9 +171,9 @@ def finding(
     factor, unit = time_unit(float(np.ptp(recording.time)))
     until = "" if known[-1] else f", known until {factor * recording.time[known][-1]:.3g} {unit}"
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
+    relative = parts.max(axis=0)
     if relative[:, ~is_zero].max(initial=0.0) > NO_CHANGE:
         relative = np.where(is_zero, 0.0, relative)
-    parts = np.stack([shares(recording, sensitivities, name) for name in outputs])
     beyond = ~holds(relative)
     row, k = divmod(int(beyond.argmax() if beyond.any() else relative.argmax()), relative.shape[1])
     output, parameter = outputs[int(parts[:, row, k].argmax())], list(sensitivities.parameters)[k]
@@ -196,7 +187,16 @@ def finding(
         whose = "the range of all energies" if output.startswith("energy.") else "its range"
         return f"{what} more than {whose} from {factor * recording.time[row]:.3g} {unit} on{until}"
     most = _largest(sensitivities, output, k)
-    return f"{what} up to {with_unit(f'{most:.2g}', sensitivities.units[output])}{until}"
+    scale, unit = readable(most, sensitivities.units[output])
+    return f"{what} up to {with_unit(number(scale * most, 2), unit)}{until}"
+
+
+def readable(largest: float, unit: str) -> tuple[float, str]:
+    """Return the factor to a unit with a prefix that suits the ``largest`` value, and this unit: mm for m.
+
+    A unit without a prefix (PREFIXED has those with one) has the factor 1.
+    """
+    return prefixed(largest, unit) if unit in PREFIXED else (1.0, unit)
 
 
 def _largest(sensitivities: Sensitivities, output: str, k: int) -> float:
@@ -208,7 +208,7 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     """Return the properties of each parameter's curves, with matplotlib's names.
 
     The LARGEST_EFFECTS parameters with the largest changes have colours, others are grey; a parameter without
-    effect is always grey. ``relative`` is the result of ``relative_changes``.
+    effect is always grey. ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P).
     """
     names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
@@ -245,16 +245,20 @@ def draw_changes(
     """
     changes = np.where(known, sensitivities.changes(output), np.nan)
     changes[short_contacts(recording)] = np.nan
+    seen = calm(recording)
+    largest = float(np.nanmax(np.abs(changes[seen]), initial=0.0))
+    scale, unit = readable(largest, sensitivities.units[output])
+    changes *= scale
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
     if len(grey) > MOST_GREY:
         fill_band(axes, recording.time, changes[:, grey].T, looks[grey[-1]]["label"])
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
-    axes.set_ylabel(f"Δ {output}{in_brackets(sensitivities.units[output])}")
+    axes.set_ylabel(f"Δ {output}{in_brackets(unit)}")
     told: Any = [k for k, look in enumerate(looks) if look["color"] != GREY] or slice(None)
-    least = NO_CHANGE * np.ptp(recording.columns[output])
-    fit_scale(axes, changes[calm(recording)], least, changes[calm(recording)][:, told])
+    least = scale * NO_CHANGE * np.ptp(recording.columns[output])
+    fit_scale(axes, changes[seen], least, changes[seen][:, told])
 
 
 def draw_speeds(
@@ -263,12 +267,14 @@ def draw_speeds(
     """Draw the change of each impact's speed by each parameter: as a dot, or a diamond at stops of joints.
 
     The marks of a parameter end where ``known``, the result of ``holds``, ends, or at the first change that
-    is larger than all impact speeds of the run.
+    is larger than all speeds of its kind in the run: of impacts at walls, or of impacts at stops of joints.
     """
     changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
     at = [recording.row_at(time) for time in sensitivities.impacts["onset"]]
-    fastest = sensitivities.impacts["impact_speed"].max(initial=0.0)
-    changes = np.where(known[at] & holds(np.abs(np.nan_to_num(changes)) / (fastest or 1.0)), changes, np.nan)
+    speeds = sensitivities.impacts["impact_speed"]
+    walls, stops = (speeds[rows].max(initial=0.0) or 1.0 for rows in (~stopped, stopped))
+    limits = np.where(stopped, stops, walls)[:, None]
+    changes = np.where(known[at] & holds(np.abs(np.nan_to_num(changes)) / limits), changes, np.nan)
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": IMPACT_DOT, "clip_on": False}
         for rows, marker in ((~stopped, "o"), (stopped, "D")):
@@ -277,17 +283,22 @@ def draw_speeds(
     mixed = stopped.any() and not stopped.all()
     unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
     axes.set_ylabel(f"Δ impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
-    fit_scale(axes, changes, NO_CHANGE * recording.impacts["impact_speed"].max(initial=0.0))
-    if not len(sensitivities.impacts):
-        axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=INK)
+    fit_scale(axes, changes, NO_CHANGE * speeds.max(initial=0.0), none="no change" if at else "no impact")
 
 
-def fit_scale(axes: Axes, changes: np.ndarray, least: float, usual: np.ndarray | None = None) -> None:
+def fit_scale(
+    axes: Axes,
+    changes: np.ndarray,
+    least: float,
+    usual: np.ndarray | None = None,
+    *,
+    none: str = "no change",
+) -> None:
     """Set the scale of the vertical axis for ``changes``, and draw a line at 0.
 
     The scale is linear. But if the largest |change| is more than STEEP times the median |change|
     above 0 in ``usual``, by default all changes, the scale is logarithmic on both sides of 0. If no |change|
-    exceeds ``least``, all changes are round-off, and the axis goes from −1 to 1.
+    exceeds ``least``, all changes are round-off: the axis has only the tick 0, and the words ``none``.
     """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     sizes, usual_sizes = (
@@ -295,7 +306,8 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float, usual: np.ndarray |
         for values in (changes, changes if usual is None else usual)
     )
     if not sizes.size or sizes.max() <= least:
-        axes.set_ylim(-1.0, 1.0)
+        axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
+        axes.text(0.5, 0.6, none, transform=axes.transAxes, ha="center", color=INK)
         return
     low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
     usual_size = np.median(usual_sizes if usual_sizes.size else sizes)

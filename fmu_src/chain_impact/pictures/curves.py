@@ -33,7 +33,7 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import LOAD_UNITS, few, plural, prefixed
-from chain_impact.scene.names import name_parts
+from chain_impact.scene.names import AXES, name_parts
 from chain_impact.scene.unit_text import in_brackets, unit_text
 
 DASHES = ("-", "--", ":")
@@ -48,6 +48,12 @@ WIDEST = 28
 SMALL_VALUE, LARGE_VALUE = 1e-2, 1e3
 # table: unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
+VECTORS = {
+    f"{letter}{axis}": word
+    for letter, word in (("", "position"), ("v", "velocity"), ("a", "acceleration"))
+    for axis in AXES
+}
+"""The last part of a component's name → the word for its vector."""
 MARKED = ("N", "N.m", "N.s")  # the units of curves whose largest values are written
 # the part of the text's colour in the colour of the line at the end of an impact; the rest is the colour of
 # the ground
@@ -259,7 +265,7 @@ def draw_all(
             axes, time, [(scale * values, style) for values, style in zip(drawn, styles, strict=True)]
         )
         found.append(extremes(time[seen], [values[seen] for values in drawn], own, scale, styles))
-        quantity = shared_part(names) or QUANTITIES.get(own, "")
+        quantity = shared_part(names) or QUANTITIES.get(own) or vector_of(names)
         is_alone = len(names) == 1 and len(names[0]) <= WIDEST
         axes.set_ylabel(f"{whole_name(names[0]) if is_alone else quantity}{in_brackets(unit)}".lstrip())
         if curves.onset is None:
@@ -348,6 +354,12 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
     is_usual = SMALL_VALUE <= largest < LARGE_VALUE or largest == 0.0 or unit not in LOAD_UNITS
     return (1.0, unit) if is_usual else prefixed(largest, unit)
+
+
+def vector_of(names: Sequence[str]) -> str:
+    """Return the word for the vector whose components x and y some outputs are (VECTORS); "" otherwise."""
+    words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
+    return words.pop() if len(words) == 1 else ""
 
 
 def short_name(name: str, names: Sequence[str]) -> str:
