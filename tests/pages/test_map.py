@@ -5,6 +5,7 @@
 # Tests: pages/browser/explore/map/map_outputs.js, pages/browser/explore/map/map_files.js
 # Tests: pages/browser/explore/map/map_marks.js, pages/browser/explore/map/ranking.js
 
+import io
 import math
 import re
 
@@ -73,7 +74,11 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     table = saved(page, "Map as CSV").read_text().splitlines()
     assert table[0] == "contact.restitution,initial.angle[1],impact.count"
     assert len(table) == 1 + 41 * 41
+    page.mouse.move(1, 1)
     picture = Image.open(saved(page, "Map as PNG")).convert("RGB")
+    seen = Image.open(io.BytesIO(page.locator("#map-frame").screenshot())).convert("RGB")
+    apart = np.abs(np.asarray(picture.resize(seen.size), float) - np.asarray(seen))
+    assert apart.mean() < 3.5, "the picture has the map's sizes of text"
     assert picture.getcolors(1 << 20) is None or len(picture.getcolors(1 << 20)) > 5
     lower_right = {"x": box["width"] - 5, "y": box["height"] - 5}
     page.locator("#map-canvas").hover(position=lower_right)

@@ -90,7 +90,7 @@ export function save(blob, name) {
 }
 
 const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-linecap", "stroke-linejoin",
-  "opacity", "font", "paint-order", "text-anchor", "stroke-dasharray"];
+  "opacity", "font-family", "font-size", "font-weight", "paint-order", "text-anchor", "stroke-dasharray"];
 
 /**
  * Return a picture of an SVG drawing as a Blob with a PNG, with twice the resolution of the screen. The ground has the colour `background`;

@@ -20,7 +20,7 @@ function outputText(value, { output, scale }) {
 /** Return where the number beside the ring at [x, y] begins, its `anchor`, and the `middle` of ring and number. */
 function ringOf([x, y], { left, width }) {
   const [side, anchor] = x > left + width - NUMBERS_BESIDE ? [-1, "end"] : [1, "start"];
-  return { from: x + side * RING_SIZE, middle: x + side * 1.5 * RING_SIZE, y, anchor };
+  return { from: x + side * RING_SIZE, middle: x + side * 1.3 * RING_SIZE, y, anchor };
 }
 
 /**
@@ -38,7 +38,7 @@ export function markRuns(scales, map, place, { present, chosen }) {
   const ring = present && ringOf(present.at, place);
   results.forEach((value, index) => {
     const at = middle(index);
-    const isFree = !ring || Math.abs(at[0] - ring.middle) > NUMBERS_BESIDE / 2 + RING_SIZE || Math.abs(at[1] - ring.y) > RING_SIZE;
+    const isFree = !ring || Math.abs(at[0] - ring.middle) > 0.85 * NUMBERS_BESIDE || Math.abs(at[1] - ring.y) > RING_SIZE;
     const isThere = isWritten(index % points, 0) && isWritten(Math.floor(index / points), 1);
     if (isThere && isFree && Number.isFinite(value)) write(value, at, "");
   });
