@@ -138,9 +138,9 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
     )
     headline(
         figure,
-        "Error of the tip [mm] by law, stiffness and tolerance, over CPU time [ms]",
-        f"four_link_box  ·  right: zhang_sharf with the stiffness of steel  ·  to {PROBLEM.times[0]} s: "
-        f"another law or stiffness {number(wrong, 1)} mm or more, solver {number(right['tip'], 1)} mm in "
+        f"Error of the tip: {number(wrong, 1)} mm or more by another law or stiffness, "
+        f"{number(right['tip'], 1)} mm by the solver",
+        f"four_link_box to {PROBLEM.times[0]} s  ·  right: zhang_sharf with the stiffness of steel, in "
         f"{1e3 * right['seconds']:.1g} ms  ·  numbers at points: tolerances",
     )
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")

@@ -286,10 +286,10 @@ def draw(figure: Any, record: Any) -> None:
     ]
     headline(
         figure,
-        "Dry friction: drift on a slope [µm/s], and errors of a thrown chain, over CPU time [ms]",
-        f"elliptic cones  ·  errors: each against its own converged run  ·  {CREEPS} with steps of "
-        f"{1e3 * SHOWN:g} ms: drift {creep / 1e3:.2g} mm/s, {min(factors):.2g} to {max(factors):.2g} times "
-        "our time at equal error",
+        f"Dry friction: {CREEPS} with a drift of {creep / 1e3:.2g} mm/s on a slope, "
+        f"{min(factors):.2g} to {max(factors):.2g} times our CPU time at equal error",
+        f"{CREEPS} with steps of {1e3 * SHOWN:g} ms and elliptic cones  ·  "
+        "errors of a thrown chain: each against its own converged run",
     )
     figure.legend(handles=highest_first(panels), loc="outside right center")
 

@@ -311,11 +311,13 @@ def draw(figure: Any, record: Any) -> None:
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
     cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
+    ours, others = ([done[m] for m in done if (m in OURS) == own] for own in (True, False))
     headline(
         figure,
-        "Completed runs and their cost, by stiffness [N/m$^{1.5}$] and restitution",
-        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  in each title: completed runs, "
-        f"of {cells}  ·  cost: CPU time",
+        f"Completed runs, of {cells}: {min(ours)} by chain-impact, {min(others)} to {max(others)} by others",
+        "over stiffness [N/m$^{1.5}$] and restitution  ·  "
+        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  "
+        "in each title: completed runs  ·  cost: CPU time",
     )
     names, shades = list(OUTCOMES), ListedColormap(list(OUTCOMES.values()))
     norm, cost = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)), LogNorm(1.0, DEAREST)

@@ -95,9 +95,7 @@ def factors_told(equal: list[dict[str, Any]]) -> str:
         if factors and peers.FAMILIES[name] != "ours":
             low, high = number(min(factors), 2), number(max(factors), 2)
             parts.append(f"{name} {low if low == high else f'{low} to {high}'}")
-    told = (
-        f"time over that of simulate() at equal error, tolerance {number(DEFAULT)}: {', '.join(parts)}  ·  "
-    )
+    told = f"CPU time over that of simulate() at equal error, tolerance {number(DEFAULT)}: {', '.join(parts)}"
     return told if parts else ""
 
 
@@ -123,8 +121,8 @@ def draw(figure: Any, record: Any) -> None:
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
     headline(
         figure,
-        "CPU time [ms] over errors of the tip [mm] and of onsets [µs]",
-        f"{factors_told(results['at equal error'])}numbers: tolerances of simulate(), from "
+        factors_told(results["at equal error"]) or "CPU time over errors of the tip and of onsets",
+        f"numbers: tolerances of simulate(), from "
         f"{decade(TOLERANCES[0])} to {decade(TOLERANCES[-1])} in steps of 100, where there is room",
     )
     ink = Ink(figure)
