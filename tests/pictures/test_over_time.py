@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.contact_times import impacts_at_peaks
 from chain_impact.pictures.impact_marks import MOST_OWN_MARKS, POINT_MARKS, STOP_MARKS, heights, point_groups
+from chain_impact.pictures.message import impulses_of_hits
 from chain_impact.pictures.over_time import ENERGIES, VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
@@ -21,7 +22,7 @@ from tests.pictures.pictures import MODELS, drawn, hit, impacts_of, recorded, sw
 
 
 def strengths(recording):
-    """Return peak forces, or impulses under a rigid law; if all are 0, impact speeds.
+    """Return peak forces, or impulses under a rigid law, of contacts that end; if all are 0, impact speeds.
 
     All impacts are at walls, or all at stops.
     """
@@ -29,6 +30,8 @@ def strengths(recording):
     if recording.at_stops.all():
         law = recording.stop_law or law
     impulses = np.where(np.isnan(impacts["end"]), 0.0, impacts["impulse"])
+    if law == "newton_impact" and not impulses.any():
+        return impulses_of_hits(recording)
     values = impulses if law == "newton_impact" else impacts["peak_force"]
     return values if values.any() else impacts["impact_speed"]
 

@@ -174,8 +174,9 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     """Return how hard impacts are: words, unit, values, shape (I,).
 
     If ``is_stop``, the values are those of the impacts at stops of joints, else those of the impacts at
-    walls. The words are "peak force", "peak moment" or "impulse". A value is 0 if it is unknown, or if the
-    impact is of the other kind.
+    walls. The words are "peak force", "peak moment" or "impulse". A value is 0 if it is unknown, if the
+    impact is of the other kind, or if it is the impulse of a contact that lasts to the end of the run while
+    other impacts end: it also contains the shocks of these. If all last, ``impulses_of_hits`` gives it.
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
     is_own = recording.at_stops == is_stop
@@ -184,7 +185,9 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     # rigid wall after its bounces has a force, and this force says nothing on the bounces.
     is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
-        return "impulse", unit_at("impulse", stop=is_stop), impulses_of_hits(recording) * is_own
+        ended = impulses * ~lasts(impacts)
+        hits = ended if ended.any() else impulses_of_hits(recording) * is_own
+        return "impulse", unit_at("impulse", stop=is_stop), hits
     return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
 
 
