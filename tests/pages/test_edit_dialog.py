@@ -227,7 +227,7 @@ def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, add
     until_told(page, f"{len(simulate(scene).impacts)} impact")
     assert page.locator("h1").inner_text() == "SlidingRod" == page.evaluate("chainImpact.scene")
     assert page.locator("#description").inner_text() == scene.description
-    assert page.get_by_role("slider", name="Friction at y_min", exact=True).is_visible()
+    assert page.get_by_role("slider", name="Friction at the floor", exact=True).is_visible()
     assert page.get_by_role("button", name="Reset all").is_hidden()
     assert_same_motion(page, scene)
     page.get_by_role("button", name="Map…").click()

@@ -55,7 +55,7 @@ export const textsOnPoints = async () => {
 };
 
 export const stopWorkers = () => {
-  let left = 4; // the scene, and three rows
+  let left = 5; // the scene, the present run, and three rows
   window.Worker = class extends Worker {
     postMessage(message) {
       left -= 1;
