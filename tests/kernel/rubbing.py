@@ -160,9 +160,12 @@ class AtRest:
 
 
 class Doubled(AtRest):
-    """A chain with two contacts, the ``twins``, at one point and one wall, so that W is singular."""
+    """A chain with two contacts, the ``twins``, at one point and one wall, so that W is singular.
 
-    def __init__(self, seed: int) -> None:
+    With ``apart`` [rad], an angle between the two normals, W is nearly singular.
+    """
+
+    def __init__(self, seed: int, apart: float = 0.0) -> None:
         super().__init__(seed, "free", 3, True)
         d, self.twins = self.d, tuple(self.elements[:2])
         first, second = self.twins
@@ -175,4 +178,6 @@ class Doubled(AtRest):
             d.element.anchor,
         ):
             values[second] = values[first]
+        x, y, c, s = d.candidate.normal_x[first], d.candidate.normal_y[first], np.cos(apart), np.sin(apart)
+        d.candidate.normal_x[second], d.candidate.normal_y[second] = c * x - s * y, s * x + c * y
         self.find_problem()

@@ -51,6 +51,13 @@ def forces(d):
     return d.limited_forces.force[d.touch.active_count : constraint_count(d)]
 
 
+def bounded(chain):
+    """Return the forces within the limits [N] by a dense solver, and the signs of those at their limits."""
+    limits, root = chain.limits()[0], cholesky(chain.mobility)
+    right = lsq_linear(root, -np.linalg.solve(root.T, chain.bias), (-limits, limits), method="bvls").x
+    return right, np.where(np.abs(right) >= limits * (1.0 - 1e-9), np.sign(right), 0.0)
+
+
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("part", [0.3, 1.0])
@@ -60,11 +67,8 @@ def test_forces_hold_as_much_as_they_can(part, seed, case):
     d = chain.d
     solve(d)
     find_limited_forces(d)
-    limits = chain.limits()[0]
-    root = cholesky(chain.mobility)
-    right = lsq_linear(root, -np.linalg.solve(root.T, chain.bias), (-limits, limits), method="bvls").x
+    right, at_limit = bounded(chain)
     np.testing.assert_allclose(forces(d), right, atol=1e-8 * np.abs(right).max())
-    at_limit = np.where(np.abs(right) >= limits * (1.0 - 1e-9), np.sign(right), 0.0)
     assert d.limited_forces.at_limit[: len(right)].tolist() == at_limit.tolist()
     assert at_limit.any()
 
@@ -94,3 +98,21 @@ def test_two_elements_at_one_place_share_a_load(seed, total):
     elif total > 1.0:
         assert np.abs(found[[first, second]]) == pytest.approx(limits[[first, second]], rel=1e-12)
         assert (left[[first, second]] * found[first] < 0.0).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_forces_are_found_where_constraints_nearly_depend_on_each_other(seed):
+    """Only many iterations tell which of two elements with nearly the same tangent reaches its limit."""
+    chain = Doubled(seed, apart=1e-5)
+    d = chain.d
+    d.element.mode[chain.elements] = STICKS
+    list_sticking(d)
+    solve(d)
+    limits = np.random.default_rng(seed).uniform(0.2, 1.5, len(chain.elements))
+    limits[chain.elements.index(chain.twins[1])] *= 3.0
+    set_limits(chain, limits * np.abs(d.element.force[chain.elements]))
+    solve(d)
+    find_limited_forces(d)
+    right, at_limit = bounded(chain)
+    np.testing.assert_allclose(forces(d), right, atol=1e-8 * np.abs(right).max())
+    assert d.limited_forces.at_limit[: len(right)].tolist() == at_limit.tolist()

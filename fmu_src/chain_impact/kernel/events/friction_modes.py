@@ -14,6 +14,8 @@ elements stops falling before, the modes follow from forces within the limits of
 such forces always exist.
 """
 
+import math
+
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
@@ -195,17 +197,19 @@ def any_force_over_limit(d):
 def slide_at_limits(d):
     """Let those sticking elements slide whose forces by ``find_limited_forces`` are at their limits.
 
-    If there is none, let the elements slide whose constraint forces exceed their limits.
+    If there is none, all elements could stick, with other shares of the forces. The element whose constraint
+    force exceeds its limit most then slides, with a force at its limit; the others share the rest.
     """
-    all_stick = True
+    worst, most = -1, 0.0
     for i in range(d.friction.stuck_count):
-        if d.limited_forces.at_limit[i] != 0:
-            set_mode(d, d.element.stuck[i], sliding_sign(float(d.limited_forces.at_limit[i])))
-            all_stick = False
-    for i in range(d.friction.stuck_count if all_stick else 0):
         e = d.element.stuck[i]
-        if is_inconsistent(d, e):
-            set_mode(d, e, sliding_sign(d.element.force[e]))
+        if d.limited_forces.at_limit[i] != 0:
+            set_mode(d, e, sliding_sign(float(d.limited_forces.at_limit[i])))
+            worst, most = -1, math.inf
+        elif is_inconsistent(d, e) and abs(d.element.force[e]) - d.element.limit[e] > most:
+            worst, most = e, abs(d.element.force[e]) - d.element.limit[e]
+    if worst >= 0:
+        set_mode(d, worst, sliding_sign(d.element.force[worst]))
 
 
 def count_inconsistent(d):

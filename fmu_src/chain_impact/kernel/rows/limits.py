@@ -40,6 +40,11 @@ from chain_impact.kernel.rows.compliance import (
 from chain_impact.kernel.rows.constraints import EXTRA_PIVOTS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
 from chain_impact.kernel.rows.geometry import along, constraint_count, constraint_row
 
+# Where W is nearly singular, the residual falls slowly, and forces that are not found yet could be at other
+# limits. Iterations end when all residuals of the constraints inside their limits are at most SOLVED_WITHIN
+# times the largest acceleration without constraint forces; MOST_ITERATIONS bounds their number.
+SOLVED_WITHIN, MOST_ITERATIONS = 1e-9, 100
+
 
 def find_limited_forces(d):
     """Find forces within the limits of friction that satisfy the constraints as well as possible.
@@ -53,13 +58,23 @@ def find_limited_forces(d):
     for k in range(constraint_count(d)):
         limited.center[k], limited.force[k], limited.inside[k] = 0.0, 0.0, 1
         limited.residual[k] = d.constraints.target[k] - d.constraints.start[k]
-    for _ in range(STICKING_ITERATIONS):
+    for iteration in range(MOST_ITERATIONS):
         minimize_within_limits(d, scale)
         update_residuals(d)
-        if cost_exceeded(d):
+        solved = iteration + 1 >= STICKING_ITERATIONS and largest_residual_inside(d) <= SOLVED_WITHIN * scale
+        if solved or cost_exceeded(d):
             break
     for i in range(d.friction.stuck_count):
         limited.at_limit[i] = sign_at_limit(d, d.touch.active_count + i)
+
+
+def largest_residual_inside(d):
+    """Return the largest |residual| [m/s²] of the constraints whose forces are inside their limits."""
+    limited, largest = d.limited_forces, 0.0
+    for k in range(d.touch.compliant_count, constraint_count(d)):
+        if limited.inside[k]:
+            largest = max(largest, abs(limited.residual[k]))
+    return largest
 
 
 def largest_start(d):
