@@ -200,7 +200,7 @@ def slide_at_limits(d):
     If there is none, all elements could stick, with other shares of the forces. The element whose constraint
     force exceeds its limit most then slides, with a force at its limit; the others share the rest.
     """
-    worst, most = -1, 0.0
+    worst, most = -1, -math.inf
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
         if d.limited_forces.at_limit[i] != 0:

@@ -13,7 +13,7 @@ Control 4:153): an element whose force is below its limit is held, and a moving 
 limit, against the motion.
 
 The method of multipliers finds the solution also where W is singular (Rockafellar 1976, SIAM J Control Optim
-14:877). With the impedances D, from p = 0, each of a few iterations solves
+14:877). With the impedances D, from p = 0, each iteration solves
 
     p⁺ = clip(p + D m⁺),    m⁺ = target − u(p⁺),
 
@@ -42,8 +42,8 @@ from chain_impact.kernel.rows.geometry import along, constraint_count, constrain
 
 # Where W is nearly singular, the residual falls slowly, and forces that are not found yet could be at other
 # limits. Iterations end when all residuals of the constraints inside their limits are at most SOLVED_WITHIN
-# times the largest acceleration without constraint forces; MOST_ITERATIONS bounds their number.
-SOLVED_WITHIN, MOST_ITERATIONS = 1e-9, 100
+# times the largest acceleration without constraint forces; MOST_LIMITED_ITERATIONS bounds their number.
+SOLVED_WITHIN, MOST_LIMITED_ITERATIONS = 1e-9, 100
 
 
 def find_limited_forces(d):
@@ -58,7 +58,7 @@ def find_limited_forces(d):
     for k in range(constraint_count(d)):
         limited.center[k], limited.force[k], limited.inside[k] = 0.0, 0.0, 1
         limited.residual[k] = d.constraints.target[k] - d.constraints.start[k]
-    for iteration in range(MOST_ITERATIONS):
+    for iteration in range(MOST_LIMITED_ITERATIONS):
         minimize_within_limits(d, scale)
         update_residuals(d)
         solved = iteration + 1 >= STICKING_ITERATIONS and largest_residual_inside(d) <= SOLVED_WITHIN * scale
