@@ -154,7 +154,7 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
 
 
 def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
-    """Return the parameters for which the picture marks the scene's value (SCENE_MARK) if it is within reach.
+    """Return the parameters whose value in the scene is marked (``maps.SCENE_MARK``) if it is within reach.
 
     ``own_value`` says whether it is.
     """
