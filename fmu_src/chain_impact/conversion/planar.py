@@ -40,7 +40,7 @@ class Choices(NamedTuple):
         plane: directions, in the robot's axes, of the scene's x and y axes, such as ``-x,z``; None for the
             default of ``plan_of``.
         tip: name of the frame at which the last link ends; None for the frame farthest from the last joint.
-        keyframe: name of the keyframe at which the robot starts, or NO_KEYFRAME; None for the first one.
+        keyframe: name of the keyframe at which the robot starts, or "none"; None for the first one.
     """
 
     joints: Sequence[str] = ()

@@ -261,8 +261,9 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with clearances at both ends of the searched interval."""
     return record(
-        # what is known of the candidates' φ (``phi_start``) at the end of a step: NOTHING; VALUES: φ and φ′;
-        # WITH_CURVES: also φ″; FAR: candidates without contact have at least the clearance ``safe_distance``
+        # what is known of the candidates' φ (``phi_start``) at the end of a step (events/exclusion.py):
+        # NOTHING; VALUES: φ and φ′; WITH_CURVES: also φ″; FAR: candidates without contact have at least the
+        # clearance ``safe_distance``
         ("known", bounded(0, FAR)),
         # value of `step.breaks` for which ``known`` is valid; after another break nothing is known
         ("known_for", INTEGER),
