@@ -22,9 +22,9 @@ from numba.np import arrayobj
 IDLE = frozenset(
     {"inline_closure_likes", "inline_inlinables", "inline_overloads", "nopython_rewrites", "with_lifting"}
 )
-"""Names of numba's passes that look for features that a kernel does not use: closures, expressions of whole
-arrays, functions that numba inlines, ``with``. They take a tenth of the time, and the lowered kernel has the
-same bytes without them."""
+"""Names of numba's passes that are left out for the kernel. They look for features that it does not use:
+closures, expressions of whole arrays, functions that numba inlines, ``with``. They would take a tenth of the
+time of lowering, and without them the lowered kernel has the same bytes."""
 
 USUAL_REGISTERS, PUT_BACK = "usual_registers", "put_registers_back"
 """The C functions (registers.c) that a guarded function of the kernel calls first and last."""

@@ -30,9 +30,9 @@ RELEASE = "CHAIN_IMPACT_RELEASE"
 """The environment variable that is "1" while a wheel for release is built, which has more kernels than other
 wheels."""
 LARGEST_EXACT = 10
-"""The largest number of links that can have a kernel of its own. Chains with more links share a kernel that
-reads this number from the record. With the shared kernel, runs of up to ten links would take 10 % to 30 %
-longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
+"""The largest number of links for which a wheel for release has a kernel that is ready. Chains with more
+links share a kernel that reads this number from the record. With the shared kernel, runs of up to ten links
+would take 10 % to 30 % longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
 
 SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
 """The kernels without derivatives in a wheel for release: None, for any number of links; GENERAL, for any

@@ -32,8 +32,8 @@ from chain_impact.system import HOST, PLATFORMS
 WARNING = 1
 SLAVES = "chain_impact.fmu"
 """The name of the logger to which the slaves in Python (slave.py) write their errors."""
-# two lists of the messages of FMUs that the calling thread runs: `logged` has those sent by FMI's callback,
-# `said` those of slaves in Python, which the logger SLAVES gets
+# two lists of the errors that FMUs report while ``listening`` lasts in the calling thread: `logged` has those
+# sent by FMI's callback, `said` those of slaves in Python, which the logger SLAVES gets
 _here = threading.local()
 
 

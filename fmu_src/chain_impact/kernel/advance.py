@@ -270,7 +270,7 @@ def check_solved(d, status):
 
 
 def find_step(d):
-    """Try smaller and smaller steps until one is accepted, up to its first event, if any; return a status."""
+    """Try smaller steps until one is accepted, and end it at its first event, if any; return a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
     if d.signals > 0:

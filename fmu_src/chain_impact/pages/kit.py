@@ -254,7 +254,7 @@ def _rule(rule: Derived, table: str) -> dict[str, Any]:
 
 
 def _sentence(item: Item) -> str:
-    """Return the sentence that the page shows for a choice; for a contact law, range of use and source."""
+    """Return the sentence for a choice: its description, or for a contact law its range of use and source."""
     law = CONTACT_LAWS.get(item.name)
     return f"{law.limits} {law.source}." if law else item.description
 

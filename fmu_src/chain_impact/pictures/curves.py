@@ -223,7 +223,7 @@ def draw_all(
 ) -> list[list[Label]]:
     """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
 
-    Return the labels of the largest values in each panel.
+    Return for each panel the labels of its largest values, which only forces, moments and impulses have.
 
     ``panels``: the names of the outputs in each panel. ``beside``: whether legends may stand beside the axes.
     """

@@ -18,7 +18,7 @@ from chain_impact.pictures.labels import directions
 
 # [points] the distances from the head of an arrow to its number, in the order in which they are tried
 DISTANCES = (5.0, 12.0, 20.0, 30.0)
-NUMBER_MARGIN = 3.0  # [points] the least space between a number and other drawn things
+NUMBER_MARGIN = 3.0  # [points] the width of the border around a number that must be free, too
 SAMPLE = 3.0  # [points] the distance between the points of a drawn line that a number must not cover
 
 

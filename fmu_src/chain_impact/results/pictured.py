@@ -210,7 +210,7 @@ class Pictured(Recording):
 
     @cached_property
     def _courses(self) -> dict[int, Course]:
-        """The courses of impacts that are known so far, by the numbers of the impacts."""
+        """Number of an impact → its course, for the courses that ``course_of_impact`` has computed so far."""
         return {}
 
     def plot_sensitivities(

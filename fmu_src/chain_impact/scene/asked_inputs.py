@@ -20,7 +20,7 @@ def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
     """Yield the names of the inputs that the keys of [inputs] add to the scene.
 
     A signal may drive such an input or not. If ``asked`` is False, the names are those of all inputs that the
-    keys of [inputs] could add to this scene.
+    keys of [inputs] could add to this scene, but not of walls that ``inputs.wall_motion`` does not name.
     """
     templates = [
         name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) or not asked for name in names

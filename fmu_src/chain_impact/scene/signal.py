@@ -14,13 +14,13 @@ SHAPES = ("smooth", "linear", "trapezoid")
 
 
 class Form(NamedTuple):
-    """A form of signals, such as a ramp or a sine: the keys and the polynomials of a signal with this form.
+    """A form of signals, such as a ramp or a sine: the keys of such a signal, and its number of polynomials.
 
     Attributes:
         required: the keys that the file must give.
         optional: the keys that the file may leave out → their defaults.
-        knots: the number of polynomials of the signal, to which the form of a sine adds the sine; None if
-            the given values decide the number.
+        knots: the number of polynomials of the signal, without the sine that the form of a sine adds to
+            them; None if the given values decide the number. For a trapezoid see ``knots_of``.
     """
 
     required: tuple[str, ...]
@@ -64,7 +64,10 @@ def unit_of(name: str) -> str:
 
 
 def _unit_of_values(tables: Mapping[str, Any]) -> str:
-    """Return the unit of a signal's values: the unit of the first input in the signal's list ``input``."""
+    """Return the unit of a signal's values: the unit of the first input in the signal's list ``input``.
+
+    The result is "1" if the list is empty.
+    """
     return unit_of(tables["input"][0]) if tables["input"] else "1"
 
 

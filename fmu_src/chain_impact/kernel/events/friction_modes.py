@@ -55,8 +55,8 @@ def update_modes(d, jumped):
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        jumped: whether speeds may have jumped. If not, a small speed of an element that has stuck is an
-            error, and the element counts as at rest.
+        jumped: whether speeds may have jumped. If not, an element that stuck up to now counts as at rest in
+            spite of a small speed, which is a numerical error.
     """
     friction = d.friction
     list_friction(d)

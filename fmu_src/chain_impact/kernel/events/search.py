@@ -97,7 +97,8 @@ def find_event(d):
     # Without an event, the clearances at the end of the step are known now. After an event they are wrong,
     # but not used: an event breaks the sequence of steps.
     remember_clearances(d, VALUES)
-    # the error control does not check that time increases in a regularized step
+    # The state of a regularized step has the time since the start of the step. Nothing controls its error
+    # within the step: an event before the start is an error of the step.
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
         reject_step(d, SPOILED)
     return theta

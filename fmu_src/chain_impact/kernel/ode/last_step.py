@@ -177,9 +177,9 @@ def end_at_fraction(d, theta):
     """
     step, lost = d.step, dissipated_at(d.links)
     interpolate(step, theta, step.state_end)
-    # ``remainder`` and ``remainder_whole`` are the energies that rounding has lost at the start and at the
-    # end of the step. Of their difference, the interpolant of the dissipated energy contains ``part`` at θ:
-    # θ, or a cubic in an explicit step, where the slopes at both ends are exact.
+    # Rounding has made the dissipated energy too small by ``remainder`` at the start of the step, and by
+    # ``remainder_whole`` at its end. At θ the interpolant is too small by ``grown``, a number between these:
+    # ``part`` is θ or, in an explicit step, where the slopes at both ends are exact, a cubic.
     part = theta if step.last_method == IMPLICIT else theta * theta * (3.0 - 2.0 * theta)
     grown = step.remainder + part * (step.remainder_whole - step.remainder)
     add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])

@@ -12,8 +12,8 @@ from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, ta
 # number of changes of friction modes, on average for each element, that the log has room for until its caller
 # collects them
 CHANGES_OF_EACH = 4
-# number of ended contacts that the log stores before a run waits until its caller collects them; the log has
-# one more row for each candidate, because all contacts may end in one step
+# Number of ended contacts in a full log: ``trajectory`` and ``run_each`` then wait for their caller, others
+# overwrite the oldest. Each candidate has one more row, because all contacts may end in one step.
 LOG_SIZE = 32
 LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
 
@@ -385,8 +385,7 @@ def element_dtype(elements: int) -> np.dtype:
 def changes_dtype(elements: int) -> np.dtype:
     """Return the layout of the log of changes of friction modes.
 
-    Friction that begins or ends is a change, too. After a caller has collected the changes, it sets ``count``
-    to 0.
+    Friction that begins or ends is a change, too. A caller that has collected changes sets ``count`` to 0.
     """
     log = CHANGES_OF_EACH * elements
     return record(

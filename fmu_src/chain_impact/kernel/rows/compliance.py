@@ -39,8 +39,8 @@ LEAST_MOBILITY = 1e-6
 # would jump from one state to the next.
 STICKING_ITERATIONS = 5
 # The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
-# the residual to about 1/(D W) of it, with the mobility W, so two or three iterations suffice. A larger D
-# would lose digits of the chain's inertia, a smaller D needs more iterations.
+# the residual to 1/(1 + D W) of it, with the mobility W: at rigid walls, two or three iterations suffice. A
+# larger D would lose digits of the chain's inertia, a smaller D needs more iterations.
 RELATIVE_IMPEDANCE = 1e6
 
 

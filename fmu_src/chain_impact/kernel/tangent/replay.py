@@ -257,7 +257,7 @@ def last_correction(d, t, size):
             for i in range(RADAU_STAGES):
                 part = weight[j] * abs(slope(implicit.parts[i, j], k))
                 largest = max(largest, part)
-                total += part  # max() is not used, because it would lose a NaN
+                total += part  # max() can lose a NaN; this sum, which is tested below, cannot
         if not math.isfinite(total + whole):
             return UNLIMITED_CORRECTION
         if largest > worst * whole:

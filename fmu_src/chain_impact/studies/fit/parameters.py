@@ -1,4 +1,4 @@
-"""The parameters to fit: their start values, their bounds, and the scale on which each is searched."""
+"""The parameters to fit: start values, bounds, and whether each is searched on a logarithmic scale."""
 
 from __future__ import annotations
 

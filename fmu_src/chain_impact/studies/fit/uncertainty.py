@@ -13,7 +13,7 @@ PROBABILITY = 0.95
 # (TOO_FEW); with more, Student's t equals the normal distribution to round-off.
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
 # with at most TOO_FEW degrees of freedom an interval is infinite, because Student's t would give a half width
-# of 44,000 standard errors or more
+# of 43,000 standard errors or more
 TOO_FEW = 0.25
 # A singular value of the derivatives that is smaller than this, relative to the largest one, is round-off and
 # counts as 0. The derivatives of each parameter are scaled to the norm 1 before.

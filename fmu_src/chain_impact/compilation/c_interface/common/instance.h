@@ -33,7 +33,7 @@ typedef struct {
     const char *escaped;
     /* 1: the importer gives the folder of the resources as a URI; 0: as a path */
     int by_uri;
-    /* 1: errors are logged even if the importer has switched logging off */
+    /* 1: errors are logged even after the importer has switched off their category; 0: then they are not */
     int says_errors;
     /* the status that a call returns for a step that the solver cannot finish */
     int unfinished;

@@ -8,7 +8,8 @@
 /* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
 #pragma STDC FENV_ACCESS ON
 
-/* Define a function of the standard: it evaluates `made`, a call of a shared function, and returns its status. */
+/* Define a function of the standard: it evaluates `made`, mostly a call of a shared function, and returns the status
+   that this gives. */
 #define FUNCTION(name, made, ...) \
     FMI3_Export fmi3Status name(__VA_ARGS__) { return (fmi3Status)(made); }
 

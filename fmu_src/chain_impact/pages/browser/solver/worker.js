@@ -28,7 +28,10 @@ function* rows(kernel, values, { names, inputSteps = {} }) {
   return { ...result, columns: Object.fromEntries(outputs.map(({ name }, k) => [name, result.columns[k]])) };
 }
 
-/** Run once for each row of values (`each`) of the parameters `names`, and return `words` of the record at the end of each run. */
+/**
+ * Run once for each row of values (`each`, one row after the other) of the parameters `names`. Return in `rows` the words of the record
+ * with the indices `words` at the end of each run.
+ */
 function* study(kernel, values, { names, each, words }) {
   const endTime = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
   const endTimes = new Float64Array(each.length / names.length).fill(endTime);

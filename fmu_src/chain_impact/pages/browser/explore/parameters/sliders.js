@@ -205,7 +205,8 @@ function signalSliders({ scene, starts }) {
 }
 
 /**
- * Return the entries of the main parameters and inputs of the scene; a wall with its own friction or restitution has entries of its own.
+ * Return the entries, like those of `MAIN_PARAMETERS`, for the sliders of the scene's main parameters and inputs. A wall with its own
+ * friction or restitution has entries of its own; if all walls have, the entry of the common value is left out.
  */
 export function mainParametersOf(changes) {
   const { parameters, scene } = changes;
