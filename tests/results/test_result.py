@@ -156,6 +156,7 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
         "joint[*].torque": "it is an input; a signal in the scene",
         "base.x": "inputs.base_motion = true makes it",
         "joint[1].peak_force": "it needs outputs.loads = true",
+        "joint[*].force": "with outputs.loads = true there are joint[1].force.x",
         "contact.stiffness": "parameters are no outputs",
     }.items(),
 )

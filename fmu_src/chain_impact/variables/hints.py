@@ -27,7 +27,7 @@ def parts_hint(name: str, names: Iterable[str]) -> str | None:
 
     The result is None for any other name.
     """
-    parts = [part for part in names if part.startswith(f"{name}.")]
+    parts = find_names(f"{name}.*", names)
     return f"there are {', '.join(parts[:3])}" if parts else None
 
 
