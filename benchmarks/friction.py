@@ -286,10 +286,10 @@ def draw(figure: Any, record: Any) -> None:
     ]
     headline(
         figure,
-        f"Dry friction: {CREEPS} with a drift of {creep / 1e3:.2g} mm/s on a slope, "
-        f"{min(factors):.2g} to {max(factors):.2g} times our CPU time at equal error",
+        f"{CREEPS}, drifts by {creep / 1e3:.2g} mm/s on a slope and takes "
+        f"{min(factors):.2g} to {max(factors):.2g} times our CPU time",
         f"{CREEPS} with steps of {1e3 * SHOWN:g} ms and elliptic cones  ·  "
-        "errors of a thrown chain: each against its own converged run",
+        "times at equal error of a thrown chain, each against its own converged run",
     )
     figure.legend(handles=highest_first(panels), loc="outside right center")
 

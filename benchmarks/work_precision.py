@@ -87,16 +87,22 @@ def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def factors_told(equal: list[dict[str, Any]]) -> str:
-    """Return words for how many times as long the peers take at equal error, at the default tolerance."""
+    """Return words for how long the fastest and the slowest peer take at equal error, default tolerance."""
     at = [row["times as long"] for row in equal if row["setting"] == DEFAULT]
-    parts = []
+    found = {}
     for name in LOOKS:
         factors = [times[name] for times in at if name in times]
         if factors and peers.FAMILIES[name] != "ours":
-            low, high = number(min(factors), 2), number(max(factors), 2)
-            parts.append(f"{name} {low if low == high else f'{low} to {high}'}")
-    told = f"CPU time over that of simulate() at equal error, tolerance {number(DEFAULT)}: {', '.join(parts)}"
-    return told if parts else ""
+            found[name] = sorted(factors)
+    fastest, *others = sorted(found, key=lambda name: found[name][-1]) or [""]
+    parts = [f"{name} {_between(found[name])}" for name in (fastest, *others[-1:]) if name]
+    return f"CPU time over ours at equal error: {', '.join(parts)}" if parts else ""
+
+
+def _between(factors: list[float]) -> str:
+    """Return the least and the largest of sorted numbers as words."""
+    low, high = number(factors[0], 2), number(factors[-1], 2)
+    return low if low == high else f"{low} to {high}"
 
 
 def draw(figure: Any, record: Any) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.collections import PathCollection
 
 from chain_impact import fit, load_scene, simulate
 from chain_impact.studies.fit.estimates import LawEstimates
@@ -204,7 +205,7 @@ def test_a_ranking_has_a_dot_for_each_law():
         page.draw_without_rendering()
         bars = page.axes[-1]
         assert [name.get_text() for name in bars.get_yticklabels()] == [entry.law for entry in found.ranking]
-        (dots,) = (each for each in bars.collections if len(each.get_offsets()))
+        (dots,) = (each for each in bars.collections if isinstance(each, PathCollection))
         lengths = dots.get_offsets()[:, 0].tolist()
         best, *others = [entry.fit.aic for entry in found.ranking if entry.fit is not None]
         assert lengths[: 1 + len(others)] == pytest.approx([0.0, *(aic - best for aic in others)])

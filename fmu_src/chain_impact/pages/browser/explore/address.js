@@ -16,9 +16,10 @@ export class Address {
    */
   constructor(changes, choice, openScene, refuse) {
     Object.assign(this, { changes, choice, openScene, refuse });
-    if (location.hash) this.#apply();
+    if (location.hash) this.#apply(location.hash);
     changes.onChange(() => this.updateSoon());
-    addEventListener("hashchange", () => this.#apply());
+    // `updateSoon` may have replaced the address since the event was made
+    addEventListener("hashchange", ({ newURL }) => this.#apply(new URL(newURL).hash));
   }
 
   get text() {
@@ -33,13 +34,13 @@ export class Address {
   }
 
   /**
-   * Use the scene, the changes and the outputs in the address. If the scene has a fault, show the fault, and use none of the three. If the
-   * changes or the outputs have a fault, show the fault, and use only the scene.
+   * Use the scene, the changes and the outputs in the part of an address from "#" on, `hash`. If the scene has a fault, show the fault, and
+   * use none of the three. If the changes or the outputs have a fault, show the fault, and use only the scene.
    */
-  #apply() {
+  #apply(hash) {
     const { changes, choice, openScene } = this;
     try {
-      const { scene: text = "", curves = "", ...parts } = changesIn(location.hash);
+      const { scene: text = "", curves = "", ...parts } = changesIn(hash);
       if (text && text !== openScene.text) openScene.open(contentsIn(text));
       else if (text !== openScene.text) openScene.openFirst();
       const { others, inputSteps } = inputStepsIn(parts, changes);
