@@ -360,3 +360,17 @@ def test_the_field_of_a_value_with_which_the_run_fails_tells_why(show):
     until(page, "document.getElementById('status').hidden")
     assert field.evaluate("field => field.validity.valid")
     assert not row.locator(".refusal").is_visible()
+
+
+def test_typing_after_tab_replaces_a_rounded_angle(show):
+    page = show()
+    page.locator("#list-of-parameters summary").click()
+    field = page.locator("#list-of-parameters input[aria-label='initial.angle[1]']")
+    page.get_by_role("searchbox").fill("initial.angle[1]")
+    for _ in range(20):
+        page.keyboard.press("Tab")
+        if field.evaluate("one => one === document.activeElement"):
+            break
+    page.keyboard.type("25 deg")
+    page.keyboard.press("Enter")
+    until(page, "Math.abs(chainImpact.parameters['initial.angle[1]'] - 25 * Math.PI / 180) < 1e-9")

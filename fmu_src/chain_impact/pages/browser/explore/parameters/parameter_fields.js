@@ -79,7 +79,11 @@ export function valueField(changes, parameter) {
     written = value;
     field.value = items.length ? String(value) : (isActive() ? valueText : shortText)(value, unit);
   };
-  ["focus", "blur"].forEach((event) => field.addEventListener(event, () => field.checkValidity() && write()));
+  ["focus", "blur"].forEach((event) => field.addEventListener(event, () => {
+    const isWhole = field.selectionStart === 0 && field.selectionEnd === field.value.length; // the Tab key selects the whole text
+    if (field.checkValidity()) write();
+    if (event === "focus" && isWhole) field.select();
+  }));
   field.addEventListener("keydown", ({ key }) => key === "Escape" && attempt(field, () => write()));
   const refresh = () => {
     if (!isActive() || items.length || field.dataset.fails) release(field);
