@@ -94,8 +94,8 @@ def factors_told(equal: list[dict[str, Any]]) -> str:
         factors = [times[name] for times in at if name in times]
         if factors and peers.FAMILIES[name] != "ours":
             found[name] = sorted(factors)
-    fastest, *others = sorted(found, key=lambda name: found[name][-1]) or [""]
-    parts = [f"{name} {_between(found[name])}" for name in (fastest, *others[-1:]) if name]
+    order = sorted(found, key=lambda name: found[name][-1])
+    parts = [f"{name} {_between(found[name])}" for name in dict.fromkeys([*order[:1], *order[-1:]])]
     return f"CPU time over ours at equal error: {', '.join(parts)}" if parts else ""
 
 
@@ -125,10 +125,12 @@ def draw(figure: Any, record: Any) -> None:
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
     keys.append(Line2D([], [], color=INK, label="all rounds", **ALL_ROUNDS))
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+    factors = factors_told(results["at equal error"])
     headline(
         figure,
-        factors_told(results["at equal error"]) or "CPU time over errors of the tip and of onsets",
-        f"numbers: tolerances of simulate(), from "
+        factors or "CPU time over errors of the tip and of onsets",
+        f"{f'title: at the tolerance {number(DEFAULT)}  ·  ' if factors else ''}"
+        "numbers: tolerances of simulate(), from "
         f"{decade(TOLERANCES[0])} to {decade(TOLERANCES[-1])} in steps of 100, where there is room",
     )
     ink = Ink(figure)

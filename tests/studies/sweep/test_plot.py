@@ -349,6 +349,8 @@ def test_ranks_correlate_whatever_the_scale():
     assert rank_correlation(at, np.exp(at)) == pytest.approx(1.0)
     assert rank_correlation(at, -(at**3)) == pytest.approx(-1.0)
     assert rank_correlation(at, np.ones(40)) == 0.0
+    # equal values share the mean of their ranks: (1.5, 1.5, 3, 4) and (1, 2.5, 2.5, 4)
+    assert rank_correlation(np.array([1, 1, 2, 3.0]), np.array([1, 2, 2, 3.0])) == pytest.approx(3.75 / 4.5)
     assert rank_correlation(at, np.where(at > 1.0, at, np.nan)) == pytest.approx(1.0)
 
 

@@ -66,11 +66,10 @@ def draw_samples(
     panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]
 ) -> None:
     """Draw each quantity in some panels: its histogram, and a dot of each run over ``drawn_parameters``."""
-    each = len(panels) // len(quantities)
+    each, drawn = len(panels) // len(quantities), drawn_parameters(runs, varying)
     draw_histograms(panels[::each], runs, quantities)
     for k, quantity in enumerate(quantities):
-        beside = panels[each * k + 1 : each * (k + 1)]
-        for axes, variation in zip(beside, drawn_parameters(runs, varying), strict=True):
+        for axes, variation in zip(panels[each * k + 1 : each * (k + 1)], drawn, strict=True):
             _scatter(axes, runs, quantity, variation)
 
 
@@ -94,12 +93,13 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
     Pairs without finite values are left out.
     """
+    from scipy.stats import spearmanr  # this import takes long, and only pictures of samples need it
+
     known = np.isfinite(first) & np.isfinite(second)
     first, second = first[known], second[known]
     if len(first) < FEWEST or not np.ptp(first) or not np.ptp(second):
         return 0.0
-    ranks = [np.unique(values, return_inverse=True)[1] for values in (first, second)]
-    return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
+    return float(spearmanr(first, second).statistic)
 
 
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
