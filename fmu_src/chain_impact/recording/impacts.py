@@ -90,6 +90,7 @@ def _names(walls: tuple[str, ...]) -> np.ndarray:
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     """Return the indices that sort the contacts of some logs by onset, and the sorted, named table."""
     filled = [_numbers(part) for part in parts if len(part)] or [_numbers(parts[0])]
+    # most runs have one log with contacts, which needs no copy
     numbers = filled[0] if len(filled) == 1 else np.concatenate(filled)
     ordered = np.ndarray(len(numbers), LOG_DTYPE, numbers)
     order = np.lexsort((ordered["wall"], ordered["point"], ordered["onset"]))

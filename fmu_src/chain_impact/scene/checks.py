@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from functools import partial
-from itertools import islice, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -260,18 +260,18 @@ def size_hints(scene: Contents) -> list[str]:
 def length_hints(scene: Contents) -> list[str]:
     """Return questions on the first link whose length is probably in mm, and on the first such point."""
     links, whole = scene.chain.links, sum(link.length for link in scene.chain.links)
-    long = (
+    long = [
         f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
         for i, link in enumerate(links, 1)
         if link.length > LONG and link.mass < LIGHT * link.length
-    )
-    far = (
+    ]
+    far = [
         f"point {number} is {distance:g} m from the joint of its link, far for a chain of {whole:g} m: "
         "is it in mm?"
         for number, (_, site) in enumerate(scene.chain.sites, len(links) + 1)
         if (distance := math.hypot(site.x, site.y)) > FAR * whole
-    )
-    return [*islice(long, 1), *islice(far, 1)]
+    ]
+    return long[:1] + far[:1]
 
 
 def start_hints(scene: Contents) -> list[str]:

@@ -183,10 +183,7 @@ def compare(
     firsts = {law: first_of(law_runs[law].result) for law in preferred if law in law_runs}
     reference = next((law for law, first in firsts.items() if first is not None), None)
     if reference is None:
-        reason = _no_wall(scene) or next((run.note for run in law_runs.values() if run.note), "")
-        kept = f"the stops keep stops.model = {scene.stops.model}, and there is none at a wall"
-        none = kept if scene.stops.model else "there is none"
-        reason = reason or f"{none} before {scene.simulation.stop_time:g} s"
+        reason = _why_none(scene, [run.note for run in law_runs.values()])
         raise SceneError(f"{scene.name}: no impact to compare the laws by: {reason}")
     expected = law_runs[reference].result
     assert expected is not None
@@ -212,14 +209,21 @@ def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached
     return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
 
 
-def _no_wall(scene: Scene) -> str:
-    """Return words that say why no law of the walls can act, if stops keep their own law; "" otherwise."""
-    if scene.stops.model is None or point_wall_pairs(scene):
-        return ""
-    return (
-        f"the stops keep stops.model = {scene.stops.model}, and no point can touch a wall; give the law as "
-        "contact.model in place of stops.model to compare laws at the stops"
-    )
+def _why_none(scene: Scene, notes: Sequence[str]) -> str:
+    """Return words that say why no run has an impact that laws can be compared by.
+
+    ``notes`` are those of the runs, with the reasons for which runs failed, and "" for other runs.
+    """
+    model = scene.stops.model
+    if model and not point_wall_pairs(scene):
+        return (
+            f"the stops keep stops.model = {model}, and no point can touch a wall; give the law as "
+            "contact.model in place of stops.model to compare laws at the stops"
+        )
+    if note := next(filter(None, notes), ""):
+        return note
+    kept = f"the stops keep stops.model = {model}, and there is none at a wall" if model else "there is none"
+    return f"{kept} before {scene.simulation.stop_time:g} s"
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:

@@ -1,10 +1,9 @@
 """The picture of a comparison of contact laws: force over penetration in the first impact, and energy.
 
-At most six laws have a colour: the reference, the scene's own law, the law without losses, a law
-whose force jumps at the onset, of the others the law whose realised restitution differs most from that of the
-reference, and other common laws. The reference
-is the law with which all others are compared. All further laws are grey, or dotted if they are laws of
-impulses.
+At most six laws have a colour: the reference, the scene's own law, the law without losses, a law whose force
+jumps at the onset, of the others the law whose realised restitution differs most from that of the reference,
+and other common laws. The reference is the law with which all others are compared. All further laws are grey,
+or dotted if they are laws of impulses.
 """
 
 from __future__ import annotations

@@ -123,9 +123,16 @@ class LogWords(NamedTuple):
 @cache
 def log_words(counts: Counts) -> LogWords:
     """Return where a record with these counts has the status and the list of contacts."""
-    layout, of_log = layout_of(*counts), (("contact_log", "count"), ("contact_log", "collected"))
-    others = ("touch", "active_count"), ("changes", "count"), ("quadrature", "computed")
-    paths = ("statistics", "status"), *of_log, *others, ("contact_log", "point", 0)
+    layout = layout_of(*counts)
+    paths: tuple[DataPath, ...] = (
+        ("statistics", "status"),
+        ("contact_log", "count"),
+        ("contact_log", "collected"),
+        ("touch", "active_count"),
+        ("changes", "count"),
+        ("quadrature", "computed"),
+        ("contact_log", "point", 0),
+    )
     words = [word_index(layout, path) for path in paths]
     return LogWords._make([*words, layout["contact_log"]["point"].shape[0]])
 

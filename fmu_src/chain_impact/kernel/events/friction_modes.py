@@ -200,15 +200,16 @@ def slide_at_limits(d):
     If there is none, all elements could stick, with other shares of the forces. The element whose constraint
     force exceeds its limit most then slides, with a force at its limit; the others share the rest.
     """
-    worst, most = -1, -math.inf
+    all_stick, worst, most = True, -1, -math.inf
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
+        excess = abs(d.element.force[e]) - d.element.limit[e]
         if d.limited_forces.at_limit[i] != 0:
             set_mode(d, e, sliding_sign(float(d.limited_forces.at_limit[i])))
-            worst, most = -1, math.inf
-        elif is_inconsistent(d, e) and abs(d.element.force[e]) - d.element.limit[e] > most:
-            worst, most = e, abs(d.element.force[e]) - d.element.limit[e]
-    if worst >= 0:
+            all_stick = False
+        elif is_inconsistent(d, e) and excess > most:
+            worst, most = e, excess
+    if all_stick:
         set_mode(d, worst, sliding_sign(d.element.force[worst]))
 
 

@@ -98,7 +98,11 @@ class Estimates:
 
     def unit(self, name: str) -> str:
         """Return the unit of a measured column."""
-        return str((PreparedScene(self.scene).units | IMPACT_UNITS).get(name, "s"))
+        return self._units.get(name, "s")
+
+    @cached_property
+    def _units(self) -> dict[str, str]:
+        return PreparedScene(self.scene).units | IMPACT_UNITS
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:

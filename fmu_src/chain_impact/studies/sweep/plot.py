@@ -210,12 +210,12 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
     """Return a text with each varied parameter: its range and its value in the scene, or how many choices."""
-    parts = []
+    parts, shown = [], with_marks(runs, varying)
     for variation in varying:
         ends = " to ".join(told_apart([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
         interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
         own = own_value(runs, variation)
-        marked = " (+)" if variation in with_marks(runs, varying) else ""
+        marked = " (+)" if variation in shown else ""
         told = "" if own is None else f", {number(own)} in the scene{marked}"
         count = f"{len(np.unique(variation.values))} of {variation.name}"
         parts.append(count if variation.choices else f"{variation.name} {interval}{told}")

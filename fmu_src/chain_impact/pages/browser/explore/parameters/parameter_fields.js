@@ -79,11 +79,13 @@ export function valueField(changes, parameter) {
     written = value;
     field.value = items.length ? String(value) : (isActive() ? valueText : shortText)(value, unit);
   };
-  ["focus", "blur"].forEach((event) => field.addEventListener(event, () => {
+  const rewrite = () => field.checkValidity() && write();
+  field.addEventListener("blur", rewrite);
+  field.addEventListener("focus", () => {
     const isWhole = field.selectionStart === 0 && field.selectionEnd === field.value.length; // the Tab key selects the whole text
-    if (field.checkValidity()) write();
-    if (event === "focus" && isWhole) field.select();
-  }));
+    rewrite();
+    if (isWhole) field.select();
+  });
   field.addEventListener("keydown", ({ key }) => key === "Escape" && attempt(field, () => write()));
   const refresh = () => {
     if (!isActive() || items.length || field.dataset.fails) release(field);
