@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.state import dissipated_at, time_at, velocity_at
 from chain_impact.kernel.events import crossing, marks, search
 from chain_impact.kernel.forces import force_formula, holding
 from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_anchor
-from chain_impact.kernel.ode import collocation, control, dense, explicit, last_step, sundman
+from chain_impact.kernel.ode import collocation, control, dense, explicit, last_step, maximum, sundman
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent import duals, event_times, rules
 from chain_impact.scene.scene import scene_from_dict
@@ -124,11 +124,12 @@ def test_a_passage_of_faded_values_is_located(size):
 
 @small
 def test_a_top_of_faded_values_is_found(size):
-    found = dense.maximum_of(lambda _d, _i, theta: np.float64(size) * (1.0 - (theta - 0.4) ** 2))
+    found = maximum.maximum_of(lambda _d, _i, theta: np.float64(size) * (1.0 - (theta - 0.4) ** 2))
     with np.errstate(all="ignore"):
-        top = found(None, 0, 0.5, 0.25, 1.0)
-    assert finite(top)
+        top, place = found(None, 0, 0.5, 0.25, 1.0)
+    assert finite(top, place)
     assert 0.9 * size <= top <= size or size < 1e-300
+    assert place == pytest.approx(0.4, abs=0.03 if size > 1e-300 else 0.4)
 
 
 # ---- contacts -------------------------------------------------------------------------------------------

@@ -201,6 +201,16 @@ def test_a_peak_is_that_of_a_thousand_times_finer_rows(name):
         assert (np.diff(peaks) >= -1e-7 * peaks[-1]).all()
         assert found == pytest.approx(peaks[::1000], rel=1e-7)
         assert sizes.max() <= found[-1] * (1.0 + 1e-9)
+        assert_time_of_peak(coarse, i, fine, sizes)
+
+
+def assert_time_of_peak(result, joint, fine, sizes):
+    """In each row, the force in a fine row beside the time of the peak is nearly the peak."""
+    peaks, times = (result[f"joint[{joint}].peak_{quantity}"] for quantity in ("force", "time"))
+    for row, peak, time in zip(result.time, peaks, times, strict=True):
+        beside = (np.abs(fine.time - time) <= 1.01 * fine.time[1]) & (fine.time <= row + 1e-12)
+        assert sizes[beside].max() == pytest.approx(peak, rel=0.02)
+        assert time <= row
 
 
 @pytest.mark.full("more cases", but=1)
@@ -284,6 +294,7 @@ def test_the_motion_is_the_same_without_them(name):
     [
         ("box", "joint[3].force.x"),
         ("box", "joint[3].peak_force"),
+        ("driven, stops", "joint[4].peak_time"),
         ("box", "joint[4].impulse.y"),
         ("driven, stops", "joint[3].moment"),
         ("driven, stops", "joint[4].impulse.y"),

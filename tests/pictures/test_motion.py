@@ -175,12 +175,12 @@ def test_a_joints_largest_force_is_an_arrow_at_its_place():
     recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
     motion = motion_of(recording)
     (arrows,) = (collection for collection in motion.collections if isinstance(collection, Quiver))
-    peaks = [recording[f"joint[{joint}].peak_force"][-1] for joint in (1, 2)]
+    peaks = [recording[f"joint[{joint}].peak_force"][-1] for joint in (2, 1)]
     assert np.hypot(arrows.U, arrows.V) == pytest.approx(peaks)
-    np.testing.assert_array_equal(arrows.XY[0], [0.0, 0.0])
+    np.testing.assert_array_equal(arrows.XY[1], [0.0, 0.0])
     row = np.hypot(*recording.loads[2].T).argmax()
-    np.testing.assert_array_equal(arrows.XY[1], recording.points[row, 1])
-    assert arrows.V[1] / arrows.U[1] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
+    np.testing.assert_array_equal(arrows.XY[0], recording.points[row, 1])
+    assert arrows.V[0] / arrows.U[0] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
     assert motion.get_legend().get_texts()[-1].get_text() == "joint forces\n≤ 670 N"
 
 

@@ -132,6 +132,8 @@ def test_outputs_that_are_chosen_have_the_same_derivatives():
         assert np.array_equal(some.sensitivity(output, name), whole.sensitivity(output, name))
     with pytest.raises(UnknownNameError, match=r"point\[1\].x is not an output of this result"):
         some.sensitivity("point[1].x", name)
+    with pytest.raises(UnknownNameError, match=r"without derivatives; impact_sensitivity\(…\)"):
+        whole.sensitivity("impact[1].peak_force", name)
 
 
 def test_more_than_there_is_room_for_is_refused():

@@ -29,9 +29,10 @@ from chain_impact.kernel.cost import counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
 from chain_impact.kernel.ode.control import IMPLICIT
-from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, maximum_of
+from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, time_within
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
+from chain_impact.kernel.ode.maximum import maximum_of
 from chain_impact.kernel.rows.geometry import (
     WALLS,
     at_joint_stop,
@@ -60,7 +61,7 @@ def start_loads(d, time):
     transmitted.start_time, transmitted.searched_end = time, math.nan
     link_momenta(d, transmitted.start_x, transmitted.start_y)
     for i in range(d.links):
-        transmitted.peak[i] = 0.0
+        set_load_peak(d, i, 0.0, time)
 
 
 def store_tip_impulse(d, j, impulse):
@@ -71,9 +72,9 @@ def store_tip_impulse(d, j, impulse):
     d.transmitted.tip_impulse[j] = impulse
 
 
-def set_load_peak(d, i, square):
-    """Set the largest squared force |f|² [N²] so far of the joint in row i."""
-    d.transmitted.peak[i] = square
+def set_load_peak(d, i, square, time):
+    """Set the largest squared force |f|² [N²] so far of the joint in row i, and its time [s]."""
+    d.transmitted.peak[i], d.transmitted.peak_time[i] = square, time
 
 
 def link_momenta(d, x, y):
@@ -222,27 +223,31 @@ def fill_load_peaks(d):
             transmitted.searched_square[i] = transmitted.largest_square[i]
         transmitted.searched_breaks, transmitted.searched_end = d.step.breaks, d.step.end
     for i in range(d.links):
-        transmitted.largest_square[i] = max(transmitted.peak[i], out.x[i] * out.x[i] + out.y[i] * out.y[i])
+        transmitted.largest_square[i] = transmitted.peak[i]
+        transmitted.largest_time[i] = transmitted.peak_time[i]
+        raise_largest(d, i, out.x[i] * out.x[i] + out.y[i] * out.y[i], d.step.time)
         rises = rises or transmitted.searched_square[i] > transmitted.largest_square[i]
     if rises:
         search_peaks(d, d.step.time)
     for i in range(d.links):
         out.peak[i] = math.sqrt(transmitted.largest_square[i]) if transmitted.largest_square[i] > 0.0 else 0.0
+        out.peak_time[i] = transmitted.largest_time[i]
 
 
 def update_load_peaks(d):
     """Raise the stored largest joint forces to those in the last step, if they are larger there.
 
-    Two maxima of |f|² [N²] are stored: for each joint since the start of the run (``transmitted.peak``), and
-    for each active contact since its onset, over all joints (``touch.joint_square``, with the joint's
-    number). The evaluations do not count as cost, because loads are outputs. Afterwards points and forces are
-    those at the end of the step.
+    Two maxima of |f|² [N²] are stored: for each joint since the start of the run (``transmitted.peak``, with
+    its time), and for each active contact since its onset, over all joints (``touch.joint_square``, with the
+    joint's number). The evaluations do not count as cost, because loads are outputs. Afterwards points and
+    forces are those at the end of the step.
     """
     transmitted, touch, counted = d.transmitted, d.touch, counted_cost(d)
     ensure_dense(d, OUTPUTS)
     search_step(d)
     for i in range(d.links):
-        transmitted.peak[i] = max(transmitted.peak[i], transmitted.largest_square[i])
+        if transmitted.largest_square[i] > transmitted.peak[i]:
+            set_load_peak(d, i, transmitted.largest_square[i], transmitted.largest_time[i])
     for k in range(touch.active_count):
         c = touch.active_index[k]
         for i in range(first_joint(d), d.links):
@@ -271,21 +276,32 @@ def search_step(d):
 
 
 def search_peaks(d, time):
-    """Raise ``transmitted.largest_square`` to the largest |f|² [N²] in the last step until ``time`` [s]."""
+    """Raise ``transmitted.largest_square`` to the largest |f|² [N²] in the last step until ``time`` [s].
+
+    Where it rises, ``transmitted.largest_time`` becomes the time [s] of this |f|².
+    """
     transmitted, first, end = d.transmitted, event_fraction(d), fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
-        load_joints_at(d, first + (end - first) * m / intervals)
+        theta = first + (end - first) * m / intervals
+        load_joints_at(d, theta)
+        sampled_at = time_within(d, theta)
         for i in range(d.links):
             transmitted.after[i] = square_of_force(d, i)
         for i in range(d.links):
             left, top, right = transmitted.before[i], transmitted.middle[i], transmitted.after[i]
             transmitted.before[i], transmitted.middle[i] = top, right
-            transmitted.largest_square[i] = max(transmitted.largest_square[i], right)
+            raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
-                largest = largest_square(d, i, middle, reach, end)
-                transmitted.largest_square[i] = max(transmitted.largest_square[i], largest)
+                largest, place = largest_square(d, i, middle, reach, end)
+                raise_largest(d, i, largest, time_within(d, place))
+
+
+def raise_largest(d, i, square, time):
+    """Raise ``transmitted.largest_square`` of the joint in row i to ``square`` [N²] at ``time`` [s]."""
+    if square > d.transmitted.largest_square[i]:
+        d.transmitted.largest_square[i], d.transmitted.largest_time[i] = square, time
 
 
 def rises_between(left, top, right, highest):

@@ -13,6 +13,7 @@ from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.names import brief_hit, what_touches
 from chain_impact.pictures.style import INK, LOAD, PEAK_COLOUR, force_text, headline, is_narrow, raised
 from chain_impact.recording.impacts import lasts
+from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import number, plural, prefixed, speed_unit
 from chain_impact.scene.names import name_parts
@@ -237,38 +238,16 @@ def place(recording: Recording, row: int) -> str:
     )
 
 
-class Load(NamedTuple):
-    """The largest force in a joint: the joint's number, the force as text, and the row of the recording."""
-
-    joint: int
-    value: str
-    row: int
-
-
-def largest_load(recording: Recording) -> Load | None:
-    """Return the largest force in any joint; None if the forces in joints are not known, or all 0.
-
-    The force includes times between rows if ``joint[i].peak_force`` is known; the row is the first one that
-    has it.
-    """
-    found: list[tuple[float, int, int]] = []
-    for joint, force in recording.loads.items():
-        name = f"joint[{joint}].peak_force"
-        peaks = recording.columns[name] if name in recording.columns else np.hypot(*force.T)
-        found.append((float(peaks.max()), joint, int(peaks.argmax())))
-    if not found or not max(found)[0] > 0.0:
-        return None
-    largest, joint, row = max(found)
-    return Load(joint, force_text(largest, "N"), row)
-
-
 def load_text(recording: Recording) -> str:
-    """Return words for the largest force in a joint: "joint 2 bears up to 621 N, at 0.5 s"; "" if none."""
-    load = largest_load(recording)
-    if load is None:
+    """Return words for the largest force in a joint: "joint 2 bears up to 621 N, at 0.4977 s"; "" if none."""
+    largest = next(iter(joint_peaks(recording)), None)
+    if largest is None or not largest.force > 0.0:
         return ""
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
-    return f"joint {load.joint} bears up to {load.value}, at {factor * recording.time[load.row]:.3g} {unit}"
+    return (
+        f"joint {largest.joint} bears up to {force_text(largest.force, 'N')}, "
+        f"at {factor * largest.time:.5g} {unit}"
+    )
 
 
 def has_contact(recording: Recording) -> bool:

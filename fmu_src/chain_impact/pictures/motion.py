@@ -21,7 +21,7 @@ from chain_impact.pictures.impact_numbers import (
 )
 from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.message import largest_load, marked_peaks
+from chain_impact.pictures.message import marked_peaks
 from chain_impact.pictures.moving import draw_moving
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import BAND, View, draw_walls, is_flat, seen_size, view_of
@@ -35,6 +35,7 @@ from chain_impact.pictures.style import (
     scale_numbers,
     tells_peak,
 )
+from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
@@ -283,15 +284,15 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
     """Draw the largest force in each joint as an arrow, where the joint was at that time.
 
-    Direction and position of an arrow come from the row with the largest force in the joint. Its length shows
-    ``joint[i].peak_force``, which includes times between rows; if this is unknown, the force in that row. If
-    an arrow would leave the view, all arrows become shorter, as far as SHORTEST_LOAD allows.
+    Direction and position of an arrow come from the row with the largest force in the joint; its length shows
+    the largest force, also if it lies between rows. If an arrow would leave the view, all arrows become
+    shorter, as far as SHORTEST_LOAD allows.
     """
     arrows = []
-    for joint, force in recording.loads.items():
+    for joint, peak, _ in joint_peaks(recording):
+        force = recording.loads.get(joint, np.zeros((1, 2)))
         sizes = np.hypot(*force.T)
         row = sizes.argmax()
-        peak = recording.columns.get(f"joint[{joint}].peak_force", sizes).max()
         if sizes[row] > 0.0:
             arrows.append((*recording.points[row, joint - 1], *(peak / sizes[row] * force[row])))
     if arrows:
@@ -338,9 +339,10 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
         whole = numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY)
         labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
-    if load := largest_load(recording):
-        joint = tuple(recording.points[load.row, load.joint - 1].tolist())
-        named = Label(f"joint {load.joint}: {load.value}", joint, short=load.value)
+    if (loads := joint_peaks(recording)) and loads[0].force > 0.0:
+        joint, force, time = loads[0]
+        value, place = force_text(force, "N"), tuple(recording.pose_at(time)[joint - 1].tolist())
+        named = Label(f"joint {joint}: {value}", place, short=value)
         place_labels(axes, [named], ink, lines=True, fontsize="small", color=LOAD)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
     return listed_or_counted([hit + 1 for hits in missing for hit in hits], len(recording.impacts))

@@ -143,7 +143,11 @@ class Sensitivities:
 
     def _output(self, name: str) -> str:
         if name not in self.columns:
-            raise UnknownNameError(self.source, name, self.columns, "not an output of this result")
+            outputs = {output.name for output in self.prepared.outputs}
+            stepwise = name in outputs - {output.name for output in self.prepared.motion}
+            what = "an output without derivatives" if stepwise else "not an output of this result"
+            hint = "impact_sensitivity(…) has those of impacts" if stepwise else None
+            raise UnknownNameError(self.source, name, self.columns, what, hint)
         return name
 
     def _number(self, parameter: str) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.recording.impacts import lasts
+from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
@@ -152,40 +153,17 @@ def digits(value: float) -> str:
 def load_lines(result: Recording) -> Iterator[str]:
     """Yield lines with the largest force in each joint, in descending order, if the scene asks for loads.
 
-    If there are more than JOINTS joints, the last line tells the number of those with smaller forces.
+    Each line has the time of this force, and the numbers of the impacts that last at this time. If there are
+    more than JOINTS joints, the last line tells the number of those with smaller forces.
     """
-    joints = result.columns_of("joint").items()
-    peaks = {n: values["peak_force"] for (n, _), values in joints if len(values.get("peak_force", ()))}
-    for row, joint in enumerate(sorted(peaks, key=lambda n: -peaks[n][-1])[:JOINTS]):
-        when = _when(result, joint, peaks[joint])
-        yield f"{'' if row else 'loads':8} at most {peaks[joint][-1]:.6g} N in joint[{joint}], {when}"
+    peaks = joint_peaks(result)
+    for row, (joint, force, time) in enumerate(peaks[:JOINTS]):
+        onset, end = result.impacts["onset"], np.where(lasts(result.impacts), np.inf, result.impacts["end"])
+        numbers = [str(n + 1) for n in ((onset <= time) & (time <= end) & (onset < end)).nonzero()[0]]
+        during = f", during impact{'s' * (len(numbers) > 1)} {few(numbers, NAMED_IMPACTS)}" if numbers else ""
+        yield f"{'' if row else 'loads':8} at most {force:.6g} N in joint[{joint}], at {time:.6f} s{during}"
     if len(peaks) > JOINTS:
         yield f"{'':8} less in {plural(len(peaks) - JOINTS, 'more joint')}"
-
-
-def _when(result: Recording, joint: int, peaks: np.ndarray) -> str:
-    """Return words for the time of the largest force in a joint: between which two rows, and at which impact.
-
-    The words are "during" an impact that lasts for all the time between the rows, or whose own largest force
-    in a joint is this force. If there is none, they are "near" the impacts that last for a part of this time.
-
-    Args:
-        result: the run.
-        joint: the number of the joint.
-        peaks: the largest force so far in the joint at each row [N].
-    """
-    row = int((peaks == peaks[-1]).argmax())
-    first, last = result.time[max(row - 1, 0)], result.time[row]
-    span = f"{first:g} … {last:g} s" if row else f"{last:g} s"
-    impacts = result.impacts
-    onset, end = impacts["onset"], np.where(lasts(impacts), np.inf, impacts["end"])
-    own = (impacts["joint"] == joint) & np.isclose(impacts["joint_force"], peaks[-1], rtol=1e-9, atol=0.0)
-    within = own | ((onset <= first) & (last <= end))
-    found = within if within.any() else (onset <= last) & (first <= end) & (onset < end)
-    numbers = [str(number) for number in found.nonzero()[0] + 1]
-    kind = "during" if within.any() else "near"
-    many = "s" * (len(numbers) > 1)
-    return f"at {span}" + (f", {kind} impact{many} {few(numbers, NAMED_IMPACTS)}" if numbers else "")
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:

@@ -319,6 +319,7 @@ OUTPUTS = (
         moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | field=load.moment nominal=inertial_moment feedthrough
         impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start             | field=load.impulse_{axis} nominal=momentum
         peak_force     | N   | largest force of {parent} on link {n} since the start                     | field=load.peak nominal=inertial_force minimum=0
+        peak_time      | s   | time of peak_force                                                        | field=load.peak_time
         """,
         heading=JOINT,
         when=("outputs.loads",),

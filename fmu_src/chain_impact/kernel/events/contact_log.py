@@ -20,7 +20,6 @@ from chain_impact.kernel.ode.dense import (
     event_fraction,
     fraction,
     interpolate,
-    maximum_of,
 )
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import (
@@ -31,6 +30,7 @@ from chain_impact.kernel.ode.last_step import (
     ensure_rate,
     truncate_to_output_time,
 )
+from chain_impact.kernel.ode.maximum import maximum_of
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import at_joint_stop, clearance, gap_acceleration, lever_of_candidate
 
@@ -87,9 +87,11 @@ def find_peaks(d, c, force_rate, time, reader):
     reach = 0.5 * (fraction(d, time) - first) if force_peaked or depth_peaked else 0.0
     middle = first + reach
     if force_peaked:
-        peak = max(peak, largest_force(d, c, middle, reach, middle + reach))
+        found, _ = largest_force(d, c, middle, reach, middle + reach)
+        peak = max(peak, found)
     if depth_peaked:
-        depth = max(depth, largest_penetration(d, c, middle, reach, middle + reach))
+        found, _ = largest_penetration(d, c, middle, reach, middle + reach)
+        depth = max(depth, found)
     return peak, depth, force_peaked or depth_peaked
 
 

@@ -161,6 +161,7 @@ def load_output_dtype(loads: int) -> np.dtype:
         ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the start of the run
         ("impulse_y", REAL, (loads,)),
         ("peak", REAL, (loads,)),  # N, largest size of the force in the joint since the start of the run
+        ("peak_time", REAL, (loads,)),  # s, time of the largest force; the start of the run if there was none
     )
 
 
@@ -175,8 +176,10 @@ def transmitted_dtype(loads: int) -> np.dtype:
         ("start_y", REAL, (loads,)),
         # N², the largest squared force in each joint from the start of the run to the start of the last step
         ("peak", REAL, (loads,)),
+        ("peak_time", REAL, (loads,)),  # s, the first time at which each joint had the force ``peak``
         # N², the largest squared force in each joint that the search of the last step has found so far
         ("largest_square", REAL, (loads,)),
+        ("largest_time", REAL, (loads,)),  # s, time of ``largest_square``, if this exceeds ``peak``
         # N², the largest squared force in each joint in the step that was last searched as a whole
         ("searched_square", REAL, (loads,)),
         # `step.breaks` when a whole step was last searched; with ``searched_end`` it tells which step that

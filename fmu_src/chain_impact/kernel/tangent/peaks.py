@@ -27,7 +27,8 @@ def forget_peaks(t, delay):
     for i in range(t.links if t.loads > 0 else 0):
         at_end, peak = value(square_of_force(t, i)), t.transmitted.peak[i]
         if at_end >= value(peak):
-            set_load_peak(t, i, with_unknown_slopes(peak, delay))
+            time = with_unknown_slopes(t.transmitted.peak_time[i], delay)
+            set_load_peak(t, i, with_unknown_slopes(peak, delay), time)
         for k in range(t.touch.active_count):
             c = t.touch.active_index[k]
             if at_end >= value(t.touch.joint_square[c]):
