@@ -172,7 +172,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
 
 
 def _starts(scene: Contents) -> bool:
-    """Return whether the start of the scene passes its checks, and no sentence warns of it."""
+    """Return whether the start of the scene passes its checks and causes no warning."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles) or start_hints(scene):
         return False
     try:

@@ -19,7 +19,7 @@ def chain_view(chain: Any) -> SimpleNamespace:
 
 
 def signals_view(signals: np.ndarray, knots: np.ndarray) -> SimpleNamespace:
-    """Return the parts ``signal`` and ``knot`` of a record as ``d`` for the functions in chain/signals.py."""
+    """Return the parts ``signal`` and ``knot`` of a record as ``d`` for kernel/chain/signals.py."""
     parts = {"signal": signals, "knot": knots}
     views = {
         name: SimpleNamespace(**{field: part[field] for field in part.dtype.names or ()})

@@ -209,7 +209,10 @@ def input_key(name: str) -> str | None:
 
 
 def input_asked(name: str) -> str | None:
-    """Return the line of a scene file that adds the input ``name``; None if no input has this name."""
+    """Return the line of a scene file that adds the input ``name``; None if no input has this name.
+
+    For example ``inputs.joint_torques = true`` for ``joint[2].torque``.
+    """
     key = input_key(name)
     if key == "wall_motion":
         return f'inputs.wall_motion = ["{name.split(".")[1]}"]'
@@ -221,7 +224,7 @@ SENSITIVITY = "sensitivity."
 
 
 def sensitivity_name(output: str, parameter: str) -> str:
-    """Return the name of the derivative of an output with respect to a parameter."""
+    """Return the name of the derivative of an output: ``sensitivity.<parameter>.<output>``."""
     return f"{SENSITIVITY}{parameter}.{output}"
 
 
@@ -312,7 +315,7 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
     """Return a hint how to make the missing signal that the name ``signal.<signal>.<key>`` of a value needs.
 
-    The result is None for any other name.
+    The result is None for any other name, and if ``signals`` has the signal.
     """
     table, _, key = name.partition(".")
     signal = key.partition(".")[0]

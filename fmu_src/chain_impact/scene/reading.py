@@ -30,7 +30,8 @@ SHOWN = 60  # largest number of characters that a message shows of a value
 class SceneError(ValueError):
     """Raised when a scene cannot be used.
 
-    The message is one line that names the file, the key, the value and what is allowed.
+    The message is one line. It tells, as far as they are known, the file, the key, the value and what is
+    allowed.
 
     Attributes:
         path: the path of the key in the scene file; empty if it is not known.

@@ -74,7 +74,7 @@ class Scene(Contents):
 
     @property
     def moving_walls(self) -> tuple[str, ...]:
-        """The names of the walls that inputs move, in the order of their numbers."""
+        """The names of the walls that inputs move (``inputs.wall_motion``), in the order of their numbers."""
         return tuple(wall["name"] for wall in SceneFacts(self)["moving_walls"])
 
     @property

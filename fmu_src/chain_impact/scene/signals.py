@@ -63,9 +63,11 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
 
 
 def family(name: str) -> tuple[str, ...]:
-    """Return the names of an input's integrals over time, the input, and its derivatives, in this order.
+    """Return the names of the quantities that a signal determines if it drives the input ``name``.
 
-    All of them are names of inputs, except "" for the integral of a belt's speed, which has no name.
+    They are integrals of the input over time, the input, and its derivatives, in this order. All of them are
+    names of inputs, except "" for the integral of a belt's speed, which has no name. A target velocity
+    determines only itself, not the target angle or position.
     """
     head, _, last = name.rpartition(".")
     if head == "base":

@@ -66,7 +66,10 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
 
 
 def nearest_file(folder: Path, stem: str, suffix: str) -> Path | None:
-    """Return a folder's file with ``suffix`` whose name is most similar to ``stem``; None without one."""
+    """Return a folder's file with ``suffix`` whose name is most similar to ``stem``.
+
+    The result is None if no name is similar.
+    """
     try:
         beside = {file.stem: file for file in folder.glob(f"*{suffix}")}
     except (OSError, ValueError):  # the path is too long, or no path at all

@@ -19,7 +19,7 @@ from chain_impact.scene.text_file import comma_separated, likely_time, text_of
 TableSource = str | Path | Mapping[str, Sequence[Any] | np.ndarray]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
 TIME = "time"
-# [1] a table cannot have its times in seconds if it lasts at least this many times as long as the run; times
+# [1] a table cannot have its times in seconds if it lasts more than this many times as long as the run; times
 # in milliseconds make the ratio of the durations 1000
 TOO_LONG = 990.0
 # A row seems to be missing in a step of time that is longer than MISSING times the median step. This needs a

@@ -73,7 +73,8 @@ def comma_separated(text: str) -> str:
     rewritten, line by line; any other text is returned unchanged.
 
     Raises:
-        ValueError: when the numbers of such a table have decimal points and decimal commas.
+        ValueError: when the numbers of such a table have decimal points and decimal commas, or the text is
+            not valid CSV.
     """
     # a separator in a name in quotes does not separate cells, nor does a tab beside a comma
     head = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", text.partition("\n")[0]))

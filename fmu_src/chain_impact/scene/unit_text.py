@@ -68,8 +68,8 @@ def of_power(unit: str, exponent: float | None) -> str:
 def of_scene(unit: str, scene: Any) -> str:
     """Return a unit in which the exponent's number replaces the word "exponent": N/m^1.5 for N/m^exponent.
 
-    The number is contact.exponent, or stops.exponent if the unit ends with /rad. Other units are returned
-    unchanged.
+    The number is contact.exponent, or stops.exponent for N.m/rad^exponent. A unit without this word is
+    returned unchanged.
     """
     base, power, end = unit.partition("^exponent")
     part = scene.stops if base.endswith("/rad") else scene.contact

@@ -11,7 +11,10 @@ PACKAGE = __name__.partition(".")[0]
 
 
 def warn(source: str, hints: list[str]) -> None:
-    """Warn of probable mistakes; the warnings name the line of the user's code that called this package."""
+    """Warn of probable mistakes, with a warning for each of ``hints``.
+
+    The warnings name the line of the user's code that called this package.
+    """
     if not hints:
         return
     frame, level = inspect.currentframe(), 1

@@ -286,7 +286,7 @@ class Chain:
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ensure_initialized(self) -> None:
-        """Compute the start again if a value was set after it was computed."""
+        """Compute the start again if a value was set before the first step, after the start was computed."""
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False
@@ -350,7 +350,11 @@ class Chain:
         return access, number
 
     def _hint(self, name: str) -> str | None:
-        """Return a hint how a scene would get a variable that it does not have; None if no hint is known."""
+        """Return a hint for a name that is no variable of the chain; None if no hint is known.
+
+        It tells how a scene would get this variable or, for a value of the scene that cannot change in a run,
+        how to change it.
+        """
         if input_key(name):
             return how_asked(self.scene, name)
         return absent_hint(name) or fixed_hint(self.scene, name)
