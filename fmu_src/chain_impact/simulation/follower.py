@@ -50,8 +50,8 @@ CALLS = 15_000
 # followed in each of these pieces apart.
 CALLS_PER_PIECE = 50
 SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
-# [1] a value belongs to the nearer of two polynomials only if its distance from it is less than this times
-# the distance from the other
+# [1] in the first round of ``_break``, a value belongs to the nearer of two polynomials only if its distance
+# from it is at most this times the distance from the other; in the second round it always does
 NEARER = 0.1
 NEWTON_STEPS = 4  # number of Newton steps to find a zero of a polynomial that is close to the first guess
 TINY = 1e-300  # the code divides by the allowed error, so this replaces an error of 0
@@ -59,7 +59,8 @@ TINY = 1e-300  # the code divides by the allowed error, so this replaces an erro
 RESOLVED = 1e-14
 # there is a jump if two pieces differ where they meet by more than this times the allowed error
 JOINED = 10.0
-# the last coefficients of a piece are left out if they are smaller than this times the allowed error
+# the last coefficients of a piece are left out if they are at most this times the allowed error; beside a
+# kink, a difference of values up to this limit counts as 0
 DROPPED = 0.05
 
 _ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS

@@ -47,7 +47,8 @@ INTERPOLATIONS = ("follow", "hold", "linear", "spline")
 # [1] the allowed error of a followed input that is no motion, relative to its largest value, is FINER times
 # the solver's tolerance
 FINER = 1e-3
-# [1] a sample and a communication point count as one time if they are closer than this times the stop time
+# [1] a sample counts as simultaneous with a communication point, or with the sample before it, if their times
+# differ by at most this, relative to the end of the run
 SAME_TIME = 1e-12
 LISTED_NAMES = 8  # largest number of names of inputs in an error
 NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)

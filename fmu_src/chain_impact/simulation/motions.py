@@ -197,7 +197,8 @@ def derivatives(pieces: Pieces, order: int) -> np.ndarray:
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
     """Return whether the derivative of one ``order`` of K motions jumps at the start of P pieces.
 
-    The shape is (P, K). ``columns`` are the indices of the motions among the signals of the pieces.
+    The shape is (P, K); it is False for the first piece. ``columns`` are the indices of the motions among the
+    signals of the pieces.
     """
     jumping = np.zeros((len(pieces.start), len(columns)), bool)
     if not len(columns) or not math.isfinite(pieces.end[-1]):

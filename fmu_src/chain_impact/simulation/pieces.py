@@ -103,7 +103,10 @@ class Pieces:
         return used.max(axis=1, initial=0), np.max(rates, axis=0, initial=0.0) + np.zeros(len(used))
 
     def settings(self, at: int) -> dict[str, float]:
-        """Return the fields that the record has of a piece, except the coefficients of its polynomials."""
+        """Return the fields that the record has of a piece, except the coefficients of its polynomials.
+
+        For a piece in which all signals are constant these are ``order`` and ``change_rate`` only, both 0.
+        """
         order, rate = self._degrees_and_rates
         if order[at] == 0:
             return {"order": 0, "change_rate": 0.0}

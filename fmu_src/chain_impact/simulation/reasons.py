@@ -20,7 +20,7 @@ REASONS = {
     NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
 }
 """Code → reason why derivatives end. NOT_SOLVED can apply at any time, the other reasons at an impact at a
-wall."""
+wall or at a stop of the slider."""
 
 REASONS_AT_STOPS = REASONS | {
     GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",

@@ -17,7 +17,10 @@ MOST_POSITIONS = 20
 
 
 def still_dampers(prepared: PreparedScene, names: Sequence[str], pieces: Pieces) -> list[str]:
-    """Return a sentence for each target that changes over time while its target velocity stays 0.
+    """Return a sentence for each target in ``names`` that is a motion while its target velocity stays 0.
+
+    The damper of the drive then brakes this motion; without damping there is no sentence. ``_is_motion`` says
+    which targets are motions. A target velocity stays 0 if neither ``names`` nor a signal gives it.
 
     Args:
         prepared: the scene.

@@ -1,9 +1,9 @@
 """The picture of a comparison of contact laws: force over penetration in the first impact, and energy.
 
 At most six laws have a colour: the reference, the scene's own law, the law without losses, a law whose force
-jumps at the onset, of the others the law whose realised restitution differs most from that of the reference,
-and other common laws. The reference is the law with which all others are compared. All further laws are grey,
-or dotted if they are laws of impulses.
+jumps at the onset, the law with losses whose realised restitution differs most from that of the reference,
+and other common laws. One law can be several of these. The reference is the law with which all others are
+compared. All further laws are grey, or dotted if they are laws of impulses.
 """
 
 from __future__ import annotations
@@ -356,7 +356,7 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
 
 
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
-    """Return the entries of the legend of panels: laws with a colour, laws of impulses, and the grey band.
+    """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, grey band.
 
     An entry shows its line undashed even if ``draw_lines`` has given the line dashes because it lies on
     others.

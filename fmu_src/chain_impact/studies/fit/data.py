@@ -154,8 +154,8 @@ def read_measurements(
 ) -> Measurements:
     """Read the tables of one run.
 
-    A row with a cell in ``impact``, ``point`` or ``wall`` describes an impact; any other row has outputs and
-    inputs at a ``time``. An empty cell is a value that was not measured.
+    A row with a cell in ``impact``, ``point`` or ``wall``, or in a table without ``time``, describes an
+    impact; any other row has outputs and inputs at a ``time``. An empty cell is a value not measured.
 
     Args:
         sources: a table, or several tables of the same run.
@@ -264,7 +264,7 @@ class _Book:
         for keys, columns, kinds in (
             ((TIME,), [name for name in samples if name in self._outputs], "outputs"),
             ((TIME,), [name for name in samples if name in self._inputs], "inputs"),
-            (WHICH, quantities if TIME in table.names else [], "impacts"),  # else each row is an impact
+            (WHICH, quantities if TIME in table.names else [], "impacts"),  # without time, rows are impacts
         ):
             if columns and not any(name in table.names for name in keys):
                 raise SceneError(
