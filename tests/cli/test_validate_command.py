@@ -17,15 +17,14 @@ def test_validate_of_a_good_fmu(run, fmu):
     assert second.startswith(f"{fmu}: reference results: passed, ")
 
 
-def odd(fmu):
-    """Return two variables of one name, and a unit that there is not."""
+def odd(fmu, *changes):
+    """Return an FMU in whose model description each pair of ``changes`` replaces a text by another."""
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile("odd.fmu", "w") as new:
         for name in old.namelist():
             content = old.read(name)
             if name == "modelDescription.xml":
-                content = content.replace(b'"gravity.x"', b'"gravity.y"').replace(
-                    b'unit="kg"', b'unit="stone"'
-                )
+                for right, wrong in changes:
+                    content = content.replace(right, wrong)
             new.writestr(name, content)
     return "odd.fmu"
 
@@ -35,7 +34,9 @@ def test_validate_says_as_json_what_it_says_in_words(run, here, fmu):
     found = json.loads(said)
     assert (code, errors, found["fmu"], found["findings"]) == (0, "", str(fmu), [])
     assert found["notes"][0].startswith("reference results: passed, ")
-    code, said, errors = run("validate", odd(fmu), "--json")
+    code, said, errors = run(
+        "validate", odd(fmu, (b'"gravity.x"', b'"gravity.y"'), (b'unit="kg"', b'unit="stone"')), "--json"
+    )
     found = json.loads(said)
     assert (code, errors, found["notes"]) == (1, "", [])
     (stone,) = (
@@ -58,6 +59,32 @@ def test_a_file_that_is_no_whole_zip_is_a_finding(run, here, fmu):
     assert (code, errors) == (1, "")
     assert run("validate", "half.fmu") == (1, f"half.fmu: {found['text']}\n", "")
     assert found["text"].startswith("not a readable FMU: ")
+
+
+def test_a_description_that_fmpy_cannot_read_is_no_fault_of_the_binary(run, here, fmu):
+    far = odd(fmu, (b'<Outputs>\n      <Unknown index="', b'<Outputs>\n      <Unknown index="9999'))
+    code, said, errors = run("validate", far)
+    index, reader = said.splitlines()
+    assert (code, errors) == (1, "")
+    assert all(line.startswith(f"{far}: modelDescription.xml: ") for line in (index, reader))
+    assert "index = '9999" in index
+    assert "IndexError" in reader
+
+
+def test_several_fmus_are_all_checked(run, here, fmu):
+    (here / "half.fmu").write_bytes(fmu.read_bytes()[:2000])
+    code, said, errors = run("validate", "half.fmu", fmu)
+    assert (code, errors, [line.split(": ")[0] for line in said.splitlines()]) == (
+        1,
+        "",
+        ["half.fmu", str(fmu), str(fmu)],
+    )
+    code, said, errors = run("validate", "half.fmu", fmu, "--json")
+    assert (code, errors) == (1, "")
+    assert [(one["fmu"], len(one["findings"])) for one in json.loads(said)] == [
+        ("half.fmu", 1),
+        (str(fmu), 0),
+    ]
 
 
 @pytest.mark.parametrize(

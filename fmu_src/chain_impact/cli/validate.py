@@ -23,8 +23,12 @@ def add(verbs: Verbs) -> None:
         "check an FMU against the FMI standard, and run it, with its reference results",
         "build/FourLinkBox.fmu --json",
     )
-    validate.add_argument("fmu", metavar="FMU", type=Path)
-    validate.add_argument("--json", action="store_true", help="print findings and notes as JSON")
+    validate.add_argument("fmus", metavar="FMU", type=Path, nargs="+")
+    validate.add_argument(
+        "--json",
+        action="store_true",
+        help="print findings and notes as JSON: an object, or for several FMUs a list of objects",
+    )
     validate.add_argument(
         "--timeout",
         metavar="SECONDS",
@@ -36,25 +40,41 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check an FMU, and print its faults; return the exit code, 1 if there is a fault."""
+    """Check FMUs, print their faults, and return the exit code, 1 if any FMU has a fault."""
     if not 0.0 < options.timeout < float("inf"):
         raise UsageError(f"--timeout {options.timeout} must be a finite number > 0 [s]")
-    scene = scene_path(options.fmu)
-    if scene != options.fmu or scene.suffix == ".toml":
+    for path in options.fmus:
+        _refuse_scene(path)
+    checked = {path: checked_fmu(path, options.timeout, report=not options.json) for path in options.fmus}
+    if options.json:
+        texts = [
+            {
+                "fmu": str(path),
+                "findings": [asdict(finding) for finding in result.findings],
+                "notes": list(result.notes),
+            }
+            for path, result in checked.items()
+        ]
+        say(json.dumps(texts if len(texts) > 1 else texts[0], indent=2))
+    return 1 if any(result.findings for result in checked.values()) else 0
+
+
+def _refuse_scene(path: Path) -> None:
+    scene = scene_path(path)
+    if scene != path or scene.suffix == ".toml":
         raise UsageError(
-            f"{options.fmu} is a scene, must be an FMU: chain-impact info {options.fmu} checks a scene, "
-            f"and chain-impact build {options.fmu} makes its FMU"
+            f"{path} is a scene, must be an FMU: chain-impact info {path} checks a scene, "
+            f"and chain-impact build {path} makes its FMU"
         )
+
+
+def checked_fmu(path: Path, timeout: float, *, report: bool) -> Validation:
+    """Check an FMU, whose binary may run for ``timeout`` [s]; print the result if ``report`` is true."""
     try:
-        result = validation(options.fmu, options.timeout)
+        result = validation(path, timeout)
     except zipfile.BadZipFile as error:
         result = Validation([Finding(f"not a readable FMU: {error}", file="")], [])
-    if options.json:
-        findings = [asdict(finding) for finding in result.findings]
-        text = {"fmu": str(options.fmu), "findings": findings, "notes": list(result.notes)}
-        say(json.dumps(text, indent=2))
-    else:
-        lines = finding_lines(result.findings) or ["no problems found"]
-        for line in [*lines, *result.notes]:
-            say(f"{options.fmu}: {line}")
-    return 1 if result.findings else 0
+    if report:
+        for line in [*(finding_lines(result.findings) or ["no problems found"]), *result.notes]:
+            say(f"{path}: {line}")
+    return result

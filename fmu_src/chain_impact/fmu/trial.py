@@ -37,6 +37,10 @@ class CallError(Exception):
     """Raised when a call of the FMU fails, which ends the test run."""
 
 
+class DescriptionError(Exception):
+    """Raised when FMPy cannot read the model description; the text says why."""
+
+
 class Trial:
     """The calls of a test run of an FMU, one after the other."""
 
@@ -44,11 +48,18 @@ class Trial:
         """Unpack the FMU to ``folder``, and read its model description.
 
         ``binary`` is the path of the binary in the FMU, for findings; ``tell`` writes a line of the report.
+
+        Raises:
+            DescriptionError: when FMPy cannot read the model description.
         """
         import fmpy
 
         fmpy.extract(str(path), folder)
-        self.description = fmpy.read_model_description(folder, validate=False)
+        try:
+            self.description = fmpy.read_model_description(folder, validate=False)
+        except Exception as error:  # FMPy's reader raises any error on a wrong description
+            said = f"cannot be read by FMPy, so the binary is not run: {type(error).__name__}: {error}"
+            raise DescriptionError(said) from None
         self.variables = variables_of(ElementTree.parse(Path(folder, DESCRIPTION)).getroot())
         self.is_fmi_2 = is_fmi_2(self.description.fmiVersion)
         self.folder, self.binary, self.tell = folder, binary, tell
@@ -251,6 +262,8 @@ def main() -> None:
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, listening() as reasons:
             try:
                 Trial(path, folder, binary, tell).run(reasons)
+            except DescriptionError as error:
+                tell(finding=asdict(Finding(str(error), DESCRIPTION)))
             except CallError as error:
                 tell(finding=asdict(Finding(str(error), binary)))
         # an FMU with a finding has failed already, so that the longer run with the reference results is
