@@ -66,7 +66,7 @@ HARDLY = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham 
 # MEANS: in the running mean of residuals over time, each mean is that of 1/MEANS of the values;
 # LEAST_FOR_MEAN: the least number of values that have a running mean; MEAN: its identifier in matplotlib
 MEANS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
-USUAL = 2.0  # the grey band of usual residuals extends from −USUAL to USUAL standard deviations
+USUAL = 2.0  # bars, and the grey band of usual residuals, extend from −USUAL to USUAL standard deviations
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,10 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
 
 
 def _ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
-    """Return the least and the largest estimate of each parameter under laws that fit equally well."""
+    """Return the least and the largest estimate under laws that fit equally well, as text.
+
+    There is a text for each parameter, for MOST_ESTIMATES of them at most.
+    """
     found = []
     for parameter in fit.parameters[:MOST_ESTIMATES]:
         values = [each.values[parameter.label] for each in tied]

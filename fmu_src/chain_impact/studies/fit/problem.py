@@ -38,7 +38,8 @@ class Evaluation:
     Attributes:
         coordinates: the values of the parameters on the scale of the search, shape (P,).
         residuals: model − measured, shape (M,), in the unit of each value; NaN where the model has no value,
-            as beyond the horizon, after a fault, or for an impact that is missing or has not ended.
+            as beyond the horizon, after a fault, for an impact that is missing, and, if an impact has not
+            ended, for all that is known only at its end.
         slopes: derivatives of the residuals with respect to the coordinates, shape (M, P); NaN where they do
             not exist.
         runs: the run of each data set, with its derivatives.

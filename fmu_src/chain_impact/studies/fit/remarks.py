@@ -17,8 +17,8 @@ SMALL = 1e-3
 # if the mean square of a column's residuals r/σ is at most this number, correlations between them do not
 # matter
 VISIBLE = 0.01
-# if the mean square of all residuals r/σ is less than this number, the data come from a simulation, and a
-# very small χ² needs no remark
+# if the χ² of the columns with a given σ, divided by its degrees of freedom, is less than this number, the
+# data come from a simulation, and the small χ² needs no remark
 SIMULATED = 1e-6
 # A remark follows if a χ² as far from its mean, or a largest residual as large, has less than this
 # probability with a correct model.
@@ -125,8 +125,9 @@ def alike_neighbours(result: Estimates) -> dict[str, float]:
     """Return the columns in which neighbouring residuals are correlated: column → correlation r.
 
     A column is listed if √n r > ALIKE_NEIGHBOURS, where r is the correlation of the n pairs of a residual and
-    the next one in the same data set. For independent residuals, √n r has about the standard normal
-    distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
+    the next one in the same data set, unless its residuals are too small (VISIBLE). For independent
+    residuals, √n r has about the standard normal distribution (R. L. Anderson, Annals of Mathematical
+    Statistics 13 (1942) 1).
     """
     found: dict[str, float] = {}
     data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])

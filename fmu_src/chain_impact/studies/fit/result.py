@@ -119,7 +119,7 @@ class Fit(Estimates):
         Args:
             path: the file.
             like: the original scene file, whose comments and order are kept. Without it all keys are written,
-                without comments.
+                without comments, except keys without a value or with a derived one.
 
         Raises:
             SceneError: when the original file is not a scene, or another file has the name of its law.

@@ -25,7 +25,7 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
         scene: the scene to write.
         path: the file.
         like: an original scene file, of which only the values that differ are changed. Without an original
-            file all keys are written.
+            file all keys are written, except keys without a value or with a derived one.
 
     Raises:
         SceneError: when the original file is not a scene, or the folder has another file with the name of the
@@ -129,8 +129,9 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
     """Write one value into a table of a TOML document; a comment after the value keeps its column.
 
-    Of a list that keeps its length, only the entries that differ from ``present`` are written. ``present`` is
-    the value before the change, in the unit of the scene; the table may have this value in degrees.
+    Of a list that keeps its length, only the entries that differ from ``present`` are written; the others
+    keep their text, such as an angle in degrees. ``present`` is the value before the change, in the unit of
+    the scene, as ``value`` is; with None, all entries are written.
     """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0

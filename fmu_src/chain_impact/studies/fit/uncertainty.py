@@ -10,7 +10,8 @@ import numpy as np
 
 PROBABILITY = 0.95
 # Student's t is computed only between these degrees of freedom. With fewer, an interval is infinite anyway
-# (TOO_FEW); with more, Student's t equals the normal distribution to round-off.
+# (TOO_FEW); with more, Student's t equals the normal distribution to round-off. LEAST_FREEDOM is also the
+# least ν_c of a column in ``small_sample``, which divides by ν_c.
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
 # with at most TOO_FEW degrees of freedom an interval is infinite, because Student's t would give a half width
 # of 43,000 standard errors or more

@@ -13,7 +13,7 @@ from threading import Event
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 from chain_impact.system import LISTEN
 
-# number of runs in the first batch of a sweep, and largest number of runs in a batch
+# largest number of runs in a batch: in those submitted before one has ended, and in any batch
 FIRST_BATCH, LONGEST_BATCH = 8, 2**18
 # [s] shortest and longest time that a batch is meant to take
 SHORTEST_BATCH_TIME, LONGEST_BATCH_TIME = 0.5, 60.0

@@ -148,7 +148,8 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
     """Return a design with samples that fill the space of the variations evenly.
 
     Latin hypercubes: McKay, Beckman & Conover, Technometrics 21 (1979) 239. Sobol' sequence: Sobol', USSR
-    Computational Mathematics and Mathematical Physics 7 (1967) 86, scrambled by Owen's method.
+    Computational Mathematics and Mathematical Physics 7 (1967) 86, scrambled as SciPy does, by random linear
+    matrices and a random shift: Matoušek, Journal of Complexity 14 (1998) 527.
 
     Raises:
         SceneError: when an argument is not allowed.

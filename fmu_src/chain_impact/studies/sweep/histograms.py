@@ -89,9 +89,9 @@ def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation
 
 
 def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
-    """Return Spearman's correlation of the ranks of some values; 0 if they or the others are equal.
+    """Return Spearman's correlation of the ranks of two arrays; pairs without finite values are left out.
 
-    Pairs without finite values are left out.
+    The result is 0 if all values of one array are equal, or if fewer than FEWEST pairs are left.
     """
     from scipy.stats import spearmanr  # this import takes long, and only pictures of samples need it
 
@@ -103,7 +103,7 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
-    """Return words for the number that each quantity follows most, and its rank correlation."""
+    """Return words for the varied number that each quantity follows most, and their rank correlation."""
     numbers, parts = [variation.name for variation in varying if not variation.choices], []
     for quantity in quantities:
         found = {name: rank_correlation(runs[name], quantity.of(runs)) for name in numbers}

@@ -28,9 +28,10 @@ from chain_impact.studies.sweep.variation import Variation
 # the colours of a map: the name of matplotlib's colour map, the same as in the maps of pages, and the grey of
 # runs without a value, which failed or have only impulses
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
-# an axis is logarithmic if its largest value is at least WIDE_RANGE times its smallest one, which must be > 0
+# The axis of a parameter is logarithmic if its largest value is at least WIDE_RANGE times its smallest one,
+# which must be > 0; the axis of a result, if the ``spread`` of its values is at least WIDE_RANGE.
 WIDE_RANGE = 1e3
-# on a logarithmic axis of few decades, each power of ten has a label, and so have these multiples of it
+# on a logarithmic axis with less than WIDE_RANGE, each power of ten has a label, and so have these multiples
 FEW_TICKS = (2.0, 5.0)
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
@@ -209,7 +210,8 @@ def axis_of(variation: Variation) -> Scale:
 def is_logarithmic(variation: Variation) -> bool:
     """Return whether a parameter's axis is logarithmic.
 
-    It is so if the values of the variation are evenly spaced in the logarithm, or have a WIDE_RANGE.
+    It is so if the values of the variation are evenly spaced in the logarithm, or the largest is at least
+    WIDE_RANGE times the smallest, which must be > 0.
     """
     low, high = variation.values.min(), variation.values.max()
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))

@@ -2,9 +2,9 @@
 
 One varied number gives lines, one choice dots, and two numbers a map, or lines if one of them has few values.
 A choice beside a number, such as the contact law, gives a line for each of up to ten choices; with more than
-ten choices, these become the rows of a map. Runs that failed are crosses, or grey in a map. Samples of one
-number are points; samples of a choice or of several parameters give a histogram of each result, and dots over
-the parameters that it follows most.
+ten choices, these become the rows of a map; two choices give a map, too. Runs that failed are crosses, grey
+in a map, and left out of histograms. Samples of one number are points; samples of a choice or of several
+parameters give a histogram of each result, and its dots over the parameters that loads follow most.
 """
 
 from __future__ import annotations
