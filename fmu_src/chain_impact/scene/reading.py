@@ -105,7 +105,8 @@ class UnknownNameError(SceneError, KeyError):
         """Make the message: ``name`` is ``what``, for example "not a parameter"; then follows the ``hint``.
 
         Without a hint, the message names the most similar of ``names``. If none is similar, it lists names of
-        the same owner, such as ``joint[2]``; if there are none, it ends with ``otherwise``.
+        the same owner, such as ``joint[2]``; if there are none, it ends with ``otherwise``. If ``name`` is
+        several of ``names``, as "a b", the hint is how to separate them.
         """
         names, parts = list(names), re.split(r"[\s;]+", name) if isinstance(name, str) else []
         if len(parts) > 1 and {*parts} <= {*names}:

@@ -210,8 +210,8 @@ def _paths_by_name(scene: Scene) -> dict[str, DataPath]:
 def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
     """Return the scene as plain dicts, lists and values that TOML can hold.
 
-    Keys without a value are left out. With ``derived`` the data also contain the derived values; in a scene
-    that is read from these data, they are given values.
+    Keys without a value are left out. With ``derived`` the data also contain the derived values, and the
+    corners of boxes in place of ``shape`` and ``height``; in a scene read from these data, they are given.
     """
     data = _plain(scene)
     if not derived:

@@ -189,7 +189,8 @@ class Chain:
 
         Raises:
             UnknownNameError: when no variable has one of the names.
-            SceneError: when a name is an output, and the run cannot continue with the values that were set.
+            SceneError: when outputs must be computed for this, and the run cannot continue with the values
+                that were set.
             SimulationError: when the scene cannot start with the values that were set.
         """
         key = names if isinstance(names, str) else tuple(names)

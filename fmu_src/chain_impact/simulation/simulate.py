@@ -105,8 +105,9 @@ def simulate(
 
     Warns:
         SceneWarning: when a point goes farther beyond a wall than half the length of the shortest
-            link, or a ball than its radius; when inputs give a motion that contradicts itself;
-            or when a target moves and its velocity is not given.
+            link, or a ball than its radius; when inputs give a motion that contradicts itself; when the
+            target of a drive with damping moves and its velocity is not given; or when a table of inputs
+            seems to lack rows.
 
     Raises:
         SceneError: when one of the arguments is outside its range, or the result would be too large.

@@ -135,7 +135,12 @@ def peaks(comparison: LawRuns) -> str:
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
-    """Return the text below the headline: the first impact, the scene's contact, and the grey lines."""
+    """Return the text below the headline.
+
+    Its parts are the first impact; the range of the peak forces, or why the e′ do not describe the contact
+    alone (``no_restitution``); a remark if the impact is not free; stiffness and tolerance; and the number of
+    grey laws, unless the legend tells it.
+    """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
     mass, speed, force, depth = (unit_at(name, stop=comparison.at_stop) for name in names)

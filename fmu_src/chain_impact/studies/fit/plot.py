@@ -1,7 +1,8 @@
 """The picture of a fit: for each measured column a panel with data and model, and the residuals below.
 
-Outputs are drawn over time, with a vertical line at each impact of the model. Quantities of impacts are drawn
-over the number of the impact. If laws were ranked, the picture has a dot for each contact law instead.
+There are at most MOST_FIT_PANELS panels. Outputs are drawn over time, with a vertical line at each impact of
+the model. Quantities of impacts are drawn over the number of the impact. If laws were ranked, the picture has
+a dot for each contact law that could be fitted instead.
 """
 
 from __future__ import annotations

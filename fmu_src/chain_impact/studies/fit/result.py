@@ -118,8 +118,9 @@ class Fit(Estimates):
 
         Args:
             path: the file.
-            like: the original scene file, whose comments and order are kept. Without it all keys are written,
-                without comments, except keys without a value or with a derived one.
+            like: the original scene file, whose comments and order are kept; but if an entry of the links is
+                a box or has a ``count``, a change of the chain replaces all entries. Without it all keys are
+                written, without comments, except keys without a value or with a derived one.
 
         Raises:
             SceneError: when the original file is not a scene, or another file has the name of its law.

@@ -24,7 +24,8 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
     Args:
         scene: the scene to write.
         path: the file.
-        like: an original scene file, of which only the values that differ are changed. Without an original
+        like: an original scene file, of which only the values that differ are changed; but if an entry of the
+            links is a box or has a ``count``, a change of [chain] replaces all entries. Without an original
             file all keys are written, except keys without a value or with a derived one.
 
     Raises:
@@ -52,7 +53,7 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 def updated(text: str, scene: Scene, source: str) -> str:
     """Return the text of a scene file with the values of ``scene``; equal values keep their text.
 
-    ``source``: the name of the file, for errors.
+    Links that ``_changed`` replaces as a whole do not. ``source``: the name of the file, for errors.
     """
     present = parse_scene(text, source)
     return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))

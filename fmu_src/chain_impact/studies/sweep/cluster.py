@@ -98,8 +98,8 @@ def _connected(kind: Any, address: str) -> Any:
 def _check_workers(client: Any, computation: Computation, address: str) -> int:
     """Return the number of threads of all workers of a cluster.
 
-    SceneError is raised if the cluster has no workers, or if one of them has another version of the package
-    or of the kernel, or cannot read the folder of the sweep.
+    SceneError is raised if the cluster has no workers, or if one of them lacks the package, has another
+    version of it or of its kernel, or cannot read the folder of the sweep.
     """
     threads = client.nthreads()
     if not threads:

@@ -23,7 +23,7 @@ Outcome = np.ndarray | str
 """The result of a batch: its rows or, for a sweep into a folder, the name of the file with the rows."""
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
-CHUNK = 2**14  # the largest number of runs of which a worker computes and writes the rows together
+CHUNK = 2**14  # the largest number of runs whose rows are computed and written, or read, together
 STATUS_WORD = "status"  # name of the column with the word for the status of each run, such as ok
 _STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 

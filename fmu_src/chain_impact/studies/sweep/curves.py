@@ -31,9 +31,9 @@ from chain_impact.studies.sweep.variation import Variation
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
-# If the axis of the parameter is logarithmic, that of a quantity is logarithmic, too, if the quantity's
-# largest value is at least DECADE times its smallest one, which must be > 0; a power law is then a straight
-# line.
+# If the axis of the parameter is logarithmic, that of a quantity is logarithmic, too, if the quantity is no
+# count and its largest value is at least DECADE times its smallest one, which must be > 0; a power law is
+# then a straight line.
 DECADE = 10.0
 MOST_DIGITS = 17  # with so many significant digits, all different numbers have different texts
 

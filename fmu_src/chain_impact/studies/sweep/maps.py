@@ -32,6 +32,7 @@ MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
 # which must be > 0; the axis of a result, if the ``spread`` of its values is at least WIDE_RANGE.
 WIDE_RANGE = 1e3
 # on a logarithmic axis with less than WIDE_RANGE, each power of ten has a label, and so have these multiples
+# of it
 FEW_TICKS = (2.0, 5.0)
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
@@ -179,11 +180,12 @@ class Scale:
     """An axis of a map, for one parameter.
 
     Attributes:
-        order: the indices of the parameter's values in ascending order.
+        order: the indices of the parameter's different values: of numbers in ascending order, of choices in
+            the order in which they are given.
         edges: the edges of the cells along the axis, one more than values.
         logarithmic: whether the axis is logarithmic.
         names: the names of the choices; empty for a number.
-        middles: the values themselves, in ascending order.
+        middles: the middle of each cell: the values of a number in ascending order, or 0, 1, … for choices.
     """
 
     order: np.ndarray
