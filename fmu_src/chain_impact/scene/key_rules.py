@@ -24,7 +24,7 @@ _KEEPS: dict[str, Callable[[Any, Any], Any]] = {
 
 
 class KeyRules(TypedDict, total=False):
-    """The rules of a key's value or, if the value is a list, of each of its entries."""
+    """The rules of a key's value; if it is a list, of each entry, except rules on the list itself."""
 
     minimum: float  # least allowed number
     above: float  # lower limit: a number must be larger

@@ -197,7 +197,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _one_sided(self) -> list[str]:
-        """The parameters with one-sided derivatives: they shift a knot of ``bends_at_start`` in time."""
+        """The parameters with one-sided derivatives: they shift the time of a knot in ``bends_at_start``."""
         driven = self.prepared.structure.signals
         if not driven:
             return []

@@ -317,7 +317,7 @@ class _Book:
         onset, end = (measured.get(name, math.nan) for name in (ONSET, "end"))
         self._impacts.append(ImpactRow(number, point, wall, alike, end if math.isnan(onset) else onset))
         for name in names:
-            if name != DURATION or math.isnan(end - onset):  # else onset and end give the duration
+            if name != DURATION or math.isnan(end - onset):  # a duration that onset and end give is left out
                 self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:

@@ -32,7 +32,7 @@ FAR = (0.01, 0.0025)
 WORSE, LEAST_SQUARE = 1.2, 1e-6
 # with fewer values the mean square of the residuals is too random to be compared with that of other horizons
 MANY_VALUES = 20
-GROWTH = 1.1  # each horizon is at least GROWTH × the horizon before
+GROWTH = 1.1  # each horizon except the last is at least GROWTH × the horizon before
 # A search ends when a step changes the sum of squares by less than this, relative to the sum: ROUGH_CHANGE
 # while the horizon grows, FINE_CHANGE with all data.
 ROUGH_CHANGE, FINE_CHANGE = 1e-2, 1e-9

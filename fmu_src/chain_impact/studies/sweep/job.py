@@ -243,7 +243,8 @@ class Runner:
         """Return the rows of the table from the kernel's rows.
 
         The kernel's rows end with the largest force in each joint, of which the table has the largest, and
-        with the numbers of ``Job.rigid``.
+        with the values at the paths of ``Job.rigid``: a peak is NaN in a run with impacts at rigid walls or
+        stops.
         """
         rows = np.zeros(len(words), self._dtype)
         for name in rows.dtype.names or ():
