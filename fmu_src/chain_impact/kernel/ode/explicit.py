@@ -226,8 +226,8 @@ def size_toward_end(d, h):
 def toward_ends(d, h):
     """Return the size [s] of the next step, which runs in time; h [s] is the size that the errors allow.
 
-    If a contact with a force law ends soon, the step either passes the first such end or covers at most half
-    of the time until then.
+    If a contact with a force law is predicted to end soon, the step either passes the first such end or
+    covers at most half of the time until then.
     """
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     left = math.inf
@@ -293,8 +293,8 @@ def is_smooth(d, h):
     """Return whether the motion is so smooth that the error of a step of size h is estimated with order 9.
 
     This holds in a regularized contact, and in flight with a fast sine signal of the base: the errors of
-    steps within a period of the sine have both signs, and nearly cancel. In other flight the estimate of
-    order 8 remains, as a margin. It also remains in a contact whose damping has an exponent of the
+    steps within a period of the sine have both signs, and nearly cancel. In any other motion the order of the
+    estimate is 8, as a margin. It is also 8 in a regularized contact whose damping has an exponent of the
     penetration between 0 and 1/2: at the onset the force then rises more steeply than u, and the step loses
     its order.
     """

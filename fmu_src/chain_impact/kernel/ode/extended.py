@@ -38,9 +38,9 @@ The functions that solve these systems take a shift s, an array x and a scratch 
 or all three are complex. ``space`` contains impedances, loads, the resulting motion and several slots for
 factors; ``slot`` is the number of the slot that is used.
 
-At the end of a step a projection changes the coordinates, such that the clearances that follow from them
-equal the integrated clearances. Without the projection, their small difference would act as an impact on a
-stiff wall. The difference before the projection counts as an error of the step.
+At the end of a step a projection changes the coordinates, such that at stiff walls the clearances that follow
+from them almost equal the integrated clearances. Without the projection, their small difference would act as
+an impact on a stiff wall. The difference before the projection counts as an error of the step.
 """
 
 from chain_impact.kernel.chain.drives import (
@@ -290,11 +290,12 @@ CLEARANCE_MISMATCH = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
-    """Move coordinates, or velocities, in y to the clearances, or their rates, in ``implicit.normal``.
+    """Change coordinates in y to reach given clearances, or velocities to reach given rates of clearances.
 
-    ``derivative`` is 0 for coordinates and clearances, and 1 for velocities and rates of clearances. The
-    points must be located for y. The change of the coordinates or velocities is stored in ``change``, shape
-    (N+2,).
+    ``implicit.normal`` has the clearances or rates to be reached. ``derivative`` is 0 for coordinates and
+    clearances, and 1 for velocities and rates. A contact whose impedance D is far larger than the chain's
+    mass almost reaches its value; a soft contact covers only a part of the way. The points must be located
+    for y. The change of the coordinates or velocities is stored in ``change``, shape (N+2,).
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.scratch.load)
@@ -311,7 +312,9 @@ def project_coordinates(d, y, derivative, change):
 
 
 def project_clearances(d, z, y):
-    """Move the state y, whose points are located, so that its clearances and their rates are those in z.
+    """Move the state y, whose points are located, toward the clearances and their rates in z.
+
+    A stiff contact almost reaches them, a soft one covers a part of the way (``project_coordinates``).
 
     Returns:
         Two numbers. The first is the largest change of a component of y, divided by the component's scale and

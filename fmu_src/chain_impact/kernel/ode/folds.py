@@ -5,7 +5,7 @@ force p = m/W may have a limit there, but the numerator m also contains the erro
 the fold the error of p has any size. The motion depends on W p only, and stays right. For outputs near a
 fold, a force is therefore computed from the forces some time before and after, if these show that the force
 passes the fold smoothly. A force that grows without bound toward the fold is left unchanged, because it is
-far larger than its error. The same is true at every toggle position, where W is small.
+far larger than its error. Other toggle positions, where W is small, are treated in the same way.
 """
 
 from chain_impact.kernel.chain.inputs import ensure_inputs
@@ -29,7 +29,8 @@ LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
 # of the samples.
 OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
 # The forces of constraints pass a fold smoothly if the sum of the four samples of each force, with the
-# weights DIFFERENCE, is at most UNEVEN times the largest force.
+# weights DIFFERENCE, has a size of at most UNEVEN times the largest of all forces that VALUE gives at the
+# output.
 UNEVEN = 1e-3
 
 

@@ -153,7 +153,7 @@ def count_supplied(d, energy):
 
 
 def roll_back(d):
-    """Undo the last step, which was rejected: its end becomes its start."""
+    """Undo the last step, which was rejected: set its end back to its start, and count a break."""
     step = d.step
     step.end = step.start
     for j in range(len(step.state)):
@@ -211,7 +211,10 @@ def store_output_state(d):
 
 
 def return_to_stored_state(d):
-    """Reset the last step to the communication point, with the state that ``store_output_state`` stored."""
+    """Set the last step to a step of zero length at the communication point, without a start delay.
+
+    The state is the one that ``store_output_state`` has stored.
+    """
     reset_step(d, d.step.time, d.trial.state)
     d.step.start_delay = 0.0
 

@@ -113,7 +113,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         # step if the rate falls through 0
         ("speed", REAL, (candidates,)),
         # N/s, rate of the contact force at the start of the step that is searched for peaks; only its sign is
-        # used
+        # used, and the number 1 means that the force may rise after an event
         ("force_rate", REAL, (candidates,)),
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
         # side of the kink (forces/force_formula.py) whose smooth force a step uses everywhere, also on the
@@ -203,7 +203,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # MOVING or SQUEEZED of kernel/rows/constraints.py)
         ("unsolved", INTEGER),
         # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
-        # than FOLD_RESIDUAL (rows/constraints.py) of the residual
+        # than FOLD_RESIDUAL (rows/constraints.py) of the residual, and more than round-off
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
@@ -368,7 +368,8 @@ def element_dtype(elements: int) -> np.dtype:
         # it; 0: the element moves, and its motion has determined the mode; in a tangent instance also
         # STOPPED = 2 of kernel/tangent/friction.py
         ("undecided", INTEGER, (elements,)),
-        # m/s, largest speed of an element against its direction of sliding that counts as an error
+        # m/s, by how much the speed of an element against its direction of sliding may exceed the largest
+        # speed at rest and still count as an error
         ("slack", REAL, (elements,)),
         ("anchor", REAL, (elements,)),  # m, the coordinate along t at which a sticking element is held
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
