@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.helpers.campaigns.random_scenes import SLANTED, SPRUNG, scene as random_scene
@@ -112,6 +113,20 @@ def test_a_chains_first_impact_is_newtons(restitution):
     lost = 0.5 * effective * (1 - restitution**2) * impact["impact_speed"] ** 2
     assert before["total"] - after["total"] == pytest.approx(lost, abs=1e-12)
     assert after["dissipated"] - before["dissipated"] == pytest.approx(lost, abs=1e-12)
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "ramp", "hopper", "kneed_leg", "cart_pole"])
+def test_an_impact_has_the_position_at_which_its_point_touches(model):
+    result = simulate(model)
+    for impact in result.impacts[:3]:
+        row = simulate(model, stop_time=impact["onset"])
+        at_joint = impact["wall_name"] in STOPS
+        place = row.point_at(impact["point"] - at_joint, impact["onset"])
+        if impact["wall_name"] not in (*STOPS, *SLIDER_STOPS):
+            wall, reach = row.wall_of(impact), result.touching[impact["point"]]
+            assert wall.clearance(impact["x"], impact["y"]) == pytest.approx(0.0, abs=1e-9)
+            place = place - reach * np.array(wall.normal)
+        assert (impact["x"], impact["y"]) == pytest.approx(tuple(place), abs=1e-9)
 
 
 def test_a_rigid_impact_has_no_duration_no_depth_and_no_peak():

@@ -73,7 +73,7 @@ def test_a_contact_that_lasts_at_a_stop_is_differentiated_as_an_angle():
     middle = 0.5 * (whole.impacts["onset"][0] + whole.impacts["end"][0])
     lasting = run.run(values, np.array([middle]))
     assert len(lasting.impacts) == 1
-    for name in ("onset", "impact_speed", "effective_mass"):
+    for name in ("onset", "impact_speed", "effective_mass", "x", "y"):
         np.testing.assert_array_equal(lasting.impact_slopes[name][0], whole.impact_slopes[name][0], name)
         assert np.abs(whole.impact_slopes[name][0]).max() > 1e-3
     assert np.isnan(lasting.impact_slopes["end"][0]).all()

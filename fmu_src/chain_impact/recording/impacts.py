@@ -32,8 +32,8 @@ IMPACT_DTYPE = np.dtype(
 The columns are, in this order: the number of the point; the index of the wall in ``scene.wall_names``; onset
 and end [s]; impact speed and separation speed [m/s]; peak force [N]; largest penetration [m]; effective mass
 at the onset [kg]; impulse of the wall [N·s], as accurate as the momentum of the chain; the largest force in
-any joint during the contact [N]; the number of this joint, 1…N; the first 32 characters of the wall's name;
-the duration, which is end − onset [s].
+any joint during the contact [N]; the number of this joint, 1…N; x and y of the position at which the point
+touches at the onset [m]; the first 32 characters of the wall's name; the duration, which is end − onset [s].
 
 If the scene asks for no impulses, the impulse is NaN. If the scene asks for no loads, the force in a joint is
 NaN, and the number of the joint is 0. If the wall's name is unknown, it is "". If a contact lasts to the end
@@ -47,7 +47,8 @@ laws.
 At a stop of a joint, the wall is ``joint_min`` or ``joint_max``, and the point is the number of the joint,
 1…N. The quantities then belong to the joint's angle: speeds [rad/s], moment [N·m], angle beyond the stop
 [rad], effective inertia [kg·m²], impulse of the moment [N·m·s]. At a stop of a slider, the wall is
-``slider_min`` or ``slider_max``, the point is 0, and the units are those of a wall."""
+``slider_min`` or ``slider_max``, the point is 0, and the units are those of a wall. The position is
+that of the joint or, at a stop of a slider, of the base."""
 
 NO_IMPACTS = np.zeros(0, IMPACT_DTYPE)
 NO_IMPACTS.flags.writeable = False
@@ -63,6 +64,8 @@ COLUMNS = {
     "impulse": "impulse",
 }
 """Column of the table of impacts → last part of the name of the FMU's variable."""
+UNSHOWN = ("effective_mass", "joint_force", "x", "y")
+"""The columns with numbers that are no outputs of an FMU."""
 
 
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
@@ -134,11 +137,11 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
             columns of contacts and stops.
 
     Returns:
-        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The effective mass and
-            the force in a joint are NaN, and the number of the joint is 0, because an FMU has no outputs for
-            them. If a contact lasts to the end of the record, or if newer impacts push it out of the FMU's
-            list before it ends, its end and its separation speed are NaN. In the second case, its peak force,
-            penetration and impulse are NaN, too.
+        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The effective mass,
+            the position and the force in a joint are NaN, and the number of the joint is 0, because an FMU
+            has no outputs for them. If a contact lasts to the end of the record, or if newer impacts push it
+            out of the FMU's list before it ends, its end and its separation speed are NaN. In the second
+            case, its peak force, penetration and impulse are NaN, too.
 
     Raises:
         ValueError: when a column is missing, or the record has no rows.
@@ -186,7 +189,8 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
     seen = counts[row] >= number
     number, row = number[seen], row[seen]
     table = np.zeros(len(number), LOG_DTYPE)
-    table["effective_mass"], table["joint_force"] = np.nan, np.nan
+    for field in UNSHOWN:
+        table[field] = np.nan
     for field, name in COLUMNS.items():
         columns = np.array([_column(record, f"impact[{j}].{name}") for j in range(1, shown + 1)])
         table[field] = columns[counts[row] - number, row]

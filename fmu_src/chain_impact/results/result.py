@@ -274,7 +274,7 @@ class Result(Pictured):
 
         Args:
             quantity: onset, end, impact_speed, separation_speed, peak_force, max_penetration, effective_mass,
-                impulse or joint_force.
+                impulse, joint_force, x or y.
             parameter: one of the parameters in ``simulate(sensitivities=…)``.
 
         Raises:

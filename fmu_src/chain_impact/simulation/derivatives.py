@@ -48,7 +48,7 @@ LEAST_REPORTED_SHARE = 1e-5
 """[1] An error of derivatives that dry friction causes is told to users if it is larger than this, relative
 to the largest derivative of a position; the solver's tolerance allows smaller errors anyway."""
 # quantities of an impact that are known when it begins; all others are known at its end
-AT_ONSET = ("onset", "impact_speed", "effective_mass")
+AT_ONSET = ("onset", "impact_speed", "effective_mass", "x", "y")
 
 
 class DifferentiatedInstance(Instance):

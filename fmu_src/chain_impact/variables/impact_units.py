@@ -16,6 +16,8 @@ IMPACT_UNITS = {
     "effective_mass": "kg",
     "impulse": "N.s",
     "joint_force": "N",
+    "x": "m",
+    "y": "m",
     "duration": "s",
 }
 STOP_UNITS = IMPACT_UNITS | {

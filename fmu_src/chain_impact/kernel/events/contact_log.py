@@ -315,3 +315,4 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
     log.impulse[entry] = (impulse - d.quadrature.impulse_at_onset[c]) * arm
     log.joint_force[entry] = math.sqrt(touch.joint_square[c]) if touch.joint_square[c] > 0.0 else 0.0
     log.joint[entry] = touch.joint[c]
+    log.x[entry], log.y[entry] = touch.x[c], touch.y[c]

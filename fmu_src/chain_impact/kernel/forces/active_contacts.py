@@ -117,6 +117,21 @@ def contact_slopes(d, c):
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
 
 
+def touching_position(d, c):
+    """Return x and y [m] of the position at which candidate c touches, from the located points.
+
+    At a wall this is the point or, if it has a radius, the position on its circle that is nearest to the
+    wall. At a stop of a joint it is the joint, at a stop of the slider the base.
+    """
+    position = d.scratch.position
+    if at_joint_stop(d, c):
+        joint = d.candidate.point[c] - 1
+        return position.x[joint], position.y[joint]
+    place, nx, ny = normal_row(d, c)
+    radius = d.candidate.radius[c]
+    return position.x[place] - radius * nx, position.y[place] - radius * ny
+
+
 def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
@@ -133,6 +148,7 @@ def latch_onset(d, c):
     set_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
     touch.effective_mass[c] = effective_mass(d, c)
+    touch.x[c], touch.y[c] = touching_position(d, c)
     latch(d, c)
     touch.active[c] = 1
     d.impact.count += 1

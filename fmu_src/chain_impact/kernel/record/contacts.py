@@ -101,11 +101,11 @@ def touch_dtype(candidates: int) -> np.dtype:
         # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", bounded(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, time of the onset of the latest contact
-        # m/s, approach speed of the point along the normal at the onset
-        ("onset_speed", REAL, (candidates,)),
-        # m/s, impact speed v₀ in the law, at least ``minimum_impact_speed``
-        ("impact_speed", REAL, (candidates,)),
+        ("onset_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset
+        ("impact_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ ``minimum_impact_speed``
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
+        ("x", REAL, (candidates,)),  # m, position at which the candidate touches at the onset
+        ("y", REAL, (candidates,)),
         # m, expected penetration δ*; at a joint's stop angle × lever arm, at a rigid wall the longest link
         ("depth_scale", REAL, (candidates,)),
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
@@ -129,8 +129,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("peak_force", REAL, (candidates,)),  # N, peak force in the contact so far
         ("max_penetration", REAL, (candidates,)),  # m, largest penetration in the contact so far
         ("joint_square", REAL, (candidates,)),  # N², largest squared force in a joint during the contact
-        # number of the joint with the largest force during the contact so far, 1…N; 0 for none
-        ("joint", INTEGER, (candidates,)),
+        ("joint", INTEGER, (candidates,)),  # number of the joint with this force, 1…N; 0 for none
         # m, errors of the clearances of the active contacts, in the order of ``active_index``; row 0 and row
         # 1 belong to the two error estimates of an explicit step
         ("gap_error", REAL, (2, candidates)),
@@ -288,6 +287,8 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("impulse", REAL, (log,)),  # N·s, impulse of the wall on the point in the contact
         ("joint_force", REAL, (log,)),  # N, largest force in any joint during the contact
         ("joint", INTEGER, (log,)),  # number of the joint with the largest force, 1…N; 0 for none
+        ("x", REAL, (log,)),  # m, position of the contact at its onset
+        ("y", REAL, (log,)),
         ("number", INTEGER, (log,)),  # number of the contact's onset, as in `touch.number`
     )
 
