@@ -23,7 +23,7 @@ the page and of the workers that simulate."""
 TOML = "vendor/smol-toml.cjs"
 """The library with which the page reads scene files."""
 UNNAMED = "scene.toml"
-"""The name, in the command that the page shows, of a scene that was not loaded from a file."""
+"""The name, in the command that the page shows, of a ``Scene`` that is equal to no model."""
 
 
 def explore(
@@ -40,7 +40,8 @@ def explore(
         scene: a scene, or an argument of ``load_scene``.
         path: the file to write, for a browser; without a path the page is returned, for a notebook.
         command: the words after ``chain-impact simulate`` in the page's command that repeats a motion; by
-            default the source of the scene, or the name of a model that is equal to it.
+            default the source of the scene or, for a ``Scene``, the name of a model that is equal to it, or
+            else ``scene.toml``.
 
     Raises:
         SceneError: when the scene cannot be read.

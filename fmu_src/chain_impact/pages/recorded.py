@@ -22,7 +22,7 @@ from chain_impact.recording.view import ball_of, radius_of
 from chain_impact.scene.half_planes import HalfPlane
 
 RECORDED_PROGRAM = "player/recorded_page.js"
-MOST_PAGE_ROWS = 80_000  # the largest number of rows of a page; of a longer recording some rows are left out
+MOST_PAGE_ROWS = 80_000  # of a recording with more rows, a page leaves out some (``thinned``)
 
 
 def page(recording: Recording, speed: float, impact_time: float) -> str:

@@ -81,7 +81,11 @@ def set_start_delay(d, delay):
 
 
 def make_last_step(d):
-    """Make the tried step the last step, after its end has been projected onto the constraints."""
+    """Make the tried step the last step, after its end has been projected onto the constraints.
+
+    For an explicit step the function also finds the rate at the end; for an implicit one it keeps the stages
+    and sets the dense output.
+    """
     step, y = d.step, d.trial.state
     step.remainder = step.remainder_end
     if any_constraint(d):

@@ -95,11 +95,15 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
 @settable(AT_START)
 @written_by("forces/candidate_laws.py")
 def contact_dtype() -> np.dtype:
-    """Return the layout of the contact data common to all walls; the rest of the law is in `given`."""
+    """Return the layout of contact data common to all walls and the slider's stops.
+
+    The rest of their law is in `given`.
+    """
     return record(
         ("exponent", POSITIVE),
         ("radius", NOT_NEGATIVE),  # m, radius of the points, and of sites without a radius of their own
-        # m/s, least impact speed v₀ in the laws of walls: v₀ of a slower impact is raised to this speed
+        # m/s, least impact speed v₀ in the laws of walls and of the slider's stops: v₀ of a slower impact is
+        # raised to this speed
         ("minimum_impact_speed", POSITIVE),
         # ---- derived at initialization
         ("any_force", INTEGER),  # 1: some candidate has a law with a force
@@ -307,9 +311,9 @@ def moved_dtype(channels: int) -> np.dtype:
         # m, polynomial coefficients (rows) of each channel's position in the present piece of the inputs
         ("piece", REAL, (DEGREE + 1, channels)),
         # ---- values that were given to each channel at their most recent change
-        ("given_position", REAL, (channels,)),  # m, given position of each channel
-        ("given_velocity", REAL, (channels,)),  # m/s, given velocity of each channel
-        ("given_acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel
+        ("given_position", REAL, (channels,)),  # m, position that was given last
+        ("given_velocity", REAL, (channels,)),  # m/s, velocity that was given last
+        ("given_acceleration", REAL, (channels,)),  # m/s², acceleration that was given last
         ("given_at", REAL, (channels,)),  # s, time of the most recent change of the given values
         # m, position of a channel at ``given_at``, from which later positions are extrapolated
         ("from_position", REAL, (channels,)),
@@ -319,7 +323,8 @@ def moved_dtype(channels: int) -> np.dtype:
         # 1: at the last change a position was given, which the motion follows; 0: only a velocity or an
         # acceleration was given, and the position is its integral
         ("anchored", INTEGER, (channels,)),
-        # m/s, mean velocity since the previous given position, of a base without a given velocity; else 0
+        # m/s, for a base that was given positions without velocities: displacement between its last two given
+        # positions over the time between them; else 0
         ("mean", REAL, (channels,)),
         # ---- numbers that are 0, but have derivatives with respect to given values (tangent/replay.py)
         # m, 0, but with the derivatives of the given position; it is added to the position

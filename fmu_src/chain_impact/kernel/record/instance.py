@@ -171,7 +171,8 @@ def transmitted_dtype(loads: int) -> np.dtype:
     return record(
         ("start_time", REAL),  # s, time at which the run started
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
-        # N·s, momentum at the start of the run: in the row of a joint that of its outer link alone
+        # N·s, x and y of the momentum of each joint's outer link at the start of the run; rows of walls are
+        # not used
         ("start_x", REAL, (loads,)),
         ("start_y", REAL, (loads,)),
         # N², the largest squared force in each joint from the start of the run to the start of the last step

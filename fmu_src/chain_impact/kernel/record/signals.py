@@ -60,11 +60,11 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         # number of times that the kernel integrates the signal over time: ``order``; 0 for a table, whose
         # given polynomials are already the integral
         ("integrals", bounded(0, 2), (signals,)),
-        # m, initial position of the base, if the signal is the velocity or acceleration of the base: the
-        # integral of the signal lacks this constant; else 0
+        # m, initial position of the base, if the signal is the velocity or acceleration of the base: this
+        # constant is added to the integral of the signal; else 0
         ("begin", REAL, (signals,)),
         ("segment", INTEGER, (signals,)),  # index in `knot` of the knot whose polynomial is in use
-        ("lap", INTEGER, (signals,)),  # number of times that the table has been repeated
+        ("lap", INTEGER, (signals,)),  # number of the table's repetition; < 0 before its first knot
     )
 
 
@@ -80,6 +80,6 @@ def knot_dtype(knots: int) -> np.dtype:
         # values of a signal of steps, each from its given time on, in the unit of the input
         ("given_value", REAL, (knots,)),
         ("time", REAL, (knots,)),  # s, time at which the knot's polynomial begins
-        # coefficients of the knot's polynomial in the time since the knot, one for each power
+        # coefficients of the knot's polynomial in the time since the knot, one for each power from 0 on
         ("powers", REAL, (knots, SIGNAL_DEGREE + 1)),
     )

@@ -155,7 +155,8 @@ def balance_dtype() -> np.dtype:
         ("origin", REAL),
         # J, the value of ``available`` at the start of the last step
         ("available_at_start", REAL),
-        # J, the most that motion, springs, walls and heat can have had up to the end of the last step
+        # J, the largest energy that motion, springs, walls and heat together can have had at any time up to
+        # the end of the last step
         ("available", REAL),
         # √J, the number √E₁ in the formula of the energy's scale S (kernel/ode/balance.py)
         ("unit_motion", REAL),

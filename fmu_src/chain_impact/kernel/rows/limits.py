@@ -187,7 +187,7 @@ def constraint_to_release(d, scale):
 
 
 def solve_inside(d):
-    """Store in ``unlimited`` the forces p + D m⁺ of all constraints, which may be beyond their limits.
+    """Store in ``unlimited`` the forces p + D m⁺ of rigid walls and sticking, which may exceed their limits.
 
     p are the forces before the iteration, D the impedances. m⁺ are the residuals if the constraints inside
     their limits have these forces, and the others stay at their limits.

@@ -1,8 +1,9 @@
 """The derivatives of event times: the time at which a function φ of the motion is zero depends on parameters.
 
 The delay of an event is a dual number [s] of the value 0. Its derivatives are −φ′/φ̇, with the derivatives φ′
-of φ with respect to the parameters at a fixed time, and the rate φ̇ of φ in time. For clearances and their
-rates, φ̇ is known; for other functions φ̇ is found by differences along the motion.
+of φ with respect to the parameters at a fixed time, and the rate φ̇ of φ in time. For clearances, their
+rates and tangential speeds, φ̇ is known; for forces, the kinks of forces, and the margins of friction and
+drives, φ̇ is found by differences along the motion.
 """
 
 import math

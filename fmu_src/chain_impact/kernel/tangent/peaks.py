@@ -41,8 +41,8 @@ def forget_peaks(t, delay):
         if k >= t.touch.compliant_count:
             at_end = value(t.constraints.sample[1, k])
         else:
-            # the force of a force law does not jump, because position and velocity of the point do not; so it
-            # has only this one value where the steps meet
+            # The force of a force law does not jump where the two steps meet, because position and velocity
+            # of the point do not. If this one value of the force is the peak, its derivatives get NaN below.
             gap, gap_rate = clearance(t, c)
             at_end = value(contact_force(t, c, gap, gap_rate)) + FORCE_ROUND_OFF * value(peak)
         if at_end >= value(peak):

@@ -9,10 +9,10 @@ An event ends a step where a function φ of the state passes through zero. The t
 parameters, too. With φ′ the derivatives of φ where the step of d ends, the time has the derivatives −φ′/φ̇;
 −ẏ φ′/φ̇ is added to the derivatives of the state at the event. Time is part of the state, and the change of
 the state at an event is differentiated like the rest of the run. At the kink of a force the rate is
-continuous, so the derivative of the event time affects only a peak at the kink, not the motion. The dense
-output of a step is computed before the end of the step moves, so its derivatives are those at fixed times.
-The search for peaks in a step covers exactly the time between the events with which the step begins and ends:
-a force that jumps with a signal may have its largest value at one of these.
+continuous, so the derivative of the event time affects a peak or the end of a contact there, but not the
+motion. The dense output of a step is computed before the end of the step moves, so its derivatives are those
+at fixed times. The search for peaks in a step covers exactly the time between the events with which the step
+begins and ends: a force that jumps with a signal may have its largest value at one of these.
 
 In an implicit step, t repeats the iteration, started from the stages that d has found. The result does not
 depend on the approximate Jacobian A, so the linear systems of d, in the scratch memory of d, give the

@@ -31,8 +31,8 @@ NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 def check_onsets(t):
     """End the derivatives if they do not exist at an onset at the end of the last step.
 
-    They do not exist if the point grazes the wall, if its speed is the least impact speed of the law, or if
-    several contacts begin at the same time. The points must be located at this end.
+    They do not exist if the point grazes the wall, if its speed is the least impact speed of a force law, or
+    if several contacts begin at the same time. The points must be located at this end.
     """
     onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
