@@ -61,7 +61,8 @@ PATHS: dict[str, DataPath] = {
 }
 """Name → path in the record, for the values that the page sets by these names, not as named parameters.
 
-They are counts and facts of the scene (RECORD in variables/owners.py), and the data of signals and steps.
+They are counts and facts of the scene (RECORD in variables/owners.py), and the data of signals and of their
+knots.
 """
 
 

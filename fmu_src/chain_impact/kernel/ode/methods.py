@@ -71,7 +71,7 @@ MIN_SWITCH_STEPS = 3
 def choose_method(d):
     """Choose the method of the next step: by `solver.method`, or from contacts, joints and sizes of steps.
 
-    If all walls and stops are rigid, and no drive has a spring or damper, the method is always explicit. The
+    With rigid walls and stops only, and without springs and dampers, the method is always explicit. The
     points must be located at the start of the next step.
     """
     step = d.step

@@ -9,10 +9,9 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, table, written_by
 
-# number of changes of friction modes, on average for each element, that the log has room for until its caller
-# collects them
+# number of changes of the friction mode, per element, for which the log has room until a caller collects them
 CHANGES_OF_EACH = 4
-# Number of ended contacts in a full log: ``trajectory`` and ``run_each`` then wait for their caller, others
+# Number of ended contacts in a full log. ``trajectory`` then returns, ``run_each`` clears the log, others
 # overwrite the oldest. Each candidate has one more row, because all contacts may end in one step.
 LOG_SIZE = 32
 LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer

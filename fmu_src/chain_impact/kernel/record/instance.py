@@ -151,8 +151,8 @@ def load_output_dtype(loads: int) -> np.dtype:
     Rows of walls have no impulses and no peaks.
     """
     return record(
-        # N, x and y of a force. Rows of joints: on the joint's outer link, by the link before or the ground.
-        # Rows of walls: on the wall
+        # N, x and y of a force. Rows of joints: on the joint's outer link, by the link before, the ground or
+        # the carriage. Rows of walls: on the wall
         ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
         # N·m, rows of joints: moment on the joint's outer link; rows of walls: moment on the wall, about the
@@ -178,10 +178,11 @@ def transmitted_dtype(loads: int) -> np.dtype:
         # N², the largest squared force in each joint from the start of the run to the start of the last step
         ("peak", REAL, (loads,)),
         ("peak_time", REAL, (loads,)),  # s, the first time at which each joint had the force ``peak``
-        # N², the largest squared force in each joint that the search of the last step has found so far
+        # N², the largest squared force in each joint that the search of the last step has found so far; it
+        # starts from a stored maximum (loads.py)
         ("largest_square", REAL, (loads,)),
         ("largest_time", REAL, (loads,)),  # s, time of ``largest_square``, if this exceeds ``peak``
-        # N², the largest squared force in each joint in the step that was last searched as a whole
+        # N², ``largest_square`` after the search of the step that was last searched as a whole
         ("searched_square", REAL, (loads,)),
         # `step.breaks` when a whole step was last searched; with ``searched_end`` it tells which step that
         # was

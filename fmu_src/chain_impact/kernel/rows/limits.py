@@ -42,7 +42,8 @@ from chain_impact.kernel.rows.geometry import along, constraint_count, constrain
 
 # Where W is nearly singular, the residual falls slowly, and forces that are not found yet could be at other
 # limits. Iterations end when all residuals of the constraints inside their limits are at most SOLVED_WITHIN
-# times the largest acceleration without constraint forces; MOST_LIMITED_ITERATIONS bounds their number.
+# times the largest acceleration without constraint forces, but not before STICKING_ITERATIONS iterations;
+# MOST_LIMITED_ITERATIONS bounds their number.
 SOLVED_WITHIN, MOST_LIMITED_ITERATIONS = 1e-9, 100
 
 

@@ -98,7 +98,7 @@ def nearest(t):
 
 
 def delay_jumps(t):
-    """Give the state at the run's start its derivatives with respect to rise times of 0.
+    """Give the start of the run its derivatives with respect to rise times of 0.
 
     A sine with such a rise time begins with a jump, which a longer rise time delays.
     """
@@ -110,7 +110,12 @@ def delay_jumps(t):
 
 
 def delay_jump(t, j, jump, delay):
-    """Give the state the derivatives of a ``delay`` [s] of the ``jump`` with which signal j begins."""
+    """Give the run the derivatives of a ``delay`` [s] of the ``jump`` with which signal j begins.
+
+    The derivatives of the state change by the delay times (ẏ before the jump − ẏ after it), unless the signal
+    gives the position or velocity of a wall, which does not change ẏ without contact. If the kernel
+    integrates the signal over time, its first integral gets the change −``jump`` times the delay.
+    """
     k, m = t.signal.segment[j], t.signal.integrals[j]
     if t.signal.input[j] != CHANNEL or m == 2:
         powers = t.knot.powers[k, m]
