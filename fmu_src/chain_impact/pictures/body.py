@@ -21,8 +21,8 @@ CARRIAGE = 0.5  # the opacity of the area inside the outline of a carriage, from
 def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:
     """Draw the bodies at one row of the recording: outlines of links, points of links, and the carriage.
 
-    An end of a link is drawn as a disc if it can touch, its radius is known, and no link with an outline
-    begins or ends there.
+    An end of a link is drawn as a disc if it can touch, its radius is known and not 0, and no link with an
+    outline begins or ends there.
     """
     points, sites = recording.points[row], recording.sites[row]
     style = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}

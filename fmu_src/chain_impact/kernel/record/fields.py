@@ -10,8 +10,8 @@ def real(least: float, most: float) -> np.dtype:
     """Return the type of a real field whose values must lie from ``least`` to ``most``.
 
     ``check_ranges`` in kernel/initialize.py checks these values at the start of a run. Other reals that the
-    scene gives have no such range, but checks of their own: most values of contact laws, limits of stops,
-    initial values and gravity.
+    scene gives have no such range; most of them have other checks, such as values of contact laws, limits of
+    stops, initial values and gravity.
     """
     return np.dtype(REAL, metadata={"range": (least, most)})
 
