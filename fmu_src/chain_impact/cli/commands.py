@@ -135,7 +135,7 @@ class Parser(argparse.ArgumentParser):
         return options, others
 
     def _fault_of(self, argument: str) -> str:
-        """Return the sentence on an argument that the verb does not take, and what to write instead."""
+        """Return the error on an argument that the verb does not take; it has a hint if one is known."""
         if not argument.startswith("-"):
             sets = "=" in argument and "--set" in self._option_string_actions
             return f"{argument} is one argument too many" + (f"; write --set {argument}" if sets else "")
@@ -154,7 +154,7 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not among the choices of an argument, and name the most similar choice.
 
-        The error of argparse would list all verbs.
+        If the argument is the verb, the error does not list all choices, as the error of argparse would.
         """
         if action.choices is None or value in action.choices:
             return

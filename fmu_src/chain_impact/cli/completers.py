@@ -99,7 +99,7 @@ def rankable(source: str) -> Offer:
 
 
 def laws(source: str) -> Offer:
-    """Return the ids of the contact laws that a scene can have."""
+    """Return the ids of all contact laws and, if the scene has one, of the user's own law."""
     from chain_impact.scene.scene import load_scene
 
     return Offer(load_scene(source).law_names)

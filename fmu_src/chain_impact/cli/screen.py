@@ -114,9 +114,10 @@ def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
 
 
 def indented(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
-    """Return the lines of a text of at most ``width`` characters each, indented by ``by`` characters.
+    """Return the lines into which a text is broken, indented by ``by`` characters.
 
-    Lines after the first one are indented by ``hanging`` characters more.
+    Lines after the first one are indented by ``hanging`` characters more. A line has at most ``width``
+    characters, with its indentation; only a word that is longer exceeds this width.
     """
     start, later = " " * by, " " * (by + hanging)
     return wrap(text, width, initial_indent=start, subsequent_indent=later, break_long_words=False)

@@ -48,12 +48,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Canvas:
-    """Where a picture is drawn: in a file, in an empty window, or in both.
+    """Where a picture is drawn: in a file, in an empty window, in both, or nowhere.
 
     Attributes:
-        path: the file.
-        size: width and height of the picture in the file [inches].
-        window: the window's figure.
+        path: the file; None without a file.
+        size: width and height of the picture in the file [inches]; None for the usual size.
+        window: the window's figure; None without a window.
     """
 
     path: Path | None = None
@@ -80,9 +80,10 @@ class Subject:
     """What the picture, and tables below the summary, show; by default the motion.
 
     Attributes:
-        sensitivities: parameters; the derivatives with respect to them are shown or, with ``rank``, the
-            ranking of them.
-        rank: the quantity by whose change parameters are ranked.
+        sensitivities: parameters and inputs; the derivatives with respect to them are shown or, with
+            ``rank``, the ranking of them.
+        rank: the quantity by whose change the parameters and inputs in ``sensitivities`` are ranked, or all
+            of them if ``sensitivities`` is empty; None for no ranking.
         curves: names of outputs whose curves over time are shown.
         around: number, from 1, of the impact around which the curves are drawn; None for the whole run.
     """

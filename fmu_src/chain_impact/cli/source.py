@@ -64,8 +64,8 @@ class Source:
         """Simulate the source.
 
         ``sensitivities`` are the parameters and inputs with respect to which derivatives are computed; by
-        default those that the scene asks for. An FMU has no derivatives, so it is refused with
-        ``sensitivities``.
+        default those that the scene asks for. An FMU cannot compute others
+        than those for which it was built, so it is refused with ``sensitivities``.
         """
         if sensitivities and self.is_fmu:
             raise UsageError(f"--sensitivity: {self.name} is an FMU; must be a scene")
@@ -113,7 +113,7 @@ class Source:
         """Return this source with a tenth of its tolerance.
 
         Raises:
-            UsageError: when the tolerance is too tight to be reduced.
+            UsageError: when the tolerance is too tight to be reduced, or an FMU has no such parameter.
         """
         tolerance, key = self._tolerance(), TOLERANCE.partition(".")[2]
         least = next(field.metadata["minimum"] for field in fields(Solver) if field.name == key)
@@ -137,7 +137,7 @@ class Source:
         return float(tolerance)
 
     def differences(self, recording: Recording) -> Differences:
-        """Return the differences between a recording and a run of this source, a result of ``tighter``."""
+        """Run this source, a result of ``tighter``; return how the run differs from a recording."""
         return differences(recording, self.record())
 
 

@@ -173,7 +173,10 @@ def _scratch(folder: Path, name: str) -> Iterator[Path]:
 
 
 def _prune(present: Path) -> None:
-    """Remove folders of the cache that are unused for UNUSED, except ``present`` and the linker's folder."""
+    """Remove folders of the cache that are unused for UNUSED.
+
+    The folders ``present`` and that of the installed version of the linker stay.
+    """
     for folder in present.parent.iterdir():
         with suppress(FileNotFoundError):  # another process may remove old folders at the same time
             old = folder.stat().st_mtime < time.time() - UNUSED

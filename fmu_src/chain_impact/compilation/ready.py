@@ -1,4 +1,4 @@
-"""The ready kernels in a wheel, with which users need no compiler.
+"""The ready kernels in a wheel, with which most users need no compiler.
 
 A wheel for release has additional kernels, each for one number of links. packaging/ready_kernels.py, at the
 top of the repository, makes these kernels when the wheel is built. An editable installation has no ready
