@@ -188,7 +188,8 @@ class _Merger:
     def _contact(self, ours: dict[str, Any]) -> dict[str, Any]:
         """Return the table ``contact`` of the scene, with the changed coefficients of friction of the file.
 
-        A coefficient of a wall is written to the wall's table in ``contact.wall``.
+        A coefficient of a wall is written to the wall's table in ``contact.wall``; the table of a wall that
+        the file lacks is left out.
         """
         before, now = _frictions(self.written), _frictions(self.found)
         removed = before.keys() - now.keys()

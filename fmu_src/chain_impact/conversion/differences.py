@@ -93,7 +93,7 @@ def collected_warnings(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
-    """Return a sentence for each group of differences with this ``title`` that differ only in their names.
+    """Return a sentence for each group of differences with this ``title``, the same kind and the same text.
 
     The sentences are in the order of ``Effect``; for the same effect, the largest difference comes first.
     """

@@ -92,7 +92,7 @@ class Contacts:
         return friction if rubs else 0.0
 
     def planes(self) -> Iterator[Plane]:
-        """Yield the planes that do not move, with the bodies that can touch each."""
+        """Yield the planes that do not move, with the bodies that can touch each, and the friction."""
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
         for g in filter(self._is_wall, self.still):
@@ -126,7 +126,7 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # ``outline`` replaces an ellipsoid by the box around it
+        else:  # a kind that ``outline`` does not know, such as an ellipsoid, gets the box around it
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         walls = list(filter(self._is_wall, self.still))
@@ -147,8 +147,8 @@ class Contacts:
     def differences(self) -> Iterator[Difference]:
         """Yield a difference for each shape that does not move, touches moving bodies, and is no plane.
 
-        Only planes become walls. If there are walls, a further difference says that their contacts are soft
-        in MuJoCo.
+        Only planes become walls. If a moving body can touch a plane that does not move, a further difference
+        says that such contacts are soft in MuJoCo.
         """
         model = self.model
         walls = False

@@ -99,7 +99,7 @@ class Drives:
         )
 
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
-        """Return ``joint``, MuJoCo's joint ``j``, with all its actuators.
+        """Return ``joint``, MuJoCo's joint ``j``, with those of its actuators that a scene can have.
 
         ``zero`` is MuJoCo's angle or position of the joint in the file's pose, where that of ``joint`` is 0.
         """
@@ -248,9 +248,9 @@ class Drives:
     ) -> Iterator[Difference]:
         """Yield differences of the drives at a joint from those of the scene.
 
-        They are a torque at the start, if the joint has no spring that could hold it, and controls of servos
-        that are not targets, or have limits. ``stiffness`` is that of all springs of the joint together;
-        ``torque`` is the torque of all drives in the file's pose, without velocity.
+        They are a torque at the start, if the joint has no spring that could hold it, and servos whose target
+        angle is not their control, or whose control has limits. ``stiffness`` is that of all springs of the
+        joint together; ``torque`` is the torque of all drives in the file's pose, without velocity.
         """
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:

@@ -174,7 +174,7 @@ FIELD_REMARKS = (
 
 
 def unsupported_fields(model: Any) -> Iterator[Difference]:
-    """Yield a difference for each value of a model that a scene cannot have, or that is unknown here."""
+    """Yield a difference for each value that FIELD_REMARKS reports, and each unknown field that is not 0."""
     values = dict(fields(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
     for row in FIELD_REMARKS:

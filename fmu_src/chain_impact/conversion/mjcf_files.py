@@ -23,7 +23,7 @@ class Compiled(NamedTuple):
     Attributes:
         spec: the elements of the file.
         model: MuJoCo's compiled model.
-        stand_ins: names of the meshes and other parts that stand-ins replace.
+        stand_ins: names of the meshes and other parts that stand-ins replace, and of deleted skins.
         differences: the files that could not be read, bodies without a mesh's mass, and MuJoCo's warnings.
     """
 
@@ -68,7 +68,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
     """Replace each part whose file is missing by a stand-in, after MuJoCo has refused to compile the whole.
 
     A skin is deleted. If no file is missing, some file has a fault; then all parts with files are replaced.
-    Return name of each replaced part → its file.
+    Return name of each replaced or deleted part → its file.
     """
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
     absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]
@@ -102,9 +102,10 @@ def _found(spec: Any, path: Path, file: str) -> bool:
 
 
 def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
-    """Set the mass of each shape with a missing mesh to 0, as the stand-in would give it a wrong mass.
+    """Set the mass of each shape with a missing mesh to 0 if the mass of its body follows from its shapes.
 
-    Return the bodies that lose mass by this, each with the name of the mesh.
+    The stand-in would give the body a wrong mass. Return the bodies that lose mass by this, each with the
+    name of the mesh.
     """
     by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange

@@ -286,7 +286,7 @@ class _Conversion:
         return values | ({"center_of_mass_offset": beside} if abs(beside) > ZERO_LENGTH else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
-        """Write the values of each joint into its link; return angles and angular velocities of the links.
+        """Write the values of each joint of the scene into its link; return angles and rates of the links.
 
         The values are damping, stiffness, friction, armature, torque limit and stops. The angles [rad] and
         angular velocities [rad/s] are absolute, at the start. ``directions`` are the angles of the links

@@ -86,9 +86,9 @@ def _add_walls(world: Element, scene: Scene) -> None:
 
 
 def _add_chain(world: Element, scene: Scene) -> None:
-    """Add a body for each link.
+    """Add a body for each link, and one for the carriage of a slider if the carriage has a mass.
 
-    The body's origin is the joint at which the link begins, and its x axis is along the link.
+    The origin of a link's body is the joint at which the link begins, and its x axis is along the link.
     """
     free, links = scene.chain.base == "free", scene.chain.links
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)

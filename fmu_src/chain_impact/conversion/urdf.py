@@ -204,8 +204,8 @@ def _shapes(link: Element) -> Iterator[LinkShape]:
 def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
     """Return the attributes of ``LinkShape`` for a shape, in the axes of its link.
 
-    These are corners, radius and, for a cylinder, the vector ``disc``. The result is empty for a mesh, and if
-    the sizes or the origin do not have the right count of numbers.
+    These are corners, radius and, for a cylinder, the vector ``disc``. The result is empty if the
+    shape is no box, sphere or cylinder, or if sizes or origin are not the right count of numbers.
     """
 
     def numbers(element: Element | None, key: str, count: int = 1) -> np.ndarray:

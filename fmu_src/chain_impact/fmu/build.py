@@ -32,7 +32,7 @@ TARGETS = {
 }
 """Kind of FMU → the platforms for which FMUs of this kind can be built."""
 TARGET = "pythonfmu" if HOST in TARGETS["pythonfmu"] else "native"
-"""The kind of FMU that is built on this machine if no kind is given."""
+"""The kind of FMU for FMI 2.0 that is built on this machine if no kind is given."""
 
 
 def build_fmu(

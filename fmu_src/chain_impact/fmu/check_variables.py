@@ -45,7 +45,7 @@ class Variable:
 
     @property
     def start(self) -> list[str]:
-        """The texts of the start values, one for each element of an array; empty if there are none."""
+        """The texts of the start values: one, or one for each element of an array; empty without any."""
         if given := [entry.get("value", "") for entry in self.node.iter("Start")]:
             return given
         text = self.attributes.get("start")
@@ -139,7 +139,10 @@ def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
 
 
 def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """Return the faults of attributes, start values, limits, types, and of variables that share a value."""
+    """Return the faults of attributes, start values, limits and types.
+
+    For FMI 2.0, return also the faults of variables that share a value reference.
+    """
     types = {definition.name: definition.type for definition in types_of(root)}
     findings = [
         Finding(text, variable=variable.name, attribute=attribute)

@@ -74,7 +74,9 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
 
 
 def archive_findings(path: Path) -> list[Finding]:
-    """Return the faults that make it impossible or unsafe to unpack an FMU.
+    """Return the faults for which an FMU is not unpacked, such as unsafe paths and a size above LARGEST_FILE.
+
+    Two files of the same name with different contents and a missing model description are such faults, too.
 
     Raises:
         OSError: when the file does not exist.
