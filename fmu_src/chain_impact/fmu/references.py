@@ -52,7 +52,8 @@ EVENT_DISTANCE = 1e-4
 # 0.2 s of computing
 MOST_WORK = 2_000_000
 # amplitude of the torques that are given as inputs, relative to the inertial moment of `nominal_values` per
-# link; the amplitude of a tip force is that of a torque divided by the length of the longest link
+# link; a slider's force, targets and their velocities have the same number as amplitude, in their own units;
+# the amplitude of a tip force is that of a torque divided by the length of the longest link
 SWING = 0.1
 # amplitude of a motion of base or wall that is given as input, relative to the length of the longest link
 MOVED = 0.01
@@ -173,7 +174,7 @@ def _run(
     The run ends early after a fault, or when its work reaches MOST_WORK.
 
     Raises:
-        SimulationError: when the first step cannot be taken.
+        SimulationError: when the chain cannot start, or cannot take the first step.
     """
     chain, rows, links = Chain(scene), [], len(scene.chain.links)
     for row, time in enumerate(times):
@@ -193,10 +194,10 @@ def _run(
 def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
     """Return the values of each input at ``times``: sines of different frequencies.
 
-    All forces and torques have different frequencies, and so have all prescribed motions: an importer that
-    exchanges two of them is noticed. Velocity and acceleration of a motion are the derivatives of its
-    position. Values are rounded as in the file, so that the reference run gets exactly the values that an
-    importer will read.
+    All forces, torques and targets have different frequencies, and so have all prescribed motions: an
+    importer that exchanges two of them is noticed. Velocity and acceleration of a motion are the derivatives
+    of its position. Values are rounded as in the file, so that the reference run gets exactly the values that
+    an importer will read.
     """
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count

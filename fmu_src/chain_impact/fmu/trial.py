@@ -113,7 +113,7 @@ class Trial:
         """Return a communication step [s] that the FMU should accept.
 
         It is the fixed internal step of the FMU, else the step of its default experiment, else 1/500 of the
-        duration of this experiment, which is 1 s if no stop time is given; 1 ms if the duration is not > 0.
+        duration of this experiment, whose stop time is 1 s if none is given; 1 ms if the duration is not > 0.
         """
         experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
         fixed = _number(stepper, "fixedInternalStepSize", 0.0)
@@ -175,7 +175,8 @@ class Trial:
     def steps(self, start: float, step: float) -> None:
         """Take a step, and report values beyond their limits; then test whether states are restored.
 
-        The second test is only for an FMU that can save its state.
+        The limits are those of real numbers, enumerations and the integers of FMI 2.0. The second test is
+        only for an FMU that can save its state.
         """
         self.step(start, step)
         values = self.values()

@@ -115,7 +115,7 @@ def advance(d, time, log_capacity, cost_limit):
 
 
 def log_is_full(d, capacity):
-    """Return whether ``capacity`` ended contacts wait or, unless it is UNLIMITED, friction's log is full."""
+    """Return whether ``capacity`` ended contacts wait or, if capacity < UNLIMITED, friction's log is full."""
     if d.contact_log.count - d.contact_log.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements

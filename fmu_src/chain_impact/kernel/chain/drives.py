@@ -174,7 +174,7 @@ def drive_slopes(d, y, i):
 def slopes_below_limit(d, _y, i):
     """Return the damping c and the stiffness k that drive i has below its limit; the state is ignored.
 
-    They are the slopes −∂F/∂ψ̇ and −∂F/∂ψ of ``drive_slopes``.
+    Both are 0 at a free base, which has no drive. They are the slopes −∂F/∂ψ̇ and −∂F/∂ψ of ``drive_slopes``.
     """
     return largest_slopes(d, i)
 

@@ -62,7 +62,7 @@ def arm_of_link(d, link, i, outward):
 @has_complex_rule
 @inlined
 def hinge_inertia(link, axx, axy, ayy):
-    """Return the coupling h and the inertia H of a link's rotation about its inner joint.
+    """Return the coupling h, as its x and y, and the inertia H of a link's rotation about its inner joint.
 
     H and h follow from the articulated inertia A' at the link's outer joint and the data of ``arm_of_link``.
     """

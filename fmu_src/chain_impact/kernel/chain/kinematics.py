@@ -150,7 +150,7 @@ def accelerate_points(d, y, rate):
 
 def clear_vectors(d, vectors):
     """Set the vectors of all places to zero."""
-    # the numbers of links and points are constants for the compiler, which unrolls this loop
+    # in a kernel for one number of links, the count is a constant for the compiler, which unrolls this loop
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
     if d.chain.has_joint_places:
