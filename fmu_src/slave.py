@@ -34,7 +34,9 @@ WRAPPERS: set[Path] = set()
 # the folder of this module; each FMU is unpacked to another folder, and has a module of another name
 RESOURCES = Path(__file__).absolute().parent
 NAME, GUID = (RESOURCES / "slavemodule.txt").read_text(encoding="utf-8").split()[1:]
-with suppress(OSError):  # importers use the GUID in modelDescription.xml, and the wrapper does not pass it on
+# the kernel compares the GUID that importers see, in modelDescription.xml, with its own; pythonfmu's wrapper
+# does not pass this GUID on. Without that file, the GUID of slavemodule.txt stays.
+with suppress(OSError):
     GUID = ElementTree.parse(RESOURCES.parent / "modelDescription.xml").getroot().attrib["guid"]
 KERNEL = ctypes.CDLL(str(RESOURCES / f"kernel-{'win64.dll' if os.name == 'nt' else 'linux64.so'}"))
 KERNEL.fmi2Instantiate.restype = KERNEL.another_fmi2_instance.restype = c_void_p

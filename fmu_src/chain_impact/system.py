@@ -232,8 +232,8 @@ def has_screen() -> bool:
 def prepare_console() -> None:
     """Let the console print a question mark for a character that its encoding lacks, instead of failing.
 
-    In the locale POSIX, such a character would end the program, except for bytes of file names, which Python
-    can print.
+    By default such a character ends the program. In the locale POSIX, Python makes one exception: it prints
+    bytes of a file name that are no text. These become question marks, too.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):

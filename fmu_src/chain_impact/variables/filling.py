@@ -198,7 +198,7 @@ def _choice(kind: Kind, name: str) -> float:
 
 
 def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
-    """Write the numbers of a table of the scene, such as "contact", to the words of the scene's record."""
+    """Write the numbers of a table of the scene, such as "contact", to a new or copied record's words."""
     # the record has room for the walls at any angle only if points may touch them
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
     met = tuple(name for name, holds in _GIVEN_IF.items() if holds(scene))
@@ -230,7 +230,7 @@ def _words_of(
 
 
 def _indices(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
-    """Return for each member of the list with a kind's owners its index in the record, as {"at": index}."""
+    """Return the index in the record of each owner of a kind, as a list of tables {"at": index}."""
     owners = OWNER_KINDS[owner_kind]
     index, count = owners.numbers.get("at", "order"), number_in(owners.over, known.__getitem__)
     return [{"at": number_in(index, {**known, "order": i}.__getitem__)} for i in range(count)]

@@ -23,9 +23,9 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
 
 
 def parts_hint(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint for the name of a vector: its components, "there are force.x, force.y".
+    """Return a hint for the first part of other names, such as a vector's: "there are force.x, force.y".
 
-    The result is None for any other name.
+    The hint tells at most three of these names. The result is None for a name with which no other begins.
     """
     parts = find_names(f"{name}.*", names)
     return f"there are {', '.join(parts[:3])}" if parts else None

@@ -91,7 +91,7 @@ def outputs_of(structure: Structure) -> dict[str, Variable]:
 def _driven(structure: Structure) -> Iterator[Variable]:
     """Yield the quantities that signals determine, as outputs with the names of inputs.
 
-    A driven input is no input of the FMU; the output with its name shows the signal's value.
+    Such a quantity is no input of the FMU; the output with its name shows its value.
     """
     rows = structure.driven_quantities
     for kind, owner, words in _owned_kinds(INPUTS, structure) if rows else ():

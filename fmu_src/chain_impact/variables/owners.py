@@ -126,7 +126,7 @@ OWNER_KINDS = {
     "step": OwnerKind(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
     "impact": OwnerKind(over="outputs.impacts", numbers=_COUNTED),
 }
-"""Kind of owner → the rules that find its owners, in the order of their variables."""
+"""Kind of owner → the rules that find the owners of this kind."""
 
 
 class Written(NamedTuple):

@@ -250,8 +250,8 @@ class PreparedScene:
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an instance with the parameters of the scene, before its initialization.
 
-        The instance is an array with one record. If the kernel computes derivatives, the tangent instances
-        follow this array in memory.
+        The instance is an array with one record. If the kernel computes derivatives, the last field of this
+        record has the tangent instances.
 
         Args:
             varied: the variables with respect to which the kernel computes derivatives; none for an empty

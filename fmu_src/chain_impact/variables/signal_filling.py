@@ -17,8 +17,8 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     """Write the signals of a scene into a new instance.
 
     The record has an entry for each input that a signal drives. The entry has the number of the input, the
-    form and the values of the signal, and a number of integrations over time: as many as lead from the input
-    to the first quantity that the signal determines, such as 2 from an acceleration to the position.
+    form and the values of the signal, and how often the kernel integrates the input over time: twice for an
+    acceleration, whose integrals are a velocity and a position, and not at all for a force.
     """
     if not scene.signals:
         return

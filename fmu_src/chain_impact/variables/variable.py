@@ -37,7 +37,7 @@ class Variable:
         kind: the variable's row in the table of variables.
         name: structured name, as in FMI 2.0, section 2.2.9.
         variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
-        unit: name of the unit, a key of ``units.UNITS``; "" if the variable is not a real number.
+        unit: name of the unit, for ``units.unit_of``; "" if the variable is not a real number.
         description: one line.
         record_path: path in the instance record, for example ``("chain", "length", 2)``.
         given_path: path in the record of the given value of a parameter, if the record has this value beside
@@ -118,7 +118,8 @@ class Variable:
     def initial(self) -> str | None:
         """FMI's attribute ``initial``, which says how the start value is determined.
 
-        Inputs have none in FMI 2.0.
+        It is ``exact`` for parameters, ``calculated`` for outputs, and None for inputs, which have no such
+        attribute in FMI 2.0.
         """
         return {"parameter": "exact", "input": None, "output": "calculated"}[self.causality]
 

@@ -27,7 +27,10 @@ GENERAL = {
     "from_x": "",
     "about": "the origin, of a wall at any angle about its point",
 }
-"""Word in braces → text that is right for any owner."""
+"""Word in braces → text that is right for any owner, if the base is free and there are walls at any angle.
+
+``scene_words`` has other texts for other scenes.
+"""
 LOSSES = "contacts, joint damping and dry friction"
 
 
@@ -93,7 +96,7 @@ _WORDS_OF: dict[str, Callable[[Structure, dict[str, Any]], dict[str, str]]] = {
 
 
 def _ground(structure: Structure) -> str:
-    """Return the words for the body to which joint 1 connects link 1."""
+    """Return the words for the body to which joint 1 connects link 1: a slider's carriage, or the ground."""
     return "the carriage" if structure.known["slider"] else "the ground"
 
 

@@ -58,7 +58,7 @@ DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
 def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
-    """Refuse a sweep that no picture can show, before its runs are computed.
+    """Refuse a sweep that no picture can show; its runs need not be computed yet.
 
     Raises:
         SceneError: when too many parameters vary and there are no samples, or when there are too many runs.
@@ -83,7 +83,8 @@ def plot_sweep(
     """Draw a sweep, see ``Sweep.plot``.
 
     Raises:
-        SceneError: when too many parameters vary, there are too many runs, or no column for a panel.
+        SceneError: when too many parameters vary, there are too many runs or panels, or no column for a
+            panel.
         ValueError: when the size is not possible.
         OSError: when the file cannot be written.
     """
@@ -103,7 +104,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
         told.insert(0, influence(runs, quantities, varying))
     mark = " (×)" if kind in (DOTS, CURVES) else ""
     head, *parts = title(runs, results, mark)
-    kept = 1 if is_narrow(figure) else len(parts)  # a narrow figure's headline has only two parts
+    kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure, the first line has two parts
     told = [", ".join(parts[kept:]), *told]
     headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
     # a parameter that is a number comes before a choice, and gets the horizontal axis
@@ -124,7 +125,10 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 
 
 def panels_of_each(design: Design) -> int:
-    """Return the number of panels of each quantity: for samples a histogram, and one for each parameter."""
+    """Return the number of panels of each quantity: 1, or more in a picture with histograms.
+
+    There each quantity has a histogram, and one panel for each of at most MOST_SCATTERS parameters.
+    """
     return 1 + min(len(varying_in(design)), MOST_SCATTERS) if kind_of(design) == HISTOGRAMS else 1
 
 
@@ -145,7 +149,7 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
     """Return the parameters, that of the horizontal axis first.
 
     A number comes before a choice and, in a picture with curves, a number with more than MOST_SPLIT values
-    before one with fewer.
+    before one with at most MOST_SPLIT values.
     """
     return sorted(
         varying,
@@ -154,9 +158,10 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
 
 
 def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
-    """Return the parameters whose value in the scene is marked (``maps.SCENE_MARK``) if it is within reach.
+    """Return the parameters for which the picture can mark the value in the scene (``maps.SCENE_MARK``).
 
-    ``own_value`` says whether it is.
+    These are the parameter of the horizontal axis of curves, the parameters over which samples are drawn, and
+    both parameters of a map if ``own_value`` has a value of both. The other pictures mark no value.
     """
     kind = kind_of(runs.design)
     if kind == CURVES:

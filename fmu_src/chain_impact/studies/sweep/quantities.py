@@ -113,8 +113,8 @@ class Results:
     """The quantities that the picture of a sweep tells.
 
     Attributes:
-        every: all quantities that the picture tells: main results and the first additional outputs, or the
-            columns that the user has named.
+        every: all quantities that the picture tells: main results and the first additional outputs, of
+            samples only the loads among them, if there are any; or the columns that the user has named.
         drawn: the quantities in ``every`` that have a panel. All others are the same in all runs, and are
             told in words.
     """

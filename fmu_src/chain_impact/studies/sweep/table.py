@@ -70,7 +70,7 @@ class Sweep(Runs):
         return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
 
     def _repr_html_(self) -> str:
-        """Return the text of ``repr`` for a notebook, with the first runs."""
+        """Return HTML for a notebook: the text of ``repr``, and a table of the first SHOWN_RUNS runs."""
         first = next(iter(self.chunks(self.names)), {})
         rows = list(
             zip(*(map(_cell_text, column[:SHOWN_RUNS].tolist()) for column in first.values()), strict=True)

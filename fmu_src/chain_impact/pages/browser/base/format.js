@@ -24,7 +24,7 @@ export function withMinus(text) {
   return text.replace(/^-(?=[\d.])/, "−");
 }
 
-/** Return a number rounded to `count` significant digits, but not coarser than to a whole number, and with at most 9 decimals. */
+/** Return a number as text, rounded to `count` significant digits, but not coarser than to a whole number, with at most 9 decimals. */
 export function digits(value, count = 3) {
   if (value === 0) return "0";
   const decimals = count - 1 - Math.floor(Math.log10(Math.abs(value)));
@@ -80,7 +80,7 @@ export function durationText(seconds, count = 3) {
   return `${digits(seconds * factor, count)}\u202f${unit}`;
 }
 
-/** Return words for a rate relative to real time, for example: 480 × slower. */
+/** Return words for a rate relative to real time, for example: 480 × slower; "real time" for a rate near 1. */
 export function rateText(value) {
   if (Math.abs(value - 1) < SHARED.pacing.REAL) return "real time";
   const [times, word] = value < 1 ? [1 / value, "slower"] : [value, "faster"];
@@ -94,7 +94,7 @@ export function speedText(value) {
   return `${names[value] ?? Number(value.toPrecision(3))} ×`;
 }
 
-/** Return the units of the quantities of a contact; at a stop of a joint (`atStop`), they are units of angles and moments. */
+/** Return the units of a contact's speed, force and impulse; at a stop of a joint (`atStop`) those of their angular counterparts. */
 export function unitsOf({ atStop }) {
   const units = SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"];
   return { speed: unitText(units.impact_speed), force: unitText(units.peak_force), impulse: unitText(units.impulse) };
