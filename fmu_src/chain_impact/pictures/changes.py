@@ -159,9 +159,10 @@ def finding(
     """Return the headline: the parameter that matters most, and what it does to which output.
 
     It is the one whose change first exceeds the range of an output or, if none does, the one with the largest
-    change relative to this range; among outputs of one unit, the output that changes most is named. A
-    parameter with the value 0 is named only if no other has an effect: a change by 0.01 of its unit does not
-    compare with one by 1 %.
+    change relative to this range. In the second case, the headline names the output that it changes most,
+    among those of the same unit. A parameter with the value 0 is named only if no other has an effect: a
+    change by 0.01 of its unit does not compare with one by 1 %. If no parameter has an effect, or there are
+    no derivatives after the start, the headline says so.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
     """
@@ -200,7 +201,7 @@ def readable(largest: float, unit: str) -> tuple[float, str]:
 
 
 def _largest(sensitivities: Sensitivities, output: str, k: int) -> float:
-    """Return the largest change of an output by parameter k, in the unit of the output."""
+    """Return the largest |change| of an output over time by parameter k, in the unit of the output."""
     return float(np.nanmax(np.abs(sensitivities.changes(output)[:, k]), initial=0.0))
 
 
@@ -241,7 +242,8 @@ def draw_changes(
     """Draw the changes of an output over time, a curve for each parameter.
 
     The curves have gaps in impacts that are too short to be seen, and where the derivative is unknown; they
-    are drawn where ``known``, the result of ``holds``. Many grey curves are a band.
+    are drawn where ``known``, the result of ``holds``. More than MOST_GREY grey
+    curves are drawn as a band.
     """
     changes = np.where(known, sensitivities.changes(output), np.nan)
     changes[short_contacts(recording)] = np.nan
@@ -267,7 +269,7 @@ def draw_speeds(
     """Draw the change of each impact's speed by each parameter: as a dot, or a diamond at stops of joints.
 
     The marks of a parameter end where ``known``, the result of ``holds``, ends, or at the first change that
-    is larger than all speeds of its kind in the run: of impacts at walls, or of impacts at stops of joints.
+    is larger than all speeds of its kind in the run: of impacts at stops of joints, or of all others.
     """
     changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
     at = [recording.row_at(time) for time in sensitivities.impacts["onset"]]

@@ -357,7 +357,7 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
 
 
 def vector_of(names: Sequence[str]) -> str:
-    """Return the word for the vector whose components x and y some outputs are (VECTORS); "" otherwise."""
+    """Return "position", "velocity" or "acceleration" if all outputs are its components; "" otherwise."""
     words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
     return words.pop() if len(words) == 1 else ""
 

@@ -267,7 +267,7 @@ class Film:
         """Draw and yield the forces in a frame.
 
         These are arrows of forces with a bar at a contact that sticks, marks of moments at stops and of
-        joints that stick, and the numbers of forces and moments.
+        joints and sliders that stick, and the numbers of forces and moments.
         """
         for artist in self.moving:
             artist.remove()

@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 
 from chain_impact.extras import require
 
-SHADES = 6  # number of shades of each colour in a gif, between the colour and the ground
+SHADES = 6  # number of shades of each colour in a gif: the colour itself, and mixtures with the ground
 # A shade is left out if its red, green and blue, from 0 to 1, each differ by at most this number from those
 # of the ground, because Pillow would take the shade for the ground.
 NEAR = 0.04
@@ -23,7 +23,7 @@ QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
 def write_gif(
     pictures: Iterable[np.ndarray], path: Path, rate: int, colours: Iterable[Any], ground: Any = "white"
 ) -> None:
-    """Write pictures as a gif; parts that do not change between pictures need no space in the file.
+    """Write pictures as a gif; of each picture, the file has only the rectangle around all changed pixels.
 
     Args:
         pictures: red, green, blue of each pixel of each picture, shape (height, width, 3).
@@ -55,9 +55,10 @@ def write_gif(
 
 
 def _changes(frames: Iterator[Any], rate: int) -> Iterator[tuple[Any, tuple[int, int], float]]:
-    """Yield the part of each frame that differs from the frame before, with its corner and its duration.
+    """Yield the first frame, and the changed rectangle of each frame that differs from the frame before.
 
-    The corner is the upper left one [pixels]; the duration [s] is the time until the next change.
+    Each has its upper left corner [pixels], and its duration [s], the time until the next change. For the
+    last one, the duration goes to the end of the film, plus HOLD.
     """
     from PIL.ImageChops import difference
 
@@ -72,7 +73,7 @@ def _changes(frames: Iterator[Any], rate: int) -> Iterator[tuple[Any, tuple[int,
 
 
 def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple[int, int]) -> None:
-    """Write pictures as an mp4 with H.264, which all browsers and slide programs can play.
+    """Write pictures as an mp4 with H.264, which browsers and slide programs can play.
 
     ``pictures`` and ``rate`` are as in ``write_gif``; ``size``: width and height [pixels], even numbers.
     """

@@ -23,13 +23,13 @@ SAMPLE = 3.0  # [points] the distance between the points of a drawn line that a 
 
 
 class Number(NamedTuple):
-    """A number that is to be written at the head of an arrow.
+    """A number that is to be written at the head of an arrow, or at the mark of a moment.
 
     Attributes:
         size: the force [N] or moment [N·m]; large numbers are written first.
         words: the number with its unit.
-        position: the head of the arrow [m].
-        away: unit vector of the best direction from the head to the number.
+        position: the head of the arrow, or the mark [m].
+        away: unit vector of the best direction from there to the number.
         colour: the colour of the text.
     """
 

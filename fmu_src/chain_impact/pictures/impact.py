@@ -107,10 +107,12 @@ def duration_text(impact: np.void, course: Course) -> str:
 
 
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
-    """Draw force over penetration; the area inside the loop is the energy that the contact dissipates.
+    """Draw force over penetration; the area inside the loop is the energy that this force dissipates.
 
-    The loop of a contact that lasts to the end of the run is open, with a dot at its end. ``at_stop``:
-    whether the impact is at a stop of a joint, so that the force is a moment.
+    The force is the normal force, so energy that dry friction dissipates is not in this area. The loop of a
+    contact that lasts to the end of the run is open, with a dot at its end.
+
+    ``at_stop``: whether the impact is at a stop of a joint, so that the force is a moment.
     """
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
     force_factor, prefixed_force_unit = load_unit(force.max(initial=0.0), force_unit)

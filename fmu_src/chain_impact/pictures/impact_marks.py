@@ -35,7 +35,7 @@ MOST_OWN_MARKS = 5
 # Impacts have equal distances in time if there are more than REGULAR impacts, and if the largest and the
 # smallest distance of successive impacts differ by at most EQUAL times the mean distance.
 REGULAR, EQUAL = 5, 0.2
-NUMBERED = 60  # the largest number of marks of impacts to which numbers are written
+NUMBERED = 60  # the largest number of impacts whose marks get numbers: the first in the order of writing
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
 # [points] the size of the mark of an impact, and the increase of a mark for each mark that covers it

@@ -201,8 +201,8 @@ def place_labels(
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
     If some labels have no room and leaders are allowed, all labels are written again, those without room
-    first. If as many labels have no room as before, all are written with their short texts only. If this does
-    not help, either, the first attempt counts.
+    first. If this leaves no fewer labels without room, all are written with their short texts only. If this
+    does not help, either, the first attempt counts.
 
     Args:
         axes: the axes inside which the labels stay.

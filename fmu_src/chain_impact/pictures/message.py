@@ -20,7 +20,7 @@ from chain_impact.scene.names import name_parts
 from chain_impact.scene.unit_text import of_power
 from chain_impact.variables.impact_units import unit_at
 
-# a dissipated energy up to this, relative to the largest energy, is round-off, and not a loss
+# a dissipated energy up to this, relative to the largest |total energy|, is round-off, and not a loss
 NO_LOSS = 1e-12
 
 # Two largest values count as equal if they differ by at most this, relative to the larger one.
@@ -63,7 +63,7 @@ class Peak(NamedTuple):
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
-    """Return the headline: the largest force, the number of impacts, and the lost and supplied energy.
+    """Return the headline: the first of ``peaks``, the number of impacts, the lost and supplied energy.
 
     For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated"; if ``short``, only the name
     and the first of these that is known.
@@ -83,8 +83,8 @@ def counted(recording: Recording) -> str:
 def lost_and_supplied(recording: Recording) -> list[str]:
     """Return words for the energies that the run lost and got: "2.98 J dissipated", "10.5 J taken by drives".
 
-    Without a loss, or if it is not known, the list is empty. Drives of joints and inputs supply or take
-    energy; they are told if this is more than LITTLE_SUPPLIED.
+    A loss that is round-off (NO_LOSS) or not known is left out. Drives of joints and inputs supply or take
+    energy; this is left out if it is round-off, not known, or at most LITTLE_SUPPLIED times the loss.
     """
     lost, supplied = (
         float(recording.energies.get(name, np.zeros(1))[-1]) for name in ("dissipated", "supplied")
@@ -132,8 +132,9 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
 def peaks(recording: Recording) -> list[Peak]:
     """Return the largest peak force at walls, and the largest moment at a stop of a joint, if there are any.
 
-    Under an impulsive law, the largest impulse replaces them. The law also counts as impulsive if an impact
-    has an impulse and no known force, as in a recording without the law.
+    Stops of a slider count as walls. Under an impulsive law, the largest impulse replaces them. The law
+    also counts as impulsive if an impact has an impulse and no known force, as in a recording without the
+    law.
     """
     found = []
     for is_stop in (False, True):
@@ -174,10 +175,11 @@ def speed_text(recording: Recording, row: int) -> str:
 def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
     """Return how hard impacts are: words, unit, values, shape (I,).
 
-    If ``is_stop``, the values are those of the impacts at stops of joints, else those of the impacts at
-    walls. The words are "peak force", "peak moment" or "impulse". A value is 0 if it is unknown, if the
-    impact is of the other kind, or if it is the impulse of a contact that lasts to the end of the run while
-    other impacts end: it also contains the shocks of these. If all last, ``impulses_of_hits`` gives it.
+    If ``is_stop``, the values are those of the impacts at stops of joints, else those of all other impacts:
+    at walls and at stops of a slider. The words are "peak force", "peak moment" or "impulse". A value is 0 if
+    it is unknown, or if the impact is of the other kind. The impulse of a contact that lasts to the end of
+    the run is 0 while other impacts end, because it also contains their shocks. If all impacts last, the
+    impulses are those of ``impulses_of_hits``.
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
     is_own = recording.at_stops == is_stop

@@ -65,7 +65,7 @@ BALL_LINE = 0.3  # the width of the line from a ball's centre to the link's othe
 SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their unit has a prefix
 RING_SIZE = 6.5  # [points] the diameter of the ring at an impact
 PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
-SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
+SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a slider sticks
 # the distance within which impacts at the same wall or stop share a ring, relative to the view's larger side
 RING_DISTANCE = 0.03
 # the length of the arrow for the largest force in a joint, relative to the smaller side of the view
@@ -160,8 +160,9 @@ def colour_of_time(recording: Recording) -> Any:
 def strong_times(recording: Recording) -> list[float]:
     """Return the times [s] of the strong poses between start and end, in order.
 
-    They are onsets of the fastest impacts. The fastest of all always counts. Any other one counts if its pose
-    differs from those at start, at end, and at all faster impacts that count (``apart``).
+    They are onsets of the fastest impacts, at most MOST_STRONG_POSES. The fastest of all always counts. Any
+    other one counts if its pose differs from those at start, at end, and at all faster impacts that count
+    (``apart``).
     """
     onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
     if not onsets:
@@ -203,7 +204,7 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     """Draw the paths of the points; the path of the tip, or of a ball, has the colours of time.
 
-    ``shade`` is the function from a time to its colour.
+    The other end of a ball's link has no path. ``shade`` is the function from a time to its colour.
     """
     *others, tip = recording.points.transpose(1, 0, 2)
     ball, name = ball_of(recording), "tip"
