@@ -15,7 +15,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import pin_mark
 
 FAINT_WALLS = 8  # the number of faint positions of a moving wall, at equal distances in time
-FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows at equal distances
+FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows with equally spaced indices
 TRACE_GAP = 0.04  # the distance of the traced point from the end of a wall, relative to its visible length
 
 

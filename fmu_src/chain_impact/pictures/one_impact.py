@@ -51,7 +51,8 @@ def is_alone(recording: Recording) -> bool:
 def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray] | None:
     """Return the impact with the largest force: its row, and its times [s] and forces, each of shape (S,).
 
-    It is the largest force at a wall or, if there is none, the largest moment at a stop of a joint.
+    It is the largest force at a wall or at a stop of a slider or, if there is none, the largest moment at a
+    stop of a joint.
     They come from a repeated run or, if it cannot be repeated, from at least LEAST_ROWS rows. The result is
     None if they are not known, or if there are only impulses.
     """
@@ -72,7 +73,7 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
 
 
 def draw_one_impact(axes: Axes, recording: Recording) -> None:
-    """Draw the force of the hardest impact over the time after its onset, with its duration in the label."""
+    """Draw the force of the hardest impact over the time after the onset; the axis label has the duration."""
     found = course_of_hardest(recording)
     if found is None:
         axes.text(0.5, 0.5, "no force over time is known", transform=axes.transAxes, ha="center", color=INK)

@@ -65,7 +65,7 @@ TINY = 0.05
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 # the height of a bar that shows sticking, and of a name above its bars, relative to the distance of two rows
 PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
-MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
+MOST_ROWS = 8  # the largest number of contacts, joints and sliders whose phases of dry friction are drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
 SHORT = 0.002
 TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
@@ -223,9 +223,9 @@ def over_all_time(axes: Axes, recording: Recording) -> None:
 
 
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
-    """Draw phases of dry friction: bars where a contact or joint sticks, lines where it slides.
+    """Draw phases of dry friction: bars where a contact, joint or slider sticks, lines where it slides.
 
-    Of many contacts and joints, only the MOST_ROWS with the largest sums of durations are drawn.
+    If there are many of these, only the MOST_ROWS with the largest sums of durations are drawn.
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
@@ -260,7 +260,7 @@ def phase_lengths(recording: Recording) -> np.ndarray:
 def rubbing_places(recording: Recording) -> list[str]:
     """Return words for each contact, joint or slider with phases of dry friction.
 
-    Those with the largest sum of durations come first.
+    The first has the largest sum of the durations of all its phases, of sticking and of sliding.
     """
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):

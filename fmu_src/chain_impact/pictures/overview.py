@@ -63,7 +63,8 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
 NUMBERS = {"motion": number_places, "impact": number_one_impact, "impacts": number_impacts}
 """Name of a panel → function that writes the numbers of impacts into it, after the layout is final.
 
-The functions return the numbers without room, as text.
+The functions return the numbers without room, as text. In the panel "impact", the function writes the peak,
+and returns "".
 """
 # LISTED_HEIGHT: the largest height of all texts at the foot together, if one of them names impacts; relative
 # to the height of the figure

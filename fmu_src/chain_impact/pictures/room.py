@@ -29,7 +29,8 @@ FARTHEST = 1.0
 # FLATTEST: a motion whose height, relative to its width, is less than this has a scale of its own along y;
 # FLAT_MARGIN: the margin above and below it, relative to its height
 FLATTEST, FLAT_MARGIN = 0.03, 0.25
-SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
+# the least ratio of the shorter to the longer side of a view whose shape is not given; a flat motion has less
+SLIMMEST = 0.3
 GROWN = np.array([1.1, 1.2])  # the largest factors by which width and height of the view grow to fill axes
 # a wall counts as parallel to the x axis or y axis if a component of its unit normal is larger than this, in
 # absolute value

@@ -29,13 +29,13 @@ from chain_impact.system import written_whole
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
 OCHRE, BROWN, VIOLET = "#c07f00", "#7a4b2a", "#7a3fa8"
 PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force
-PEAK_LINE = "peak"  # the matplotlib identifier (gid) of the text below a headline on the largest force
+PEAK_LINE = "peak"  # the matplotlib identifier (gid) of the text in PEAK_COLOUR below a headline
 LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.
 
-The first four are of Okabe and Ito, Color Universal Design (2008). Their other colours are too pale for lines
-on white; the last two are dark, so that colour-blind readers can tell them from the others.
+The first four are of Okabe and Ito, Color Universal Design (2008). Their other colours, except black, are too
+pale for lines on white; the last two are dark, so that colour-blind readers can tell them from the others.
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
 """The greys: of curves in the background, of a grid's lines, and of text and outlines."""
@@ -204,7 +204,7 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
     """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
 
     ``lines`` are texts with their colours, which stand between message and conditions: on the largest force,
-    in the colour of its marks (PEAK_COLOUR), and on the largest force in a joint.
+    in the colour of its marks, and on the largest force in a joint.
 
     Lines are broken at the edge of the figure; the font has the same size in all figures. In a narrow figure
     the conditions stand at the foot. If the figure is too low for the conditions, they are left out.
@@ -235,7 +235,7 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
 
 
 def tells_peak(figure: Figure | None) -> bool:
-    """Return whether a figure has a text below its headline on the largest force."""
+    """Return whether a figure has a text in PEAK_COLOUR below its headline, on the largest force."""
     return figure is not None and any(text.get_gid() == PEAK_LINE for text in figure.texts)
 
 
@@ -329,7 +329,7 @@ def load_unit(largest: float, unit: str) -> tuple[float, str]:
 
 
 def force_text(value: float, unit: str) -> str:
-    """Return a positive quantity, such as a force, as text with a prefix and three digits: 12.3 kN."""
+    """Return a positive quantity as text in the unit of ``load_unit``, with three digits: "12.3 kN"."""
     if value < 1.0 and load_unit(value, unit)[1] == unit:
         return f"{value:.3g} {unit}"
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)

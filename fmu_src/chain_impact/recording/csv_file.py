@@ -83,7 +83,8 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         if "time" not in names and {"onset", "wall"} <= {*names}:
             raise ValueError("it is a list of impacts, not a motion; `simulate --csv` writes a motion")
         rows = _numbers(names, text)
-    # the error is of a cell that is not a number, of a line with too many cells, or of a wrong encoding
+    # the text is a list of impacts, has a cell that is no number or a line with a wrong number of cells, or
+    # has a wrong encoding
     except ValueError as error:
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED_COLUMNS if name not in names]

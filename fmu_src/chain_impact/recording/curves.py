@@ -184,7 +184,8 @@ def between(recording: Recording, low: float, high: float, *, close: bool) -> np
     """Return the times [s] between ``low`` and ``high`` at which curves are computed besides the rows.
 
     If ``close``, the view shows one impact, and the times are equally spaced. Otherwise it shows the whole
-    run, and WITHIN times lie in each of the first FOLLOWED impacts that has a duration.
+    run, and WITHIN times lie in each of the first FOLLOWED impacts, except in impulses, which have no
+    duration, and in contacts that last to the end of the run.
     """
     if close:
         return np.linspace(low, high, CLOSE_TIMES)

@@ -65,7 +65,7 @@ COLUMNS = {
 }
 """Column of the table of impacts → last part of the name of the FMU's variable."""
 UNSHOWN = ("effective_mass", "joint_force", "x", "y")
-"""The columns with numbers that are no outputs of an FMU."""
+"""The columns that are NaN in a table from an FMU's outputs, because the FMU has no outputs for them."""
 
 
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:

@@ -14,7 +14,7 @@ from chain_impact.scene.names import by_owner
 
 IMPACT_TIME = 0.6  # [s] default time on the screen for one impact
 RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, or speeds up after it
-# [s] simulated time after an onset that is shown in slow motion at most; in a longer contact the chain only
+# [s] simulated time after an onset that is shown in slow motion at most; in a longer contact the chain mostly
 # rests or leans
 LONGEST_SLOW = 0.1
 # [s] least duration that a film assumes for an impact, because an impulse of a rigid wall has none
@@ -33,7 +33,7 @@ CONTACT_SHARES = np.linspace(0.0, 1.0, 25)
 SLOW_SPEED = 0.05
 SLOW_COUNT = 100  # largest number of impacts that are shown in slow motion: the fastest ones
 # [1] for a film, an impact with the penetration δ and the impact speed v ends at the latest LONGEST_IMPACT
-# times δ/v after its onset: in a longer contact the point rests from then on
+# times δ/v after its onset: in a longer contact the point counts as resting from then on
 LONGEST_IMPACT = 5.0
 # [m/s; rad/s at a stop of a joint] least speed v in δ/v: a point that rests at a wall from the start on has v
 # = 0, and δ/v would be infinite

@@ -105,7 +105,7 @@ def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.nd
 def rest_lines(recording: Recording) -> Iterator[str]:
     """Yield a line on the rest with which the motion ends, or nothing if it does not end with a rest.
 
-    The line tells the start of the rest, and the positions of the chain's free ends.
+    The line tells the start of the rest, the position of the tip and, unless it is pinned, that of the base.
     """
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
         # dry friction may hold the chain only some milliseconds after the last noticeable motion
