@@ -93,7 +93,7 @@ class Touch:
         point: the number of the point; for a joint the number of the joint, 1…N; for a slider 0.
         wall: the name of the wall; for a stop joint_min, joint_max, slider_min or slider_max; "" for dry
             friction in a joint or on a slider.
-        force: the force of the wall on the point, shape (T,) [N]; for a stop of a joint the absolute value of
+        force: the normal force of the wall, shape (T,) [N]; for a stop of a joint the absolute value of
             its moment [N·m]; None for dry friction in a joint or on a slider.
         penetration: the penetration, shape (T,) [m]; None if it is unknown.
         rate: the rate of penetration, shape (T,) [m/s]; None if it is unknown.

@@ -25,7 +25,8 @@ LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
 NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the largest force in a joint
 JOINTS = 8  # largest number of joints whose forces the summary lists
 DEEP = 0.5  # [1] ``Body.deep`` of a link, relative to its length
-NAMED_STICKING = 3  # largest number of contacts and joints that the summary names as sticking at the end
+# largest number of contacts, joints and sliders that the summary names as sticking at the end
+NAMED_STICKING = 3
 VALUES = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
     (
@@ -35,8 +36,8 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
     )
     for stop in (False, True)
 )
-"""The units of the columns VALUES of the list of impacts: COLUMN_UNITS at walls, STOP_COLUMN_UNITS at stops
-of joints."""
+"""The units of the columns VALUES of the list of impacts: STOP_COLUMN_UNITS at stops of joints, COLUMN_UNITS
+at walls and at stops of a slider."""
 NONE = "—"  # the text for a number that does not exist or is unknown
 LASTS = "lasts"  # the text in place of the duration of a contact that lasts to the end of the run
 # A number that is at least FIVE_DIGITS and less than MILLION is rounded to four significant digits, and
@@ -194,8 +195,8 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
     """Return one sentence, in a list, if a penetration is larger than ``Body.deep`` of the smallest body.
 
-    The sentence names the wall with the deepest penetration: the wall is too soft for the motion. Otherwise
-    the list is empty.
+    The sentence names the wall, or the stop of a slider, with the deepest penetration, which is too soft
+    for the motion. Stops of joints do not count. If no penetration is so large, the list is empty.
     """
     walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)

@@ -38,7 +38,10 @@ def toucher_name(number: int, stop: str, names: Mapping[int, str]) -> str:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number as text with at most ``digits`` digits and no zeros at its end: 1e8, 2.145e10."""
+    """Return a number as text with at most ``digits`` digits: 1e8, 2.145e10.
+
+    A fraction has no zeros at its end, an exponent none at its start.
+    """
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")
 
 

@@ -75,7 +75,11 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
 def _largest(
     recording: Recording, sensitivities: Sensitivities, name: str, field: str, *, at_stops: bool
 ) -> RankedQuantity:
-    """Return the largest value of a column among all impacts at walls or (``at_stops``) at joint stops."""
+    """Return the largest value of a column of impacts, with its derivatives.
+
+    If ``at_stops``, only the impacts at stops of joints count, else only those at walls and at stops of a
+    slider.
+    """
     values = _at(recording, field, at_stops=at_stops)
     if not np.nanmax(values, initial=0.0) > 0.0:
         surface = "a stop of a joint" if at_stops else "a wall"

@@ -63,7 +63,10 @@ class Effect(NamedTuple):
 
     @property
     def differs(self) -> bool:
-        """Whether ``simulated`` and ``change`` differ by more than FIRST_ORDER, or ``simulated`` is NaN."""
+        """Whether ``simulated`` and ``change`` differ by more than FIRST_ORDER, or ``simulated`` is NaN.
+
+        Without a second run, this is False.
+        """
         if self.simulated is None:
             return False
         # a comparison with NaN is False, so NaN counts as different

@@ -1,6 +1,7 @@
 """The result of a simulation."""
 
-# mypy does not know that attributes of a recording are only read, so that properties may override them
+# The type checker mypy refuses a property that overrides an attribute, because an attribute can also be
+# written. Attributes of a recording are only read, so this error is switched off:
 # mypy: disable-error-code="override"
 
 from __future__ import annotations
@@ -233,8 +234,8 @@ class Result(Pictured):
 
         The fields are kinetic, potential, elastic, dissipated, supplied, total and friction. The field total
         is the sum kinetic + potential + elastic; total + dissipated − supplied is constant. The field
-        friction is the part of dissipated that is due to dry friction. It is NaN if the run does not compute
-        it: the run computes integrals over time only if the scene asks for an output that needs them.
+        friction is the part of dissipated that is due to dry friction. This part is NaN if the run does not
+        compute it: the run computes integrals over time only if the scene asks for an output that needs them.
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.

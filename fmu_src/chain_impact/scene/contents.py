@@ -110,7 +110,7 @@ class Contents:
     def touching_points(self) -> tuple[int, ...]:
         """The numbers of the points that may touch walls: those of ``contact.points``, and points of links.
 
-        A point of link 1 at a pinned base is left out, because it cannot move.
+        A point of link 1 that lies on a pinned base is left out, because it cannot move.
         """
         first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
         sites = enumerate(self.chain.sites, first)
