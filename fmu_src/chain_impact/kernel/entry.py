@@ -238,7 +238,9 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
 
 
 def finish_run(d, end_time, cost_limit):
-    """Advance to ``end_time`` [s], fill the outputs, and return a status; PAUSED beyond ``cost_limit``.
+    """Advance to ``end_time`` [s], and return a status; PAUSED beyond ``cost_limit``.
+
+    If ``end_time`` is reached, the outputs are filled.
 
     Contacts that still last at the end are logged, because the outputs of peak forces and penetrations come
     from the log.

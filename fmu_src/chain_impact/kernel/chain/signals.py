@@ -152,9 +152,9 @@ def signal_rate(d, j):
 
     For a sine that has begun, it is the largest angular frequency of the sine in the step. For a polynomial
     of a degree above 3, as of a smooth ramp, it is π divided by the duration of the segment, as if the
-    segment were half a period of a cosine: such a polynomial can change within a step although it is at rest
-    at both ends. For a polynomial of a lower degree the result is 0, because the rates at both ends of a step
-    bound the change of the polynomial.
+    segment were half a period of a cosine: such a polynomial can rise and fall within a step of which neither
+    the values nor the rates at both ends show it. For a polynomial of degree 3 or less the result is 0,
+    because its values and rates at both ends of a step determine it.
     """
     if is_sine(d, j):
         return largest_frequency(d, j)
@@ -308,7 +308,9 @@ def set_constant_knot(d, k, time, level):
 def derive_sine(d, i, k):
     """Set the three knots of a sine, from index k on; row i of `signal` has its given numbers.
 
-    Their segments are the times before the sine's start, during its rise, and after the rise.
+    Their segments are the times before the sine's start, during its rise, and after the rise. Each
+    polynomial is constant: the mean, to which ``sine_at`` is added from the start on. Before the start of a
+    sine that does not rise, the constant is the value of the signal at the start.
     """
     signal = d.signal
     rises = signal.rise[i] > 0.0

@@ -42,7 +42,9 @@ NEAR_TURNING_POINT = 0.125
 # DEPTH_OF_RISE + DEEPER |y| in a rise, with y = g/ω², the angular frequency ω and its rate g. With fewer
 # levels the 2-fold integral E_2 of e^{iΦ} would lose digits, and in a rise E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
-FRACTION_ERROR = 1e-17  # levels are added to the continued fraction until its relative error is at most this
+# levels are added to the continued fraction until its relative error is at most this, or their number is the
+# largest
+FRACTION_ERROR = 1e-17
 # LARGEST_TURN: if the phase turns at most this [rad] in a rise, the integral is computed by quadrature;
 # otherwise the terms of the integrals E_n hardly cancel, and need no quadrature. PANEL: the largest turn
 # [rad] in one panel of a quadrature.
@@ -73,7 +75,8 @@ def sine_phase(d, i, s):
 def sine_integral(d, i, m, s, rise):
     """Return the m-fold integral I_m of the sine in row i of the given numbers, a time s [s] after its start.
 
-    ``rise`` is the duration [s] of the rise of the amplitude if s lies within the rise, else 0.
+    I_m is that of r sin Φ, without the amplitude a. ``rise`` is the duration [s] of the rise r if s lies
+    within the rise, else 0.
     """
     begin, g = TAU * d.signal.frequency[i], TAU * d.signal.frequency_rate[i]
     omega = begin + g * s

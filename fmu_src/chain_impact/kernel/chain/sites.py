@@ -22,7 +22,11 @@ def joint_place(d, i):
 
 @inlined
 def site_place(d, s):
-    """Return the index of site s among all places: the sites come after the points and the joints."""
+    """Return the index of site s among all places: 2 N + 1 + s, after the points 0…N and N joints.
+
+    The index is the same in a scene without stops and friction in joints, where the places of joints are not
+    used.
+    """
     return 2 * d.links + 1 + s
 
 

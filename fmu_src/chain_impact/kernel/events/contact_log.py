@@ -98,7 +98,8 @@ def find_peaks(d, c, force_rate, time, reader):
 def turns_at_end(d, c):
     """Return whether candidate c's law damps on approach only and the last step ends at its kink δ̇ = 0.
 
-    There the penetration, whose rate is δ̇, is largest, so no search for its maximum is needed.
+    If the point has approached until then, the penetration, whose rate is δ̇, is largest there, so no search
+    for its maximum is needed.
     """
     return d.law.approach_only[c] and d.touch.event[c] == KINK
 
@@ -196,10 +197,7 @@ def list_latest(d):
 
 
 def rate_of_force(d, c):
-    """Return dF/dt [N/s] of candidate c, for the located and accelerated points.
-
-    Callers use only the sign.
-    """
+    """Return dF/dt [N/s] of candidate c, for the located and accelerated points."""
     stiffness, damping = contact_slopes(d, c)
     # F is a function of the penetration δ and its rate: Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
@@ -271,6 +269,8 @@ def log_active(d):
 
 def log_with_peaks(d, c, row, end, separation_speed):
     """Log the contact of candidate c with its peaks, and include these in the run's peaks (``d.peaks``).
+
+    The peaks are those that ``touch`` has stored up to the end of the last step.
 
     ``row``, ``end`` and ``separation_speed`` are as for ``log_contact``.
     """

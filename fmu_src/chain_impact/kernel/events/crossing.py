@@ -98,8 +98,8 @@ def locate_at(d, theta):
     locate_points(d, d.scratch.y)
 
 
-# An interval in which the clearance φ can deviate from its chord by less than CROSSING_RESOLUTION, relative
-# to a link length, is not halved: the deviation is round-off.
+# An interval in which φ, the clearance or penetration, can deviate from its chord by less than
+# CROSSING_RESOLUTION, relative to the longest link, is not halved: the deviation is round-off.
 CROSSING_RESOLUTION = 1e-15
 # A point skims a wall, that is, it moves along the wall, if its clearance φ and the change of φ in an
 # interval are below SKIMMING_CLEARANCE, relative to the longest link. Example: a point of a link that lies
@@ -164,8 +164,8 @@ def check_candidate(d, c, a, b):
     width = (b - a) * d.step.size
     start, end = d.search.phi_start[c], d.search.phi_end[c]
     if c == d.step.regularized:
-        # u, the root of the penetration over the expected one, does not fall to zero and rise again in a
-        # step, because the rate of the penetration would have to change its sign twice
+        # the sign of u, the root of the penetration over the expected one, at the end decides: a point does
+        # not leave its wall and return to it within one step of a regularized contact
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.phi_start_rate[c], d.search.phi_end_rate[c]
     curvature = d.search.curvature[c]

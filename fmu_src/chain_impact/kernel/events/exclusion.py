@@ -155,7 +155,8 @@ def distance_per_radian(d):
 def remains_far(d):
     """Return whether the last step surely has no event, because all points were far from all walls.
 
-    A contact with a force law is allowed only if it is the regularized contact, lasts, and has no kink.
+    A contact with a force law is allowed only if it is the regularized contact, lasts, keeps its impact speed
+    v₀, and crosses no kink.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
@@ -216,8 +217,8 @@ def stays_in_contact(d, c, error):
     if it is regularized, if the root u of the relative penetration is > 0 at the end.
     """
     if c == d.step.regularized:
-        # u, the root of the penetration over the expected one, does not fall to zero and rise again in a
-        # step: the rate of the penetration would have to change its sign twice
+        # the sign of u, the root of the penetration over the expected one, at the end decides: a point does
+        # not leave its wall and return to it within one step of a regularized contact
         return d.search.phi_end[c] > 0.0
     return stays_positive(d, c, error)
 

@@ -42,11 +42,12 @@ from chain_impact.kernel.rows.geometry import any_sticking, tangential_accelerat
 from chain_impact.kernel.rows.limits import find_limited_forces
 
 # The acceleration against its direction of sliding that counts as an error, for an element at rest with the
-# mode "slides". It is relative to the sum of the largest acceleration, gravity and one link length per second
-# squared; ``acceleration_error`` adds a second part. A larger acceleration makes the mode inconsistent.
+# mode "slides". It is relative to the sum of the largest acceleration, gravity and the longest link per
+# second squared; ``acceleration_error`` adds a second part. A larger acceleration makes the mode
+# inconsistent.
 ACCELERATION_ERROR = 1e-9
-# An element that sticks or has just stopped may have this speed, relative to a link length per second, as an
-# error at a loose tolerance; a faster element slides.
+# An element that sticks or has just stopped may have this speed, relative to the longest link per second, as
+# an error at a loose tolerance; a faster element slides.
 SPEED_ERROR_AT_REST = 1e-3
 
 
