@@ -52,7 +52,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Convert a file, and print a line for each difference between the two files, warnings first."""
+    """Convert a file; print what differs between the two files and other remarks, warnings first."""
     from chain_impact.conversion.convert import convert, remark_lines
     from chain_impact.conversion.planar import Choices
 

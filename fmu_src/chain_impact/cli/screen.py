@@ -94,7 +94,8 @@ def headline(bold: str, others: str = "") -> Text:
 def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
     """Yield the lines of a table with the variables of an FMU.
 
-    A description that does not fit into a line of ``width`` characters goes on in the next lines, indented.
+    A description that does not fit beside the other columns, in lines of ``width`` characters, stands in the
+    next lines, indented. The numbers in it that have a meaning follow, each in a line of its own.
     """
     contents = [
         (v.name, v.causality, v.variability, unit_text(v.unit), v.description or "") for v in variables

@@ -1,7 +1,7 @@
 """A user's own contact law as a C function, which is linked to a kernel.
 
 A law has the kernel's own exp, expm1, log, log1p, pow, sin and cos, whose results have the same bits on every
-machine. Other functions of ``math`` are those of the platform's C library.
+machine. Other functions of ``math`` are those of the platform's C library or, in a browser, of ``Math``.
 """
 
 from __future__ import annotations

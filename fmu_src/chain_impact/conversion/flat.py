@@ -42,10 +42,10 @@ class Plan(NamedTuple):
 def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
     """Return the plane at right angles to ``axis``, the direction of the joints' axes.
 
-    By default y points upwards, and x, at right angles to y, is horizontal. Of its two possible directions, x
-    has the one nearer to the robot's x axis or, if x is at right angles to that axis, nearer to the robot's y
-    axis. If ``axis`` is vertical, x and y are the robot's x and y axes. ``directions``, such as ``-x,z``,
-    replace this default.
+    By default y points upwards as far as the plane allows, and x, at right angles to y, is horizontal. Of its
+    two possible directions, x has the one nearer to the robot's x axis or, if x is at right angles to that
+    axis, nearer to the robot's y axis. If ``axis`` is vertical, x and y are the robot's x and y axes.
+    ``directions``, such as ``-x,z``, replace this default.
 
     Raises:
         SceneError: when the directions are not two directions at right angles to each other and to the axes.

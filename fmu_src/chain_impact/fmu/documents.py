@@ -147,7 +147,8 @@ def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
     Each joint, each point, the base, the slider, the tip and each wall is the owner of some variables, and
     has a terminal with the inputs and outputs among them. The terminals of walls are inside a terminal
     ``wall``, so that the path of a terminal is the first part of its variables' names. All members are
-    signals, of the kind "bus": an importer that connects two terminals connects the members with equal names.
+    signals. The matching rule of each terminal is "bus": an importer that connects two terminals connects the
+    members with equal names.
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     looks = SubElement(root, "GraphicalRepresentation")

@@ -271,10 +271,11 @@ def nominal_values(scene: Scene) -> dict[str, float]:
 
     Let L be the length of the longest link, M the mass of all links, and v = L / 1 s. The motion has the
     magnitudes L, v, the energy M v², the momentum M v, the angular momentum M v L, the inertial force M v / 1
-    s and the inertial moment M v L / 1 s. L and M v² are also the solver's absolute scales, ``longest_link``
-    and ``energy_scale``. Magnitudes of contacts are those of an impact of the mass M at v without damping,
-    whose penetration δ obeys K δⁿ⁺¹/(n+1) = M v²/2 with stiffness K and exponent n. Magnitudes of stops
-    follow in the same way from an impact of M at the distance L from the joint, at 1 rad/s.
+    s and the inertial moment M v L / 1 s. L is also the solver's scale ``longest_link``, and M v² its
+    ``energy_scale`` in a chain without slider and rotors. Magnitudes of contacts are those of an impact of
+    the mass M at v without damping, whose penetration δ obeys K δⁿ⁺¹/(n+1) = M v²/2 with stiffness K and
+    exponent n. Magnitudes of stops follow in the same way from an impact of M at the distance L from the
+    joint, at 1 rad/s.
     """
     links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)

@@ -83,7 +83,7 @@ class Reference(NamedTuple):
 def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     """Return the file with the reference results, as path in the FMU → content.
 
-    The result is empty if no results are reliable, or if the chain cannot start.
+    The result is empty if no results are reliable, or if the chain cannot start or take its first step.
     """
     try:
         solution = reference(prepared)

@@ -67,8 +67,8 @@ class Trial:
     def run(self, reasons: Callable[[], list[str]]) -> None:
         """Load the FMU, instantiate, read start values, make steps and restore states, terminate and free.
 
-        An FMU for model exchange has no steps; its values are read once more instead. ``reasons`` returns the
-        messages of the FMU so far.
+        An FMU for model exchange only has no steps and no termination; its values are read once more.
+        ``reasons`` returns the messages of the FMU so far.
 
         Raises:
             CallError: when a call fails; its text is a sentence.

@@ -8,9 +8,9 @@ inertia. The force or torque of a drive is
 
 u is the force or torque of the motor, c the damping and k the stiffness. If ψ_t and ψ̇_t are inputs, targets,
 the drive is a servo; otherwise ψ_t is the rest position of the spring, and ψ̇_t is 0. F may have a limit. A
-drive with a limit has a mode, which only events change (events/saturation.py): 0 while |F| is below the
-limit, 1 or −1 while F is at the positive or the negative limit. The rotor of a joint's drive has the armature
-I_a, its inertia reflected through the gear, so the joint transmits F − I_a ψ̈.
+drive with a limit has a mode, which changes only at events and re-initializations (events/saturation.py): 0
+while |F| is below the limit, 1 or −1 while F is at the positive or the negative limit. The rotor of a joint's
+drive has the armature I_a, its inertia reflected through the gear, so the joint transmits F − I_a ψ̈.
 
 Only this module has the formulas of motor, damper, spring and rotor. Other modules call it for the sum of
 their effects: force, power, energy, inertia, the slopes of the force in a state, and bounds of the slopes
@@ -238,8 +238,8 @@ def unlimited_force(d, y, i):
 def drive_force(d, y, i):
     """Return the force F of drive i [N·m or N]: ``unlimited_force`` in mode 0, ± the limit in mode ±1.
 
-    The mode stays the same until an event ends the step. So the force in mode 0 may exceed the limit within a
-    step, and F is smooth within every step.
+    The mode stays the same within a step. So the force in mode 0 may exceed the limit within a step, and F is
+    smooth within every step.
     """
     mode = d.drive.mode[i]
     return unlimited_force(d, y, i) if mode == 0 else float(mode) * d.drive.limit[i]

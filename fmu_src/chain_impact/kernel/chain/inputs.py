@@ -14,7 +14,7 @@ and the velocity v + a h of a uniform acceleration. So position and velocity are
 acceleration is followed exactly. Errors do not add up, because the end follows from the given values s, v and
 a only, and not from the present position.
 A motion without new values continues. If a velocity is given without a position, as always for a belt, the
-speed changes at a uniform rate to the given value, and the position is the integral of the speed.
+speed changes at a uniform rate to v + a h, and the position is the integral of the speed.
 """
 
 import math

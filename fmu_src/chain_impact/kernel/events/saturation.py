@@ -1,4 +1,7 @@
-"""The modes of drives with a limit, at the limit or below it; modes change at events (sampled.py)."""
+"""The modes of drives with a limit, at the limit or below it.
+
+A mode changes at an event (sampled.py) or a re-initialization.
+"""
 
 from chain_impact.kernel.chain.drives import drive_count, drive_mode, unlimited_force
 from chain_impact.kernel.chain.inputs import ensure_inputs
