@@ -4,10 +4,12 @@
 
 import pytest
 
-from tests.pages.in_pages import DESK, PHONE, enter, until, until_told
+from tests.pages.in_pages import enter, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
+NAMES = "all => all.map((one) => one.textContent.replaceAll('\\u200b', ''))"
+COLOUR = "one => getComputedStyle(one).color"
 LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"
 PRESENT = "chainImpact.parameters['contact.restitution']"
 
@@ -89,12 +91,20 @@ def test_a_field_undoes_what_is_typed_in_it_itself(show):
     assert page.evaluate(PRESENT) == value
 
 
-@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
-def test_the_buttons_are_where_they_have_room(show, size):
-    page = show(viewport=size)
+@pytest.mark.parametrize("size", [(1366, 768), (1024, 768), (768, 1024), (844, 390), (390, 844), (360, 800)])
+def test_undo_and_redo_are_on_all_screens_and_take_back_a_reset(show, size):
+    page = show(viewport=dict(zip(("width", "height"), size, strict=True)))
     change(page, 0.5)
-    until(page, "!document.getElementById('reset-all').hidden")
-    assert page.locator("#undo").is_visible() == (size is DESK)
+    buttons = page.locator("#actions > button")
+    shown = "all.filter((one) => one.checkVisibility())"
+    tops = f"all => new Set({shown}.map((one) => one.getBoundingClientRect().top)).size"
+    page.evaluate(LATER)
+    page.locator("#reset-all").click()
+    assert (page.evaluate(PRESENT), buttons.evaluate_all(tops)) == ("0.7", 1)
+    page.get_by_role("button", name="Undo", exact=True).click()
+    assert (page.evaluate(PRESENT), buttons.evaluate_all(tops)) == ("0.5", 1)
+    page.get_by_role("button", name="Redo", exact=True).click()
+    assert page.evaluate(PRESENT) == "0.7"
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
@@ -107,3 +117,26 @@ def test_a_value_with_which_no_run_starts_is_marked_until_it_is_undone(show):
     page.keyboard.press("Control+z")
     row.locator(".refusal").get_by_text("No motion: ").wait_for(state="detached")
     assert row.locator("input:invalid").count() == 0
+
+
+def test_changed_parameters_are_counted_and_first_in_the_list(show):
+    page = show()
+    title = page.locator("summary", has_text="All parameters")
+    drag = {"initial.angle[1]": 1, "link[4].mass": 2}
+    page.evaluate("(changes) => chainImpact.show(changes)", drag)
+    assert title.inner_text() == "All parameters · 2 changed"
+    assert title.locator("span").evaluate(COLOUR) == page.locator("#reset-all").evaluate(COLOUR)
+    title.click()
+    rows = page.locator(".parameter")
+    names = rows.locator(".parameter-name").evaluate_all(NAMES)
+    assert set(names[:2]) == set(drag)
+    page.evaluate(LATER)
+    rows.nth(0).get_by_role("button").click()
+    assert title.inner_text() == "All parameters · 1 changed"
+    assert rows.locator(".parameter-name").evaluate_all(NAMES) == names, (
+        "a row with the focus keeps its place"
+    )
+    page.keyboard.press("Control+z")
+    page.locator("h1").click()
+    page.evaluate("chainImpact.show({'link[3].mass': 2})")
+    assert set(rows.locator(".parameter-name").evaluate_all(NAMES)[:3]) == {*drag, "link[3].mass"}

@@ -6,12 +6,21 @@ import { explain, presentUnit, refusal, resetButton, valueField } from "./parame
 
 /**
  * Fill the list of all parameters, the element `details`, when the reader first opens it for a scene. Its field `search` keeps only the
- * parameters for which each word in the field is in the name or in the meaning.
+ * parameters for which each word in the field is in the name or in the meaning. Its title tells the number of changed parameters, which
+ * come first.
  */
 export function showParameterList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
-  let rows;
-  const refresh = () => rows?.forEach((row) => row.refresh());
+  const count = details.querySelector("summary span");
+  let [rows, first] = []; // first: the names of the changed parameters, as the list is sorted
+  const refresh = () => {
+    count.textContent = changes.count ? ` · ${changes.count} changed` : "";
+    rows?.forEach((row) => row.refresh());
+    const changed = changes.scene.parameters.map(({ name }) => name).filter((name) => changes.isChanged(name)).join();
+    if (!rows || changed === first || body.contains(document.activeElement)) return; // a row with the focus stays in its place
+    body.append(...rows.toSorted((a, b) => changes.isChanged(b.name) - changes.isChanged(a.name)).map(({ row }) => row));
+    first = changed;
+  };
   const filter = () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
     rows.forEach(({ row, text }) => {
@@ -22,12 +31,14 @@ export function showParameterList(details, changes) {
   const fill = () => {
     if (rows || !details.open) return;
     rows = changes.scene.parameters.map((parameter) => listRow(changes, parameter));
-    body.replaceChildren(...rows.map(({ row }) => row));
+    body.replaceChildren();
+    first = undefined;
     refresh();
     filter();
   };
   details.addEventListener("toggle", () => {
     fill();
+    refresh();
     if (details.open) details.firstElementChild.scrollIntoView(); // the list opens below the visible part of the page
   });
   search.addEventListener("input", filter);
@@ -45,6 +56,7 @@ function listRow(changes, parameter) {
   const unitElement = make("small");
   const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field, unitElement, refusal());
   return {
+    name,
     row,
     text: `${name} ${text}`.toLowerCase(),
     refresh: () => {
