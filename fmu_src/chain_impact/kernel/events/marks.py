@@ -1,7 +1,8 @@
 """The marks of events that the search has found in the last step, in ``event`` of touch, element and drive.
 
 Only this module sets the marks. A mark stays until the next step applies the event (handlers.py,
-friction_modes.py, saturation.py). handlers.py and sampled.py describe the kinds of events.
+friction_modes.py, saturation.py), or until the last step is rejected or cut before the event. handlers.py and
+sampled.py describe the kinds of events.
 """
 
 NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5

@@ -67,14 +67,14 @@ SAMPLES_PER_RADIAN = 8.0
 # [rad] a larger turn does not increase the number of samples, to bound their cost
 MOST_SAMPLED_TURN = 1e4
 # A wall pulls if the force by which it holds a point is negative. A pull up to PULL_ROUND_OFF is round-off,
-# relative to the chain's mass times the sum of gravity and one link length per s².
+# relative to the mass of chain, carriage and armatures times the sum of gravity and the longest link per s².
 PULL_ROUND_OFF = 1e-11
 # [s] a shorter step is not rejected if a wall pulls by more than ``plausible_pull`` in a stage
 LEAST_REJECTED_STEP = 1e-9
 # the largest tangential speed that counts as rest, relative to the length of the longest link per second
 REST_SPEED = 1e-12
 # A friction force that exceeds its limit by less is round-off, relative to a sum: the limit, plus the mean
-# mass of a link times the sum of gravity and one link length per s².
+# mass of a link times the sum of gravity and the longest link per s².
 FRICTION_EXCESS = 1e-10
 
 

@@ -2,7 +2,7 @@
 
 For most steps a test of the states and rates at both ends excludes any event (exclusion.py), and no dense
 output is needed. In the other steps the first crossing of a clearance is located, and then other kinds of
-event are searched for before it. handlers.py lists all kinds of event.
+event are searched for before it. handlers.py and sampled.py describe the kinds of event.
 """
 
 import math
@@ -54,7 +54,7 @@ EARLY_THETA = 1e-3
 # A step that was repeated to end at an onset is rejected if the onset is farther from the step's end than
 # this part of the step's size.
 LANDING_TIME = 1e-2
-# A clearance at an onset up to CLEARANCE_ROUND_OFF is round-off, relative to a link length plus the
+# A clearance at an onset up to CLEARANCE_ROUND_OFF is round-off, relative to the longest link plus the
 # coordinates of the point. A slow point may need more than LANDING_TIME to move this distance; its time after
 # the onset then counts as 0.
 CLEARANCE_ROUND_OFF = 1e-15
@@ -70,7 +70,7 @@ def find_event(d):
     Returns:
         The fraction θ ∈ [0, 1] of the step at which the event happens, or −1 if there is none. The marks
         (marks.py) show which kinds of event happen at θ. A step that is too inaccurate to locate the event is
-        rejected.
+        rejected; then the result has no meaning.
     """
     d.search.input_rate = max(d.inputs.piece.change_rate, rate_of_signals(d))
     if d.candidates == 0:

@@ -59,8 +59,8 @@ def apply_contact(d, c, gap, gap_rate):
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     store_force(d, c, force)
     add_along(normal_row(d, c), d.scratch.load, force)
-    # the elastic part K δⁿ of the force F stores energy, the rest dissipates the power (F − K δⁿ) δ̇ ≥ 0,
-    # with the stiffness K and the penetration δ
+    # the elastic part K δⁿ of the force F stores energy, the rest dissipates the power (F − K δⁿ) δ̇, with
+    # the stiffness K and the penetration δ
     return (elastic - force) * gap_rate
 
 
@@ -238,8 +238,8 @@ def cross_kink(d, c):
     if is_cut_off(d, c):
         touch.force_rate[c] = 1.0  # 1.0: the force rises
     if d.law.approach_only[c]:
-        # at this kink the rate of the penetration is 0; the largest penetration has been recorded, and is not
-        # searched for again
+        # at this kink the rate of the penetration is 0; the largest penetration up to this time has been
+        # recorded, and is not searched for again
         touch.speed[c] = 0.0
     touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
 

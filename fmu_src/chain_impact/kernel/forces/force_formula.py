@@ -283,7 +283,7 @@ def law_slopes(d, c, depth, rate):
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power_of_depth(depth, exponent))
     # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ for the force F and the penetration δ. For n ≥ p and F ≥ 0 this is at
-    # least (n−p) K δⁿ⁻¹, but near the kink F may be < 0, and the slope may be smaller.
+    # least (n−p) K δⁿ⁻¹, but near the kink F and the slope may be < 0. Such a slope is replaced by 0.
     stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
     return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
 

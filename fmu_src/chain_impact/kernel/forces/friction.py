@@ -88,8 +88,9 @@ def set_anchor(d, e):
 def list_friction(d):
     """List the elements that have dry friction at present, and those of them that stick, without gaps.
 
-    Active contacts with a force law come first, then joints, then the slider. A free base has no joint, so
-    the element of the first joint has no friction.
+    Active contacts with a force law come first, then joints, then the slider. Rigid walls have no friction. A
+    free base has no joint, so the element of the first joint has no friction. The function also sets the
+    limits of friction of joints and slider.
     """
     friction = d.friction
     friction.count = 0

@@ -86,8 +86,8 @@ def set_start_to_state(d, derivative):
 def set_start_to_load_motion(d):
     """Set ``constraints.start`` to the motion along each constraint that ``scratch.load`` causes.
 
-    The loads are impulses, and the constraints do not act on the chain. Return the largest component of the
-    motion of any place.
+    If the loads are impulses, the motion is a change of velocity; if they are forces, it is an acceleration.
+    The constraints do not act on the chain. Return the largest component of the motion of any place.
     """
     factorize_free(d)
     solve_space(d, d.scratch.link, d.scratch, FREE, d.scratch.change)
@@ -266,7 +266,10 @@ def momentum(d, vectors):
 
 @has_dual_rule
 def contact_resistance(d):
-    """Return the impedance [kg] with which a contact with a force law resists a projection."""
+    """Return the impedance [kg] with which a contact with a force law resists a projection.
+
+    It is used only if an element sticks.
+    """
     return CONTACT_RESISTANCE * mean_mass(d)
 
 
@@ -331,9 +334,10 @@ def least_impulse(d):
 def tolerated_momentum(d, speed):
     """Return the largest impulse [N·s] that counts as zero for the chain.
 
-    It is the chain's mass times a sum: the speed after a fall by LEAST_RISE link lengths, and the tolerance
-    times a speed. The fall is with gravity plus one link length per s²; the speed is the largest speed,
-    ``speed`` [m/s], plus one link length per second.
+    It is a mass times a sum. The mass is that of chain and carriage, plus the inertias of armatures divided
+    by the square of the longest link. The sum is the speed after a fall by LEAST_RISE times the longest link,
+    and the tolerance times a speed. The fall is with gravity plus the longest link per s²; the speed is the
+    largest speed, ``speed`` [m/s], plus the longest link per second.
     """
     size = d.chain.longest_link
     mass = d.chain.energy_scale / (size * size)
