@@ -8,7 +8,7 @@ from collections.abc import Callable
 Progress = Callable[[float], None]
 """A function that is called with the finished fraction of some work, from 0 to 1."""
 log = logging.getLogger("chain_impact")
-"""The package's logger: INFO tells of work that takes seconds, DEBUG of the single steps of this work."""
+"""The package's logger: INFO tells of long work and of what the work leaves out, DEBUG of its steps."""
 log.addHandler(logging.NullHandler())
 
 

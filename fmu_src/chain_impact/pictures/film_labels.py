@@ -1,4 +1,7 @@
-"""The numbers at the arrows of a film, each placed where it covers no body, line, arrow or other number."""
+"""The numbers at the arrows of a film; they cover no body, wall, arrow or other number.
+
+A number covers the trace of the tip only if there is no room elsewhere.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Labels next to positions in a picture, where they cover no line, mark or other label."""
+"""Labels next to positions in a picture, where they cover no mark, no other label, and at most pale lines."""
 
 from __future__ import annotations
 
@@ -208,7 +208,8 @@ def place_labels(
         axes: the axes inside which the labels stay.
         labels: the labels to write, the most important first.
         ink: the used pixels of the figure; afterwards they include the labels.
-        lines: whether leaders are allowed: a label may then be far from its position, with a line to it.
+        lines: whether leaders are allowed: a label may then be far from its position, with a line to it, and
+            may cover pale lines.
         look: properties of the text, with matplotlib's names.
     """
     steps = np.array(NEARBY + (FAR if lines else UNLED))
