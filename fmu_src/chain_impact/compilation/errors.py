@@ -1,4 +1,4 @@
-"""The error that is raised when a kernel cannot be made."""
+"""The error that is raised when a kernel or an FMU cannot be made."""
 
 
 class BuildError(RuntimeError):

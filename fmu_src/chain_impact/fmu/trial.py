@@ -34,7 +34,7 @@ SILENT = "it gives no reason; its binary may be made for another GUID or token, 
 
 
 class CallError(Exception):
-    """Raised when a call of the FMU fails, which ends the test run."""
+    """Raised when a call of the FMU fails; it ends the test run, unless the call reads a variable."""
 
 
 class DescriptionError(Exception):
