@@ -4,7 +4,7 @@ const TICK_STEPS = [5, 2.5, 2, 1]; // allowed distances between ticks, as multip
 
 /**
  * Return the ticks of an axis from `low` to `high`: multiples of the largest round step that gives at least `fewest` of them; there are at
- * most 10. With `whole` all of them are whole numbers, and there may be fewer.
+ * most 10. With `whole` all of them are whole numbers, and there may be fewer. An axis without a length has one tick, `low`.
  */
 export function ticksBetween(low, high, fewest = 4, whole = false) {
   if (!(high > low && high - low < Infinity)) return [low];

@@ -93,9 +93,9 @@ export class CurveCharts {
   #compared = [];
 
   /**
-   * `curvesOf` is a function that returns the curves of a recording, or nothing. Elements that may be missing: `zoomButton` switches to the
-   * view of one impact, `title` names this impact, and `note` names the compared motions that lack some of the curves,
-   * with the reason `whyWithout`.
+   * `curvesOf` is a function from a recording to { time, curves }, or to nothing. Elements that may be missing: `zoomButton` switches to
+   * the view of one impact, `title` names this impact, and `note` names the compared motions that lack some of the curves, with the reason
+   * `whyWithout`.
    */
   constructor(element, seek, { curvesOf, label, zoomButton, title, note, whyWithout, wordsOf = (name) => name }) {
     Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, whyWithout, wordsOf, charts: new Map() });

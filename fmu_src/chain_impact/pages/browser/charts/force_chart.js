@@ -134,7 +134,8 @@ export class ForceChart extends Chart {
       // the limits contain the margin, because uPlot applies the function `range` of an axis only to limits that it finds itself
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });
-    // the chart is hidden without a curve, as for an impulse of a rigid wall, or a contact between two rows of the recording
+    // The chart is hidden if neither the contact nor a compared motion has a curve. An impulse of a rigid wall has none, and neither has a
+    // contact between two rows of the recording.
     const hasCurve = inside.some((force) => force > 0);
     const isKnown = hasCurve || this.curves.length > 0;
     this.element.hidden = !isKnown;

@@ -35,8 +35,8 @@ export function traceOf(recording, camera) {
 }
 
 /**
- * Return a function (rectangle [left, top, right, bottom], frame) → whether a trace, a result of `traceOf`, enters the rectangle up to the
- * frame. `width`: of the drawing [pixels].
+ * Return a function (rectangle [left, top, right, bottom], frame) → whether a trace, a result of `traceOf`, enters the rectangle, or comes
+ * nearer to it than about CELL, up to the frame. `width`: of the drawing [pixels].
  */
 export function traceFinder({ frames, positions }, width) {
   const columns = Math.ceil(width / CELL);

@@ -18,7 +18,7 @@ export class Address {
     Object.assign(this, { changes, choice, openScene, refuse });
     if (location.hash) this.#apply(location.hash);
     changes.onChange(() => this.updateSoon());
-    // `updateSoon` may have replaced the address since the event was made
+    // the address comes from the event, because `updateSoon` may have replaced the page's address since the event was made
     addEventListener("hashchange", ({ newURL }) => this.#apply(new URL(newURL).hash));
   }
 

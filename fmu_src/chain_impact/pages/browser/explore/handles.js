@@ -35,7 +35,7 @@ export class Handles {
     this.changes = changes;
     this.element = element;
     // the handle that moves, or null: {kind, index, apart (from `#apart`), time (from `#arrowTime`)}, also with `pointer`, the number of
-    // the pointer that drags it, or with `by`, the way [pixels] by which a key moves it
+    // the pointer that drags it, or `by`, the way [pixels] by which a key moves it; `#move` adds its position `at` and the `values` it sets
     this.dragged = null;
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);

@@ -34,7 +34,10 @@ export class UndoHistory {
     this.present = this.openScene.state;
   }
 
-  /** Keep the state before a change that begins a gesture; a change that goes on with a gesture replaces the present state. */
+  /**
+   * Keep the state before a change that begins a gesture; a change that goes on with a gesture replaces the present state. Both remove the
+   * undone states. A change that is itself a step of undo or redo does neither.
+   */
   #record(isBegin) {
     if (!this.#isStep) {
       if (isBegin || this.#isBegin) this.#past.push(this.present);

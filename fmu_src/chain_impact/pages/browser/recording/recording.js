@@ -82,8 +82,8 @@ export class Recording {
   }
 
   /**
-   * Return force [N], penetration [m] and dry friction [N] of a contact's point at its wall in all rows; unknown ones are left out. At a
-   * stop of a joint the `force` is a moment [N·m].
+   * Return `force` [N], `penetration` [m] and dry `friction` [N] of a contact's point at its wall, each with a value for each row; unknown
+   * ones are left out. At a stop of a joint the `force` is a moment [N·m].
    */
   courseOf({ point, wall }) {
     return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};

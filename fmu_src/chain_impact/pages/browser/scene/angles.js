@@ -33,7 +33,7 @@ export function shortText(value, unit) {
   return texts.find(({ length }) => length <= ROOM) ?? texts.at(-1);
 }
 
-/** Return the factor and the unit with which a value is shown; an angle is shown in degrees. */
+/** Return the `factor` and the unit (`text`) with which a value is shown; an angle is shown in degrees. */
 export function shownIn({ unit }) {
   return unit in IN_DEGREES ? { factor: 1 / DEGREE, text: unitText(unit).replace("rad", "°") } : { factor: 1, text: unitText(unit) };
 }

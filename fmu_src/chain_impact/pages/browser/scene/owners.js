@@ -71,7 +71,7 @@ function knownOf(file, lists, { facts, counts }) {
 
 /**
  * Return the owners that one row of the table of owners finds: the members of its list for which its rule `has` is true, each with its
- * numbers and conditions.
+ * numbers and conditions. If several of them have the same `n`, `of` and name, only the first is an owner.
  */
 function ownersIn({ over, has, numbers, conditions }, known, lists) {
   const found = new Map();

@@ -3,7 +3,7 @@
 import { inFile, pathText } from "../base/paths.js";
 import { holds, numberIn } from "./rules.js";
 
-/** Return a value as text for an error, in the form of Python's errors; some numbers differ (1 for 1.0). */
+/** Return a value as text for an error, in the form of Python's errors, cut if it is long; some numbers differ (1 for 1.0). */
 export function shown(value) {
   const text = written(value);
   return text.length > SHARED.file.SHOWN ? `${text.slice(0, SHARED.file.SHOWN)}...` : text;

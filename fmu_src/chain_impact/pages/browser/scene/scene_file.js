@@ -152,8 +152,8 @@ export function touchingPoints(file) {
 }
 
 /**
- * Return the pairs of a point's number and a wall's name that can touch. A base that slides parallel to a wall cannot touch it, nor can a
- * point of link 1 at the base.
+ * Return the pairs of a point's number and a wall's name that can touch. A base that slides parallel to a wall cannot touch this wall, and
+ * neither can a point of link 1 that lies at this base.
  */
 export function pairsOf(file) {
   const { chain: { slider, links }, walls } = file;

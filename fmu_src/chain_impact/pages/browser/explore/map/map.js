@@ -212,7 +212,7 @@ export class GridMap {
     Object.assign(find("map-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
 
-  /** Return what the fields ask for: the names of the two parameters, their values, all changes of parameters, and all outputs. */
+  /** Return what the fields ask for: `names` of two parameters, `axes` with their values, all changes (`values`), and all `outputs`. */
   #requestOf(points) {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");

@@ -24,8 +24,9 @@ function ringOf([x, y], { left, width }) {
 }
 
 /**
- * Draw the marks of a map into the group `scales`: `place` is the rectangle { left, top, width, height } of its runs on the screen,
- * `present` the position [x, y] of the present run there and its output `value`, if it is known, and `chosen` the index of a run.
+ * Draw into the group `scales` the outputs of some runs as numbers, a ring with its output at the present run, and a frame with its output
+ * at the run with the index `chosen`, if it is simulated. `place` is the rectangle { left, top, width, height } of the map on the screen.
+ * `present` has the position `at` [x, y] of the present run and its output `value`, if it is known; null if this run is not in the map.
  */
 export function markRuns(scales, map, place, { present, chosen }) {
   const { results, points, scale } = map;

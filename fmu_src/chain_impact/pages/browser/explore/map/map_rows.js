@@ -38,7 +38,7 @@ export function hasAreaOf(map, request) {
   return partsOf(map) === partsOf(request);
 }
 
-/** Return the values of the two parameters of a map in one of its runs. */
+/** Return name → value of the two parameters of a map in the run with an index. */
 export function valuesAt({ names, axes, points }, index) {
   return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
 }
