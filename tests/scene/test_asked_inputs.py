@@ -37,3 +37,9 @@ def test_what_is_advised_makes_the_input(model):
             assert refusal(scene.with_values, {f"inputs.{key}": True})
         else:
             assert advice.startswith(("there is no wall nowhere", "no point can touch a wall", "it has "))
+
+
+def test_a_free_base_has_no_joint_1():
+    scene = load_scene("rod_drop").with_values({"inputs.joint_torques": True})
+    assert 'chain.base = "free"' in how_asked(scene, "joint[1].torque")
+    assert "chain.base" not in how_asked(load_scene("pinned_arm"), "joint[3].torque")

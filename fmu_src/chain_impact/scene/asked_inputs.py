@@ -41,6 +41,13 @@ def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
             yield from (template.format(**word) for template in of_head)
 
 
+def free_joint_inputs(scene: Contents) -> list[str]:
+    """Return the inputs that joint 1 would have if the base were not free; none if the base is not free."""
+    if scene.chain.base != "free":
+        return []
+    return [name.format(n=1) for names in INPUTS_OF.values() for name in names if name.startswith("joint")]
+
+
 def how_asked(scene: Contents, name: str) -> str:
     """Return advice for an error on an input that the scene lacks: how to add it, or which inputs exist."""
     key, there = input_key(name), list(inputs_of(scene))
@@ -53,6 +60,8 @@ def how_asked(scene: Contents, name: str) -> str:
         return f"{input_asked(name)} makes it"
     if key and (base := {"slider": "slider", "base": "pinned"}.get(name.partition(".")[0])):
         return f'only a chain with chain.base = "{base}" has it'
+    if name in free_joint_inputs(scene):
+        return 'there is no joint 1: the base is free (chain.base = "free")'
     if near := nearest(name, possible):
         return f"the nearest is {near}" + ("" if near in there else f", and {input_asked(near)} makes it")
     return f"it has {', '.join(there)}" if there else "it has none"

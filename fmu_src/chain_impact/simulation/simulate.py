@@ -193,7 +193,7 @@ def _warn(instance: Instance, result: Result) -> None:
     """Warn of a point deeper in a wall than ``Body.deep``, and of positions that contradict velocities."""
     scene = result.scene
     # ``hints`` takes long, and has nothing to say unless a penetration is this deep, which is rare
-    if result.impacts["max_penetration"].max(initial=0.0) > smallest_body(scene).deep:
+    if instance.record["peaks"]["penetration"] > smallest_body(scene).deep:
         warn(scene.name, hints(scene, result.impacts))
     if result.prepared.sizes.channels and instance.record["moved"]["contradiction"]:
         warn(scene.name, instance.contradictions)

@@ -98,7 +98,7 @@ def advice(comparison: LawRuns) -> str:
 
     If the impact is free, the sentence advises one of these laws, if there are several. If the impact is not
     free, a second sentence gives the restitutions that can be reached: only an impulse then gives the
-    prescribed restitution for sure, a force only by chance. If other forces press the contact again before it
+    prescribed restitution in any scene; a law with a force gives it in some scenes only. If other forces press the contact again before it
     ends, no law is named.
     """
     e = comparison.contact.restitution
@@ -110,8 +110,9 @@ def advice(comparison: LawRuns) -> str:
     if comparison.is_free:
         return within + (_few(near) or "none of these laws") + _choice(comparison, near)
     sure = [law for law in near if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
-    chance = [law for law in near if law not in sure]
-    parts = [", ".join(sure)] * bool(sure) + [f"by chance {_few(chance)}"] * bool(chance)
+    here = [law for law in near if law not in sure]
+    parts = [f"{', '.join(sure)}, as in any scene"] * bool(sure)
+    parts += [f"{_few(here)}, in this scene only"] * bool(here)
     return f"{within}{'; '.join(parts) or 'none of these laws'}\n{_reach(comparison)}"
 
 
