@@ -41,27 +41,28 @@ def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
             yield from (template.format(**word) for template in of_head)
 
 
-def free_joint_inputs(scene: Contents) -> list[str]:
-    """Return the inputs that joint 1 would have if the base were not free; none if the base is not free."""
-    if scene.chain.base != "free":
-        return []
-    return [name.format(n=1) for names in INPUTS_OF.values() for name in names if name.startswith("joint")]
+def _lacking_owner(scene: Contents, name: str) -> str:
+    """Return why the wall or the joint of an input cannot be driven; "" if it can, or for another input."""
+    wall = name.split(".")[1] if input_key(name) == "wall_motion" else ""
+    if wall and wall not in scene.half_planes:
+        return f"there is no wall {wall}"
+    if wall and not scene.may_touch:
+        return "no point can touch a wall"
+    if scene.chain.base == "free" and name.startswith("joint[1]."):
+        return 'there is no joint 1: the base is free (chain.base = "free")'
+    return ""
 
 
 def how_asked(scene: Contents, name: str) -> str:
     """Return advice for an error on an input that the scene lacks: how to add it, or which inputs exist."""
     key, there = input_key(name), list(inputs_of(scene))
     possible = [*there, *(other for other in inputs_of(scene, asked=False) if other not in there)]
-    if key == "wall_motion" and (wall := name.split(".")[1]) not in scene.half_planes:
-        return f"there is no wall {wall}"
-    if key == "wall_motion" and not scene.may_touch:
-        return "no point can touch a wall"
+    if lacking := _lacking_owner(scene, name):
+        return lacking
     if key == "wall_motion" or name in possible:
         return f"{input_asked(name)} makes it"
     if key and (base := {"slider": "slider", "base": "pinned"}.get(name.partition(".")[0])):
         return f'only a chain with chain.base = "{base}" has it'
-    if name in free_joint_inputs(scene):
-        return 'there is no joint 1: the base is free (chain.base = "free")'
     if near := nearest(name, possible):
         return f"the nearest is {near}" + ("" if near in there else f", and {input_asked(near)} makes it")
     return f"it has {', '.join(there)}" if there else "it has none"

@@ -83,7 +83,7 @@ class Contact:
     exponent: float = quantity("1", "exponent of penetration, 3/2 for Hertz", 1.5, minimum=1.0, maximum=3.0)
     restitution: float = quantity("1", "prescribed restitution", 0.7, minimum=0.0, maximum=1.0, alone=True)
     radius: float = quantity("m", "radius of every point that may touch", 0.0, minimum=0.0)
-    points: tuple[int, ...] = quantity("", "ends of links that may touch, base (0) to tip (N); points of links may always touch", MOVABLE)
+    points: tuple[int, ...] = quantity("", "ends of links that may touch, base (0) to tip (N)", MOVABLE)
     minimum_impact_speed: float = quantity(
         "m/s",
         "an impact slower than this is damped as one at this speed; on a rigid wall it does not rebound",

@@ -98,8 +98,8 @@ def advice(comparison: LawRuns) -> str:
 
     If the impact is free, the sentence advises one of these laws, if there are several. If the impact is not
     free, a second sentence gives the restitutions that can be reached: only an impulse then gives the
-    prescribed restitution in any scene; a law with a force gives it in some scenes only. If other forces press the contact again before it
-    ends, no law is named.
+    prescribed restitution in any scene; a law with a force gives it in some scenes only. If other forces
+    press the contact again before it ends, no law is named.
     """
     e = comparison.contact.restitution
     if comparison.pressed_again:
