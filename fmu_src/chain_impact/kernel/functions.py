@@ -10,7 +10,7 @@ def clear_numbers(part):
 
 
 def copy_row(table, source, row):
-    """Copy all columns of row ``source`` of a table of the record to another row of the table."""
+    """Copy all columns of row ``source`` of a table of the record to the row with the index ``row``."""
     table[row] = table[source]
 
 
@@ -53,7 +53,7 @@ def dispatch(functions):
 def called_in_turn(first, *others):
     """Return a function that calls several functions, one after the other, with its own arguments.
 
-    The returned function returns nothing.
+    The returned function returns nothing. For one function alone, the result is this function.
     """
     if not others:
         return first

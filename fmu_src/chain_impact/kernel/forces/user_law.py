@@ -25,7 +25,7 @@ def is_present():
 
 
 def force(_penetration, _rate, _impact_speed, _effective_mass, _stiffness, _exponent, _restitution):
-    """Return the force [N] of the user's law, before it is cut off at 0; at a joint's stop the moment [N·m].
+    """Return 0. A user's law returns its force [N] before the cut at 0; at a joint's stop the moment [N·m].
 
     ``ARGUMENTS`` describes the arguments.
     """

@@ -1,7 +1,7 @@
 """Exponentials e^x and e^x − 1, with errors below 1 ulp (unit in the last place).
 
-e^x = 2^k 2^(j/128) e^r, with integers k and j from 0 to 127, a small remainder r, and 2^(j/128) from a table
-(P. T. P. Tang 1989, ACM Trans Math Softw 15:144).
+e^x = 2^k 2^(j/128) e^r, with an integer k, an integer j from 0 to 127, a small remainder r, and 2^(j/128)
+from a table (P. T. P. Tang 1989, ACM Trans Math Softw 15:144).
 """
 
 import math

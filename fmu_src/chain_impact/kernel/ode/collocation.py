@@ -14,7 +14,7 @@ of E. The quotient |E|²/|E′| is of order 7, closer to the order of the result
 
 The dense output is the polynomial of degree 5, with an error of order h⁶. The first five basis functions of
 dense.py span all such polynomials that are 0 at the start of the step. The other two are 0 at both ends of
-the step; they make the coordinates within the step agree with the integrated clearances.
+the step; they move the coordinates within the step toward the integrated clearances.
 """
 
 import math
@@ -346,9 +346,9 @@ def set_dense(values, j, stages, at, degree):
 
 
 def match_clearances(d):
-    """Make the dense output agree with the integrated clearances and their rates at thirds of the step.
+    """Move the dense output toward the integrated clearances and their rates at thirds of the step.
 
-    Dry friction does work in this correction; its loss of energy counts as dissipated.
+    ``project_coordinates`` gives the correction; the work of dry friction in it counts as dissipated energy.
     """
     dense, implicit, change, lost = d.step.dense, d.implicit, d.scratch.change, dissipated_at(d.links)
     if clearance_count(d) == 0:
@@ -391,7 +391,7 @@ def extended_component(d, j, theta):
 
 
 def bound_curvatures(d, h):
-    """Set a bound on |g̈| [m/s²] over the last step for the integrated clearance g of each active contact."""
+    """Set bounds on |g̈| [m/s²] in the last step for integrated clearances g of contacts with a force law."""
     for k in range(clearance_count(d)):
         bound = 0.0
         for m in range(RADAU_STAGES):

@@ -219,8 +219,9 @@ def set_scales(d, y, scale, contacts):
     values are; so a rotation or a shift of the scene has no effect. The scale of a speed is its size plus one
     longest link per second; that of an angular velocity is its size plus 1 rad/s. The scale of the dissipated
     energy is its size plus constant and impact energies; that of the supplied energy is formed likewise. The
-    supplied energy is controlled only if the base or walls move: its power then changes with them, however
-    slow the chain is. The power of other inputs depends only on components that are controlled.
+    supplied energy is controlled only if motions of base, walls or belts are prescribed: its power then
+    changes with them, however slow the chain is. The power of other inputs depends only on components that
+    are controlled.
 
     The scales of the penetrations of the first ``contacts`` active contacts (``penetration_scale``) are
     stored from the index of u on, where z of extended.py has the clearances. The points must be located for
