@@ -111,7 +111,7 @@ class Kind:
 
     @cached_property
     def parts(self) -> NameParts:
-        """The parts of a variable's name, with any number and any name in place of those of its owner."""
+        """The parts of a variable's name, with the number 0 and the name "name" in place of its owner's."""
         return name_parts(self.name.format(n=0, of=0, name="name"))
 
     @cached_property

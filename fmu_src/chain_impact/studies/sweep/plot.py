@@ -202,6 +202,8 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
 def title(runs: Runs, results: Results, mark: str) -> list[str]:
     """Return the parts of the headline: the number of runs, ranges of results, and how many runs failed.
 
+    The results are those with ``in_headline`` that are not 0 or unknown in all runs.
+
     ``mark``: how the picture marks failed runs, as text: " (×)", or "" if it does not.
     """
     parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
@@ -214,7 +216,10 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
-    """Return a text with each varied parameter: its range and its value in the scene, or how many choices."""
+    """Return a text with each varied parameter: its range, or how many choices vary.
+
+    After the range stands the value in the scene, if it lies in the range; (+) tells that it is marked.
+    """
     parts, shown = [], with_marks(runs, varying)
     for variation in varying:
         ends = " to ".join(told_apart([*dict.fromkeys((variation.values.min(), variation.values.max()))]))

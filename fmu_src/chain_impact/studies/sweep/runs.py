@@ -27,7 +27,7 @@ class Runs:
 
     @property
     def varied(self) -> tuple[str, ...]:
-        """The names of the parameters that vary."""
+        """The names of the parameters that the user varies, even with a single value."""
         return tuple(variation.name for variation in self.design.variations)
 
     @property

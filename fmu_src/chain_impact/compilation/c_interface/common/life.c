@@ -181,8 +181,9 @@ static void warn(Instance *instance) {
         name, rounded(words[1].real).text, rounded(words[2].real).text, rounded(words[3].real).text);
 }
 
-/* Make a step of `size` seconds from the time `now`; set *onset_due to 1 if it ends early, at the onset of a contact.
-   Every step ends, because solver.work_limit limits the solver's work. */
+/* Make a step of `size` seconds from the time `now`; set *onset_due to 1 if it ends at the onset of a contact, early or
+   at its usual end, else to 0. Only an instance with event mode and early return ends a step so (FMI 3.0). Every step
+   ends, because solver.work_limit limits the solver's work. */
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due) {
     if (!allowed(instance, call, IN(STEPPING))) return ERROR;
     uint64_t registers = usual_registers();
