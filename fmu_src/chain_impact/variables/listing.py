@@ -60,13 +60,13 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
 
 
 def inputs(structure: Structure) -> Iterator[Variable]:
-    """Return the inputs that the scenes of a structure ask for, without inputs that signals drive."""
+    """Return the inputs that the scenes of a structure ask for, without quantities that signals determine."""
     driven = structure.driven_quantities
     return (variable for variable in inputs_asked(structure) if variable.name not in driven)
 
 
 def inputs_asked(structure: Structure) -> Iterator[Variable]:
-    """Return the inputs that the scenes of a structure ask for, also those that signals drive."""
+    """Return the inputs that the scenes of a structure ask for, also quantities that signals determine."""
     return (
         Variable.of(*arguments, variability="continuous") for arguments in _owned_kinds(INPUTS, structure)
     )

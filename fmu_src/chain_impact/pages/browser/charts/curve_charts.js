@@ -11,7 +11,7 @@ const INPUT_COLOURS = 6; // number of colours for curves that the style sheet ha
 // The dashes of curves: lengths [pixels] that are drawn and left out in turn. There are as many as colours, because two colours may look
 // alike.
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
-/** A reader can distinguish at most this many curves in a chart, and charts in a page. */
+/** MOST_CURVES: largest number of curves in a chart that a reader can distinguish; MOST_UNITS: of charts in a page, one for each unit. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
 const KILO = 1e3; // [N or N·m] if a force or moment of a chart reaches this, the chart is in kN or kN·m
 const ROUND_OFF = 1e-12; // a value below this times the largest value of its unit is round-off, and is shown as 0

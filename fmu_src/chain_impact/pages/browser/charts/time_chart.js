@@ -177,8 +177,8 @@ function turnsOf(values, least) {
 }
 
 /**
- * Return the path of a curve, for the option `paths` of uPlot: straight lines between its rows, without those rows that are nearer than
- * CURVE_APART to the row before on the path. uPlot's own paths would be rounded to pixels if rows are much denser than pixels.
+ * Return the path of a curve, for the option `paths` of uPlot: straight lines between its rows, without those rows before the last that are
+ * nearer than CURVE_APART to the row before on the path. uPlot's own paths would be rounded to pixels if rows are much denser than pixels.
  */
 function pathOf(plot, series, first, last) {
   const [times, values] = [plot.data[0], plot.data[series]];

@@ -27,7 +27,7 @@ export class ArrowScale {
     return Math.max(LEAST_ARROW, this.#lengthOnScale(force));
   }
 
-  /** Return whether a force's arrow has the length of the scale; a shorter one is drawn with LEAST_ARROW. */
+  /** Return whether a force's length on the scale is at least LEAST_ARROW; otherwise `lengthOf` gives LEAST_ARROW, not this length. */
   isOnScale(force) {
     return this.#lengthOnScale(force) >= LEAST_ARROW;
   }

@@ -17,8 +17,9 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Draw a scale bar of a round length, at most LONGEST_BAR of the strip's `width` [pixels]: in the middle or, if the ruler of forces reaches
- * so far, to the right of its end, `rulerEnd` [pixels]. If it would end beyond the width, draw none. `scale` is in pixels per metre.
+ * Draw a scale bar of a round length, at most LONGEST_BAR of `width` [pixels], that of the strip to the left of any legend: in the middle
+ * or, if the ruler of forces reaches so far, to the right of its end, `rulerEnd` [pixels]. If it would end beyond the width, draw none.
+ * `scale` is in pixels per metre.
  */
 export function drawScaleBar(group, scale, width, rulerEnd) {
   const wanted = (LONGEST_BAR * width) / scale;

@@ -93,8 +93,8 @@ const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width
   "opacity", "font-family", "font-size", "font-weight", "paint-order", "text-anchor", "stroke-dasharray"];
 
 /**
- * Return a picture of an SVG drawing as a Blob with a PNG, with twice the resolution of the screen. The ground has the colour `background`;
- * on it the function `below` of the canvas's context first draws what lies behind the drawing.
+ * Return a picture of an SVG drawing as a Blob with a PNG, which has twice as many pixels in each direction as the drawing has CSS pixels.
+ * The ground has the colour `background`; on it the function `below` of the canvas's context first draws what lies behind the drawing.
  */
 export async function pictureOf(svg, background, below = () => {}) {
   const copy = svg.cloneNode(true);

@@ -153,7 +153,7 @@ export class Handles {
     return [-half, half].map((along) => [middle[0] - along * wall.normal[1], middle[1] + along * wall.normal[0]]);
   }
 
-  /** Draw the handles if the clock shows the start; otherwise remove them. */
+  /** Draw the handles if the clock stands at the start; otherwise remove them. */
   draw() {
     const { drawing } = this.player;
     const focused = gripOf({ target: document.activeElement });

@@ -81,7 +81,8 @@ export function drivenBy({ signals }, tables) {
 
 /**
  * Return the driven inputs, each with the names of all quantities that it determines: integrals of the input over time, the input, and its
- * derivatives, in this order; "" for one that is no input. Refuse inputs that are not among `inputs`, and inputs that are driven twice.
+ * derivatives, in this order; "" for one that is no input. Refuse a signal without an input, inputs that are not among `inputs`, that are
+ * driven twice or, except with a table, have different units, and signals that `checkSteps` or `checkMotion` refuses.
  */
 export function withOutputs(driven, inputs, signals) {
   const owners = new Map();

@@ -15,7 +15,7 @@ function pause() {
   });
 }
 
-/** Run the scene, and return its outputs (those in `names`, or all) at the communication points. */
+/** Run through the communication points; return the results with `columns`: name → values of the outputs in `names`, or of all. */
 function* rows(kernel, values, { names, inputSteps = {} }) {
   const outputs = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;

@@ -58,7 +58,7 @@ export class GridMap {
 
   /**
    * Show the dialog. A map with all its points stays as the reader has left it, and so does a map from which the reader has opened a run;
-   * otherwise, ranges that the reader has not changed are around the present values.
+   * otherwise, ranges that the reader has not changed follow from the present values again (`rangeOf`).
    */
   open() {
     const isKept = this.shown?.points === POINTS || this.#isLeft;
@@ -86,7 +86,7 @@ export class GridMap {
     find("map-run").textContent = this.#isRunning ? "Stop" : `Simulate ${POINTS} × ${POINTS} runs`;
   }
 
-  /** Show, from few runs, a preview of the map that the button would compute, unless all runs of the shown map are those of its fields. */
+  /** Show, from few runs, a preview of the map that the button would compute, unless the shown map is such a map for the present fields. */
   #preview() {
     if (this.shown?.points === POINTS && this.#fitsFields()) {
       this.#refuse(false);

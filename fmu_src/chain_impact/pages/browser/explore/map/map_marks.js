@@ -17,7 +17,7 @@ function outputText(value, { output, scale }) {
   return withMinus(size === 0 || (size >= 1e-3 && size < 1e6) ? digits(shown) : numberText(Number(shown.toPrecision(3))));
 }
 
-/** Return where the number beside the ring at [x, y] begins, its `anchor`, and the `middle` of ring and number. */
+/** Return for the number beside the ring at [x, y]: x of its end at the ring (`from`), `y`, its `anchor`, and x of the `middle` of both. */
 function ringOf([x, y], { left, width }) {
   const [side, anchor] = x > left + width - NUMBERS_BESIDE ? [-1, "end"] : [1, "start"];
   return { from: x + side * RING_SIZE, middle: x + side * 1.3 * RING_SIZE, y, anchor };

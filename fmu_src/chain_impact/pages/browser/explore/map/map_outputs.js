@@ -28,8 +28,9 @@ export function outputIn(values, { name, rigid }) {
 }
 
 /**
- * Return a list with the output `name` as a map needs it; the list is empty if the scene does not have the output. Besides name and unit,
- * an output of a map has `words`: indices in the record; the map shows the largest of the values there.
+ * Return a list with the output `name` as a map needs it; the list is empty if the scene does not have the output. Besides name, unit and
+ * `integer` (whether it is an integer), an output of a map has `words`: indices in the record; the map shows the largest of the values
+ * there.
  */
 function outputsLike({ columns }, name) {
   return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
