@@ -134,7 +134,8 @@ def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
     The caller may have set new values of inputs or parameters that the run does not use yet. The function
-    applies them first, and so changes the instance. Therefore ``d`` must be a copy of the run's instance.
+    applies them, too, for the outputs that they change at once, and so changes the instance. Therefore ``d``
+    must be a copy of the run's instance.
 
     Returns:
         The status of the run or, if the new values cause a fault, the status of this fault. After such a

@@ -101,7 +101,10 @@ def mechanical_energy(d, y):
 
 @inlined
 def rate_from_state(d, y, rate):
-    """Set ``rate`` to ẏ = f(y); without contacts, dry friction and inputs the points are not located."""
+    """Set ``rate`` to ẏ = f(y).
+
+    Without contacts, dry friction and inputs other than motions of walls, the points are not located.
+    """
     # in free flight no force acts at a point, so points and walls are not located
     if d.touch.active_count > 0 or d.chain.has_inputs or d.friction.count > 0:
         rate_and_points_from_state(d, y, rate)

@@ -1,4 +1,4 @@
-"""The end of a run in which a wall reaches a pinned base; the scene prescribes the motions of both.
+"""The end of a run in which a wall reaches a pinned base; each of them is at rest or moves as prescribed.
 
 The clearance g of the base from a wall follows from the prescribed motions of both alone (chain/motion.py).
 The search is like that of crossing.py. With a bound |g̈| ≤ A over an interval of width w, g lies below its

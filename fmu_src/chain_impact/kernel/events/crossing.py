@@ -3,8 +3,8 @@
 The search by bounds is for a function φ of each candidate. Without contact, φ is the clearance g. In contact,
 φ is the penetration, or u (chain/state.py) of the regularized contact. φ′ and φ″ are derivatives of φ in the
 integration variable of the step, and θ is a fraction of the step. The zero of φ is located on the dense
-output of the step. A suspect is a candidate that the search examines, because the test in exclusion.py does
-not exclude an event of this candidate.
+output of the step. A suspect is a candidate that the search examines: after an implicit step each candidate,
+else a candidate of which the test in exclusion.py does not exclude an event.
 
 If only the signs of φ at both ends of a step were compared, a point that dips into a wall and returns would
 be missed. So a bound |φ″| ≤ A over an interval of width w is used. By this bound, φ stays above its chord

@@ -15,8 +15,8 @@ from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
 
-# [rad] If a link turns more in a step, the estimate of the interpolant's error is not valid, and the step is
-# searched.
+# [rad] If a link turns, or the phase of an input advances, by more in an explicit step, the estimate of the
+# interpolant's error is not valid, and the step is searched.
 SMALL_TURN = 1.0
 # In ``stays_positive``, the least Bernstein coefficient of a clearance or penetration must exceed the limit
 # by this part of the range of all its coefficients. Without the margin, round-off or a wrong estimate of the

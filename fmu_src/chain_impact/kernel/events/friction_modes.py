@@ -7,11 +7,11 @@ friction. Otherwise it slides: a motion begins, and friction acts against this m
     sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
 
 F_t is the friction force along t with the coefficient µ_s of static friction, F_n the normal force, s = ±1
-the direction of sliding, and t·a the tangential acceleration. The modes of elements at rest are found by
-pivoting, as in ``solve_lcp``. In each pivot all elements that violate the condition of their mode change
-their modes, and the others keep theirs. The pivots end when there is no such element. If the number of such
-elements stops falling before, the modes follow from forces within the limits of friction (rows/limits.py);
-such forces always exist.
+the direction of sliding, and t·a the tangential acceleration. Motion, rest and t·a at a wall are relative to
+its belt. The modes of elements at rest are found by pivoting, as in ``solve_lcp``. In each pivot all elements
+that violate the condition of their mode change their modes, and the others keep theirs. The pivots end when
+there is no such element. If the number of such elements stops falling before, the modes follow from forces
+within the limits of friction (rows/limits.py); such forces always exist.
 """
 
 import math

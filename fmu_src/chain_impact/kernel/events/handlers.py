@@ -1,10 +1,11 @@
 """The handlers of events, and the size of the step after an event.
 
-The events ONSET and END are zeros of a clearance or a penetration. They are found with bounds, so that no
-event is missed (crossing.py). All other events are found by samples of a step, because it does no harm to
-locate them late; sampled.py lists them. The points must be located when a handler applies an event.
-``handle_impact`` handles all simultaneous events at rigid walls together (impacts.py). If a point arrives at
-a rigid wall, a contact with a force law that begins at the same time begins after the impulses.
+The events ONSET and END are zeros of a clearance or a penetration. The search for them uses bounds, so that
+it misses no event (crossing.py). All other events of contacts, friction and drives are found by samples of a
+step, because it does no harm to locate them late; sampled.py lists them. The points must be located when a
+handler applies an event. ``handle_impact`` handles all simultaneous events at rigid walls together
+(impacts.py). If a point arrives at a rigid wall, a contact with a force law that begins at the same time
+begins after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -156,7 +157,7 @@ def renew_modes(d, jumped):
 def recompute_active_set(d):
     """End the held contacts that do not go on under changed laws or inputs.
 
-    If there is any held contact, the last step is also reset to zero length.
+    If there is any held contact at the call, the last step is also reset to zero length.
     """
     if not any_point_held(d):
         return

@@ -1,9 +1,9 @@
 """The mode of dry friction, sticks or slides, of a contact that begins without any tangential speed.
 
-At the onset the normal force F and the limit of friction µ_s F are zero, with the coefficient µ_s of static
-friction. So the forces just after the onset decide the mode. F grows then. The tangential force T that would
-prevent sliding grows in proportion to F, with a factor that follows from the chain's inertia. The point
-sticks if T is at most µ_s F. Otherwise it slides in the direction against which T would act.
+At the onset the normal force F and the limit of friction µ_s F are zero under most laws, with the coefficient
+µ_s of static friction. So the forces just after the onset decide the mode. The tangential force T that would
+prevent sliding is proportional to F, with a factor that follows from the chain's inertia. The point sticks if
+T is at most µ_s F. Otherwise it slides in the direction against which T would act.
 """
 
 from chain_impact.kernel.cost import count_other_cost

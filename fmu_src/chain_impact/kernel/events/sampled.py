@@ -8,9 +8,9 @@
     (drives)         least margin of a drive's torque or force to the end of the drive's mode
 
 δ is the penetration, v₀ the impact speed in the law, s = ±1 the direction of sliding, t·v the tangential
-speed, F_n the normal force, F_t the friction force, and µ_s the coefficient of static friction. The stages
-and the ends of a step show which of these events must be searched for. An event that is found late causes
-only a small error of energy.
+speed relative to the belt, F_n the normal force, F_t the friction force, and µ_s the coefficient of static
+friction. The stages and the ends of a step show which of these events must be searched for. An event that is
+found late causes only a small error of energy.
 
 KINK: the force of a contact has a kink where it is cut off at 0 or, for a law that damps on approach only, at
 δ̇ = 0. A step across a kink would lose its order. So a step uses the force of one side of the kink, continued
@@ -110,8 +110,8 @@ def make_search(
         A function of (d, earliest). ``earliest`` is the θ of the earliest event found so far, −1 for none.
         The function searches the step up to ``earliest`` or, for −1, up to its end. If it finds an event of
         this kind, it drops all marks, marks this event and returns its θ, else it returns ``earliest``. The
-        points must be located at the end of the searched part of the step; afterwards the points of contacts
-        are located at the result.
+        points must be located at the end of the searched part of the step; afterwards they are located at the
+        result or, for −1, at the end of the step.
     """
     count, member = members
     first_end = first_passage(value, samples, resolution)

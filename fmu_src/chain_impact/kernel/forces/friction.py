@@ -8,11 +8,12 @@ mode changes at events only (events/friction_modes.py), so the equations of moti
     sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n
 
 F_t is the friction force along t, F_n the normal force, t·a the tangential acceleration, µ the coefficient of
-sliding friction, and µ_s ≥ µ the coefficient of static friction. The sign s is fixed (latched) within a step;
-the sign of the tangential speed is not evaluated. A joint has one friction moment in place of both µ F_n and
-µ_s F_n: they stand for this moment divided by the lever arm of the joint's place. For the slider both stand
-for its friction force. The normal force of a contact with a force law depends on the state alone. So modes
-and accelerations that satisfy the two conditions above exist; for µ_s = µ the accelerations are unique.
+sliding friction, and µ_s ≥ µ the coefficient of static friction. Tangential motions at a wall are relative to
+its belt. The sign s is fixed (latched) within a step; the sign of the tangential speed is not evaluated. A
+joint has one friction moment in place of both µ F_n and µ_s F_n: they stand for this moment divided by the
+lever arm of the joint's place. For the slider both stand for its friction force. The normal force of a
+contact with a force law depends on the state alone. So modes and accelerations that satisfy the two
+conditions above exist; for µ_s = µ the accelerations are unique.
 
 If constraints are dependent, the forces of the sticking elements are not unique. Then the solver chooses
 forces in proportion to their limits (constraints.py), or forces that do not exceed their limits (limits.py).
@@ -80,7 +81,7 @@ def set_mode(d, e, mode):
 def set_anchor(d, e):
     """Set the anchor of element e to its present coordinate along t, at the located points.
 
-    While the element sticks, it is held at its anchor.
+    While the element sticks, it is held at its anchor. At a wall both move with the belt.
     """
     d.element.anchor[e] = tangential_position(d, e)
 

@@ -126,8 +126,8 @@ def add_constraint_forces(d, y, rate):
     """Add the accelerations due to the constraint forces to ``rate``, the rate ẏ of the motion without them.
 
     Afterwards each held point has g̈ = 0 for its clearance g, and each sticking element has t·a = 0 for its
-    acceleration a and its tangent t. ``d.constraints.impulse`` contains the constraint forces [N]. At walls
-    at rest these forces do no work, apart from errors.
+    tangent t and its acceleration a, at a wall relative to the belt. ``d.constraints.impulse`` contains the
+    constraint forces [N]. At walls at rest these forces do no work, apart from errors.
 
     If a held point still accelerates by more than the tolerance, MOVING (rows/constraints.py) is recorded,
     and the step is rejected later.

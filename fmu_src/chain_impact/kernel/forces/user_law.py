@@ -1,7 +1,8 @@
 """The interface of a user's own contact law: two functions that are linked to the kernel.
 
-Plain Python uses the functions below. A compiled kernel is linked with functions of the same names: the
-functions of a user's law, or stubs that report no law (compilation/compilers.py).
+Plain Python uses the functions below. A compiled kernel is linked with C functions in their place,
+``user_law_present`` and ``user_law_force``: those of a user's law, or stubs that report no law
+(compilation/compilers.py).
 """
 
 ARGUMENTS = (
@@ -20,7 +21,7 @@ At a stop in a joint they belong to an angle: rad, rad/s, kg·m², N·m/radⁿ.
 
 
 def is_present():
-    """Return 1 if there is a user's law, else 0."""
+    """Return 1 if there is a user's law, else 0; in plain Python there is none."""
     return 0
 
 

@@ -202,8 +202,8 @@ def contact_time_scale(d, c):
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + ratio, -exponent)
 
 
-# A tolerance up to this value allows no larger error of a penetration, relative to the penetration. With more
-# than some hundredths, a point that comes to rest would bounce again, and outputs would show spurious forces.
+# The largest allowed error of a penetration, relative to max(δ, δ*) in ``penetration_scale``, at tolerances
+# up to this value. With more than some hundredths, a point that comes to rest would bounce again.
 LARGEST_ERROR = 0.01
 # POSITION_ROUND_OFF: the round-off of a position, relative to the largest coordinate or to an angle times the
 # longest link. POSITION_ROUND_OFF_AT_REST: a larger value for contacts that have lasted longer than
