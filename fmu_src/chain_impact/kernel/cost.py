@@ -71,7 +71,7 @@ def uncount_cost(d, counted):
 def cost_exceeded(d):
     """Return whether the cost exceeds the limit for the present second of simulated time.
 
-    Every long loop calls this function, to end early.
+    Searches and iterations that may take long call this function, to end early.
     """
     return cost_so_far(d) - d.limits.cost_count > d.solver.work_limit * COST_WINDOW
 

@@ -10,10 +10,10 @@ of the state. To first order it is
 
 T is the kinetic energy, g gravity, M the mass of chain and carriage, L_i the length of link i and s the
 longest of these lengths. E₁ is twice the kinetic energy of the stretched chain when it moves by s per second
-and rotates by 1 rad per second. E₂ is M s², plus the inertias of armatures, per second squared. The sum with
-k is over the springs: k |φ| is the moment or force of a spring, with r = 1 rad at a joint and r = s at a
-slider. The sum with K is over the active contacts: K δⁿ is the elastic force, s_δ the scale of the
-penetration, m the effective mass and v₀ the impact speed.
+and rotates by 1 rad per second, with that of the carriage. E₂ is M s², plus the inertias of armatures, per
+second squared. The sum with k is over the springs: k |φ| is the moment or force of a spring, with r = 1 rad
+at a joint and r = s at a slider. The sum with K is over the active contacts: K δⁿ is the elastic force, s_δ
+the scale of the penetration, m the effective mass and v₀ the impact speed.
 
 A step that changes the balance much more than the tolerance times S is rejected (STEP_CHANGE): its error
 estimate misses something, such as a motion that decays within the first stage. The sum of the changes in one
@@ -124,8 +124,9 @@ def start_balance(d, time):
     for i in range(d.links):
         total += chain.mass[i]
         reach += chain.length[i]
-        # E₁, twice the kinetic energy of the stretched chain: the sum of m (s + Σ L)² + I over its links,
-        # with the longest link s, Σ L up to the end of the link, and the armature's inertia in I
+        # E₁, twice the kinetic energy of carriage and stretched chain: m s² of the carriage, plus the sum of
+        # m (s + Σ L)² + I over the links, with the longest link s, Σ L up to the end of the link, and the
+        # armature's inertia in I
         square += chain.mass[i] * reach * reach + (chain.inertia[i] + drive_inertia(d, i))
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * chain.gravity_size

@@ -302,7 +302,7 @@ def error_estimate(d, h, size):
     if first == math.inf:
         return math.inf
     if any_constraint(d):
-        # The projection onto rigid walls leaves a fast motion of stiff joints at the start of the step. It
+        # A projection onto the constraints leaves a fast motion of stiff joints at the start of the step. It
         # decays within the step, but would dominate the error estimate of a step of any length. A second
         # solution of the system removes this motion from the estimate.
         solve_real(d, shift, implicit.parts[0])
