@@ -299,7 +299,10 @@ def search_peaks(d, time):
 
 
 def raise_largest(d, i, square, time):
-    """Raise ``transmitted.largest_square`` of the joint in row i to ``square`` [N²] at ``time`` [s]."""
+    """Raise ``transmitted.largest_square`` of the joint in row i to ``square`` [N²], if this is larger.
+
+    ``time`` [s] then becomes ``transmitted.largest_time``, the time of this square.
+    """
     if square > d.transmitted.largest_square[i]:
         d.transmitted.largest_square[i], d.transmitted.largest_time[i] = square, time
 

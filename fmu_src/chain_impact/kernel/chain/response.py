@@ -176,8 +176,9 @@ def copy_factors(d, coupled):
 def set_middle_mobility(d, factors, slot, axx, axy, ayy):
     """Set ``middle_mobility`` in a slot of the factors: the inverse A⁻¹ of the inertia A at the middle joint.
 
-    A is the articulated inertia with the components axx, axy and ayy. In place of its inverse, the mobility
-    is 0 at a pinned base, and u uᵀ/(u·A u + m) on a slider with the direction u and the mass m (slider.py).
+    A is the articulated inertia with the components axx, axy and ayy. If the base is pinned or slides, it is
+    the middle joint. In place of the inverse, the mobility is then 0 at a pinned base, and u uᵀ/(u·A u + m)
+    on a slider with the direction u and the mass m (slider.py).
     """
     mobility = factors.middle_mobility
     if d.slides:

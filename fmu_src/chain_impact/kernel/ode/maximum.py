@@ -4,7 +4,10 @@ from chain_impact.kernel.ode.dense import event_fraction
 
 
 def place_of_largest(left, top, right, middle, reach):
-    """Return the place of the largest of three values at middle − reach, middle and middle + reach."""
+    """Return the fraction of the step at which the largest of three values lies.
+
+    The values ``left``, ``top`` and ``right`` lie at middle − reach, middle and middle + reach.
+    """
     if top >= max(left, right):
         return middle
     return middle - reach if left > right else middle + reach
