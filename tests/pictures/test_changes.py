@@ -1,19 +1,20 @@
 """The page with derivatives."""
 
+# Tests: pictures/impact_changes.py
+
 import re
 from types import SimpleNamespace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact import UnknownNameError, simulate
+from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures.changes import (
     LARGEST_EFFECTS,
     calm,
-    draw_speeds,
     fill_sensitivities,
-    fit_scale,
     holds,
     looks_of,
     shares,
@@ -53,25 +54,25 @@ def said(page):
 
 def test_curves_are_the_changes(swing, page):
     found = swing.sensitivities
-    *outputs, speeds = page.axes
+    *outputs, table = page.axes
     for axes, name in zip(outputs, ("point[2].x", "point[2].y", "energy.total"), strict=True):
         curves = [line for line in axes.lines if len(line.get_xdata()) == len(swing.time)]
         for line, changes in zip(curves, found.changes(name).T, strict=True):
             shown = np.where(short_contacts(swing), np.nan, changes)
             scale = 1e3 if axes.get_ylabel().endswith(("[mm]", "[mJ]")) else 1.0
             np.testing.assert_allclose(line.get_ydata(), scale * shown)
-    dots = [line for line in speeds.lines if line.get_marker() == "o"]
-    assert len(swing.impacts) == 1
-    right = found.impact_changes("impact_speed")
-    assert [line.get_ydata().tolist() for line in dots] == right.T.tolist()
+    (image,) = table.images
+    np.testing.assert_allclose(image.get_array(), 100.0 * found.relative("peak_force").T)
 
 
 def test_axes_have_units_and_impacts_are_marked(swing, page):
     labels = [axes.get_ylabel() for axes in page.axes]
-    assert [re.findall(r"\[(\w+(?:/\w)?)\]$", label) for label in labels] == [["mm"], ["mm"], ["mJ"], ["m/s"]]
-    assert [axes.get_xlabel().partition(";")[0] for axes in page.axes] == ["", "", "time [s]", "time [s]"]
+    assert [re.findall(r"\[(\w+)\]$", label) for label in labels] == [["mm"], ["mm"], ["mJ"], []]
+    assert [axes.get_xlabel().partition(";")[0] for axes in page.axes] == [
+        *("", "time [s]", "time [s]", "impact")
+    ]
     onsets = swing.impacts["onset"].tolist()
-    for axes in page.axes:
+    for axes in page.axes[:-1]:
         (lines,) = axes.collections
         assert [path[0, 0] for path in lines.get_segments()] == onsets
 
@@ -81,9 +82,11 @@ def test_axes_have_units_and_impacts_are_marked(swing, page):
 def test_outputs_that_are_asked_for(swing, count):
     names = ["link[2].angle", "energy.kinetic", "point[1].vx", "point[1].y"][:count]
     page = drawn(swing, *names)
-    assert [axes.get_ylabel().split()[1] for axes in page.axes] == [*names, "impact"]
-    bottom = [axes for axes in page.axes if axes.get_xlabel()]
-    assert len(bottom) == 2
+    *panels, table = page.axes
+    assert [axes.get_ylabel().split()[1] for axes in panels] == names
+    assert table.get_title(loc="left") == "change of peak force [%]"
+    bottom = [axes for axes in panels if axes.get_xlabel()]
+    assert len(bottom) == min(count, 2)  # the times stand once in each column
     assert all(axes.xaxis.get_tick_params()["labelbottom"] for axes in bottom)
 
 
@@ -93,7 +96,7 @@ def test_an_output_that_is_not_there(swing):
 
 
 def test_the_legend_says_what_is_changed_and_by_how_much(page):
-    (legend,) = page.legends
+    legend = page.axes[0].get_legend()
     assert [text.get_text() for text in legend.get_texts()] == [f"{name} + 1 %" for name in FEW]
 
 
@@ -119,7 +122,7 @@ def test_the_most_important_of_many_parameters_have_colours():
     ]
     ends = band.get_datalim(page.axes[1].transData).intervaly
     np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
-    (legend,) = page.legends
+    legend = page.axes[0].get_legend()
     *_, last = sorted(text.get_text() for text in legend.get_texts() if "others" in text.get_text())
     number, _, most = last.partition(" others, most ")
     assert (int(number), share[most]) == (count - LARGEST_EFFECTS, pytest.approx(largest[LARGEST_EFFECTS]))
@@ -144,7 +147,7 @@ def test_missing_derivatives_leave_a_gap_with_the_reason():
     page = drawn(recording)
     (limit,) = recording.sensitivities.limits
     assert limit in " ".join(page.get_supxlabel().split("\n"))
-    for axes in page.axes:
+    for axes in page.axes[:-1]:
         assert " no derivatives" in [text.get_text() for text in axes.texts]
         (band,) = axes.patches
         start = recording.time[np.isnan(recording.sensitivities.slopes).all(axis=(1, 2))][0]
@@ -162,20 +165,6 @@ def test_a_scale_fits_what_is_outside_of_impacts(swing, page):
     assert max(-low, high) < 0.5 * np.abs(changes).max()
 
 
-def test_a_scale_is_logarithmic_where_few_changes_are_very_large():
-    axes = Figure().add_subplot()
-    fit_scale(axes, np.array([*[1e-3] * 10, -1.0, 2.0]), 0.0)
-    assert axes.get_yscale() == "asinh"
-    low, high = axes.get_ylim()
-    ticks = axes.get_yticks()
-    assert len(ticks[(ticks > low) & (ticks < high)]) >= 3
-    # the slope of the scale has no jump, as it has between a linear and a logarithmic part
-    places = np.geomspace(1e-3, 1.0, 2000) * max(ticks)
-    slopes = np.gradient(axes.yaxis.get_transform().transform(places), places)
-    assert np.abs(np.diff(np.log(slopes))).max() < 0.01
-    assert {axes.get_yscale() for axes in drawn(made("pinned_arm", "gravity.y")).axes} == {"linear"}
-
-
 @pytest.fixture(scope="module")
 def chaotic():
     return made("four_link_box", ["contact.restitution", "contact.stiffness"])
@@ -190,9 +179,10 @@ def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
         assert np.nanmax(shown) <= span_of(chaotic, name)
         assert np.isnan(shown[0, -1])  # the restitution
         assert np.isfinite(shown[1, -1])
-    dots = [line.get_ydata() for line in page.axes[-1].lines if line.get_marker() == "o"]
-    assert np.nanmax(np.abs(dots)) <= chaotic.impacts["impact_speed"].max()
-    assert any("a curve ends where" in text for text in said(page))
+    (image,) = page.axes[3].images
+    assert (np.ma.getmaskarray(image.get_array()).sum(axis=1) > 0).tolist() == [True, False]
+    assert {axes.get_yscale() for axes in page.axes[:3]} == {"linear"}  # changes of sign are no strokes
+    assert any("a curve or row ends where" in text for text in said(page))
 
 
 def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page):
@@ -218,17 +208,13 @@ def test_a_result_draws_itself(tmp_path):
 
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize(
-    ("scene", "label", "markers"),
-    [
-        (knee(), "Δ impact speed [m/s]\n◆ at stops [rad/s]", {"o", "D"}),
-        (struck_rod("zhang_sharf", 0.3), "Δ impact speed [rad/s]", {"D"}),
-    ],
+    ("scene", "words"),
+    [(knee(), "peak force or moment"), (struck_rod("zhang_sharf", 0.3), "peak moment")],
     ids=["walls and stops", "stops only"],
 )
-def test_changes_of_speeds_at_stops_have_their_own_unit(scene, label, markers):
-    speeds = drawn(made(scene, ["stop.restitution"]), "link[1].angle").axes[-1]
-    assert speeds.get_ylabel() == label
-    assert {line.get_marker() for line in speeds.lines} & {"o", "D"} == markers
+def test_a_table_with_stops_has_moments(scene, words):
+    table = drawn(made(scene, ["stop.restitution"]), "link[1].angle").axes[-1]
+    assert table.get_title(loc="left") == f"change of {words} [%]"
 
 
 def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
@@ -240,13 +226,32 @@ def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
     assert "changes point[1].y by up to 4.4 mm" in only.plot_sensitivities().get_suptitle()
 
 
-def test_a_fast_stop_does_not_raise_the_limit_of_speeds_at_walls():
-    recording = SimpleNamespace(at_stops=np.array([False, True]), row_at=lambda _: 0)
-    impacts = {"onset": np.array([0.1, 0.2]), "impact_speed": np.array([1.0, 50.0])}
-    found = SimpleNamespace(impacts=impacts, impact_changes=lambda _: np.array([[2.0], [3.0]]))
-    axes = Figure().subplots()
-    draw_speeds(axes, recording, found, [{"color": "blue", "zorder": 2}], np.ones((1, 1), bool))
-    assert not any(np.isfinite(line.get_ydata()).any() for line in axes.lines if line.get_color() == "blue")
+def test_many_impacts_have_colours_in_place_of_numbers():
+    """Each impact has a cell; its colour has the sign of the change."""
+    recording = simulate("rod_drop", sensitivities=["contact.restitution", "contact.stiffness"])
+    page = recording.plot_sensitivities(size=(120.0 / 25.4, None))
+    assert page.get_figheight() * 25.4 <= 160.0
+    table, bar = page.axes[-2:]
+    (image,) = table.images
+    assert image.get_array().shape == (2, len(recording.impacts))
+    assert not table.texts
+    assert len(bar.get_yticks()) == 5
+    below, zero, above = image.to_rgba(np.array([-50.0, 0.0, 50.0]))[:, :3]
+    assert below[0] > below[2]
+    assert above[2] > above[0]
+    assert (zero > 0.9).all()
+
+
+def test_numbers_of_cells_stay_legible_on_a_dark_ground(swing):
+    with mpl.rc_context({"figure.facecolor": "black", "text.color": "white"}):
+        table = swing.plot_sensitivities().axes[-1]
+    assert [text.get_color() for text in table.texts] == ["black"] * 2
+
+
+def test_rigid_impacts_have_changes_of_impulses():
+    rigid = load_scene("pinned_arm").with_values({"contact.model": "newton_impact"})
+    page = simulate(rigid, sensitivities="gravity.y").plot_sensitivities()
+    assert page.axes[-1].get_title(loc="left") == "change of impulse [%]"
 
 
 def test_a_panel_without_any_change_says_so():

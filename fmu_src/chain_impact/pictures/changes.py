@@ -1,11 +1,13 @@
 """The figure with derivatives: the changes of outputs and impacts that a change of each parameter causes.
 
+A panel for each output has curves over time; a table has the changes of the impacts' peak forces.
+
 A curve shows the derivative of an output by a parameter, times a small change of this parameter: 1 % of the
 parameter's value, or 0.01 of its unit if its value is zero. So the curves of all parameters share an axis, in
 the unit of the output.
 
-The curves of a parameter end where its change of any drawn output exceeds the range of this output in the run
-(``span_of``): from then on, a change to first order says nothing.
+The curves and the row of a parameter end where its change of any drawn output exceeds the range of this
+output in the run (``span_of``): from then on, a change to first order says nothing.
 """
 
 from __future__ import annotations
@@ -20,8 +22,8 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.contact_times import SEEN_CONTACT
 from chain_impact.pictures.figures import settle
-from chain_impact.pictures.impact_marks import IMPACT_DOT
-from chain_impact.pictures.legends import legend_at_foot
+from chain_impact.pictures.impact_changes import draw_impact_changes
+from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import conditions, time_unit
 from chain_impact.pictures.over_time import impact_lines, mark_impacts, name_time, range_of
 from chain_impact.pictures.style import (
@@ -36,21 +38,17 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.text import LOAD_UNITS, number, plural, prefixed, speed_unit
+from chain_impact.recording.text import LOAD_UNITS, WHOLE, number, plural, prefixed
 from chain_impact.scene.names import AXES
 from chain_impact.scene.unit_text import in_brackets, with_unit
 
-# a change up to this counts as round-off; it is relative to the range of the output, or to the largest impact
-# speed for the change of an impact speed
+# a change up to this counts as round-off; it is relative to the range of the output
 NO_CHANGE = 1e-12
 ROUND_OFF = 1e-9  # [1] a range of an output that is at most this, relative to its largest value, is round-off
 # the largest number of parameters with coloured curves: those with the largest effects; others are grey
 LARGEST_EFFECTS = 4
-STEEP = 300.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
-MOST_POWERS = 4  # the largest number of ticks, at powers of ten, on each side of 0 at a logarithmic axis
-# up to this value a logarithmic axis is about linear (``fit_scale``); relative to its least tick above 0
-LINEAR = 0.3
-ENDED = "a curve ends where a change exceeds the range of an output in the run"
+ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
+LOW_TABLE = 0.6  # the height of the table relative to that of a panel, if they stand one below the other
 PREFIXED = (*LOAD_UNITS, "m", "m/s", "s", "rad", "rad/s")  # the units that get a prefix, as in mm
 JUMP = ", where changes jump as they shift in time"
 Looks = list[dict[str, Any]]
@@ -58,7 +56,7 @@ Looks = list[dict[str, Any]]
 
 @styled()
 def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
-    """Draw the changes of outputs and of the speeds of impacts by each parameter on an empty figure.
+    """Draw the changes of outputs and of the impacts by each parameter on an empty figure.
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
@@ -72,27 +70,39 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     headline(figure, finding(recording, sensitivities, names, parts), conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
-    grid = figure.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
-    panels, rest = grid[: len(names) + 1], grid[len(names) + 1 :]
-    for axes in rest:
-        axes.remove()
-    for axes, name in zip(panels, names, strict=False):
+    panels, table = panels_of(figure, len(names), across)
+    for axes, name in zip(panels, names, strict=True):
         draw_changes(axes, recording, sensitivities, name, looks, known=known)
-    draw_speeds(panels[-1], recording, sensitivities, looks, known)
-    for axes in panels:
         mark_impacts(axes, recording)
         mark_unknown(axes, recording, sensitivities)
-        axes.tick_params(labelbottom=True)
         give_ticks(axes)
     start, end = recording.time[[0, -1]].tolist()
+    for axes in panels[:-across]:
+        axes.tick_params(labelbottom=False)
     for axes in panels[-across:]:
         words = name_time(axes, end), impact_lines(recording, start, end, JUMP)
         axes.set_xlabel("; ".join(filter(None, words)))
-    legend_at_foot(figure, panels[0].get_legend_handles_labels()[0])
+    draw_impact_changes(table, recording, sensitivities, looks, known)
+    legend_above(panels[0])
     figure.supxlabel(
         "\n".join(sensitivities.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True
     )
     settle(figure)
+
+
+def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes]:
+    """Return ``count`` axes with one time axis, and the axes for the table of impacts, which is the last.
+
+    ``across`` is the number of axes in a row.
+    """
+    rows, panels = -(-(count + 1) // across), list[Axes]()
+    heights = [1.0] * (rows - 1) + [LOW_TABLE if across == 1 else 1.0]
+    grid = figure.add_gridspec(rows, across, height_ratios=heights)
+    for place in range(count):
+        first = panels[0] if panels else None
+        panels.append(figure.add_subplot(grid[divmod(place, across)], sharex=first))
+    # the table takes the rest of its row
+    return panels, figure.add_subplot(grid[count // across, count % across :])
 
 
 def calm(recording: Recording) -> np.ndarray:
@@ -189,7 +199,7 @@ def finding(
         return f"{what} more than {whose} from {factor * recording.time[row]:.3g} {unit} on{until}"
     most = _largest(sensitivities, output, k)
     scale, unit = readable(most, sensitivities.units[output])
-    return f"{what} up to {with_unit(number(scale * most, 2), unit)}{until}"
+    return f"{what} up to {with_unit(number(scale * most, 2 if scale * most < WHOLE else 3), unit)}{until}"
 
 
 def readable(largest: float, unit: str) -> tuple[float, str]:
@@ -258,74 +268,23 @@ def draw_changes(
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
     axes.set_ylabel(f"Δ {output}{in_brackets(unit)}")
-    told: Any = [k for k, look in enumerate(looks) if look["color"] != GREY] or slice(None)
-    least = scale * NO_CHANGE * np.ptp(recording.columns[output])
-    fit_scale(axes, changes[seen], least, changes[seen][:, told])
+    fit_scale(axes, changes[seen], scale * NO_CHANGE * np.ptp(recording.columns[output]))
 
 
-def draw_speeds(
-    axes: Axes, recording: Recording, sensitivities: Sensitivities, looks: Looks, known: np.ndarray
-) -> None:
-    """Draw the change of each impact's speed by each parameter: as a dot, or a diamond at stops of joints.
+def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
+    """Set the range of the vertical axis for ``changes``, and draw a line at 0.
 
-    The marks of a parameter end where ``known``, the result of ``holds``, ends, or at the first change that
-    is larger than all speeds of its kind in the run: of impacts at stops of joints, or of all others.
-    """
-    changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
-    at = [recording.row_at(time) for time in sensitivities.impacts["onset"]]
-    speeds = sensitivities.impacts["impact_speed"]
-    walls, stops = (speeds[rows].max(initial=0.0) or 1.0 for rows in (~stopped, stopped))
-    limits = np.where(stopped, stops, walls)[:, None]
-    changes = np.where(known[at] & holds(np.abs(np.nan_to_num(changes)) / limits), changes, np.nan)
-    for values, look in zip(changes.T, looks, strict=True):
-        style = {"color": look["color"], "zorder": look["zorder"], "markersize": IMPACT_DOT, "clip_on": False}
-        for rows, marker in ((~stopped, "o"), (stopped, "D")):
-            if rows.any():
-                axes.plot(sensitivities.impacts["onset"][rows], values[rows], marker, **style)
-    mixed = stopped.any() and not stopped.all()
-    unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
-    axes.set_ylabel(f"Δ impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
-    fit_scale(axes, changes, NO_CHANGE * speeds.max(initial=0.0), none="no change" if at else "no impact")
-
-
-def fit_scale(
-    axes: Axes,
-    changes: np.ndarray,
-    least: float,
-    usual: np.ndarray | None = None,
-    *,
-    none: str = "no change",
-) -> None:
-    """Set the scale of the vertical axis for ``changes``, and draw a line at 0.
-
-    The scale is linear. But if the largest |change| is more than STEEP times the median |change|
-    above 0 in ``usual``, by default all changes, the scale is logarithmic on both sides of 0. If no |change|
-    exceeds ``least``, all changes are round-off: the axis has only the tick 0, and the words ``none``.
+    The scale is linear: on a logarithmic one, each change of sign is a vertical stroke. If no |change|
+    exceeds ``least``, all changes are round-off: the axis has only the tick 0, and the words "no change".
     """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
-    sizes, usual_sizes = (
-        np.abs(values[np.isfinite(values) & (values != 0.0)])
-        for values in (changes, changes if usual is None else usual)
-    )
-    if not sizes.size or sizes.max() <= least:
+    if not np.nanmax(np.abs(changes), initial=0.0) > least:
         axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
-        axes.text(0.5, 0.6, none, transform=axes.transAxes, ha="center", color=INK)
+        axes.text(0.5, 0.6, "no change", transform=axes.transAxes, ha="center", color=INK)
         return
     low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
-    usual_size = np.median(usual_sizes if usual_sizes.size else sizes)
-    if sizes.max() > STEEP * usual_size:
-        # unlike "symlog", the scale "asinh" has no kink between its linear and its logarithmic part
-        first, last = (int(np.floor(np.log10(size))) for size in (usual_size, sizes.max()))
-        axes.set_yscale("asinh", linear_width=LINEAR * 10.0**first)
-        powers = 10.0 ** np.arange(first, last + 1, 1 + (last - first) // MOST_POWERS)
-        axes.set_yticks([*-powers[::-1], 0.0, *powers])
-        axes.minorticks_off()
-        place: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "bottom"}
-        axes.text(1.0, 1.0, "logarithmic away from 0", **place, fontsize="small", color=INK)
-        axes.set_ylim(3.0 * low, 3.0 * high)
-    else:
-        margin = 0.05 * (high - low)
-        axes.set_ylim(low - margin, high + margin)
+    margin = 0.05 * (high - low)
+    axes.set_ylim(low - margin, high + margin)
 
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:

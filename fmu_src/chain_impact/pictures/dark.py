@@ -48,6 +48,7 @@ SPREAD = 0.8
 TEXT_OUTLINE = 4.0
 # the name of the colour map for time; on a dark ground its colours change, because lines are drawn in them
 TIME = "time"
+ON_COLOUR = "on colour"  # the matplotlib identifier (gid) of a text on a coloured area, whose colour stays
 Colour = tuple[float, float, float, float]
 
 
@@ -94,7 +95,7 @@ class Ground(NamedTuple):
                 colours = artist.get_facecolor(), artist.get_edgecolor()
                 artist.set_facecolor(self.suited(colours[0]))
                 artist.set_edgecolor(self.suited(colours[1]))
-            elif isinstance(artist, Text):
+            elif isinstance(artist, Text) and artist.get_gid() != ON_COLOUR:
                 artist.set_color(self.suited(artist.get_color()))
                 if artist.get_path_effects():  # the outline of a text must have the colour of the ground
                     artist.set_path_effects([withStroke(linewidth=TEXT_OUTLINE, foreground=self.ground)])

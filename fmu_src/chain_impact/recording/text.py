@@ -45,6 +45,14 @@ def number(value: float, digits: int = 4) -> str:
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")
 
 
+WHOLE = 99.5  # a number from this size on is written without decimals: with two digits it would become 1e+02
+
+
+def signed(value: float) -> str:
+    """Return a number with its sign to two significant digits; as a whole number if |value| ≥ WHOLE."""
+    return f"{value:+#.2g}".rstrip(".") if abs(value) < WHOLE else f"{value:+.0f}"
+
+
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 """Power of ten → prefix of a unit."""
 

@@ -220,7 +220,7 @@ class Pictured(Recording):
         *,
         size: Size | None = None,
     ) -> Figure | None:
-        """Draw the changes of outputs, and of the speeds of impacts, if each parameter grows by 1 %.
+        """Draw the changes of outputs, and of the peak forces of impacts, if each parameter grows by 1 %.
 
         The changes are of first order: the derivative times 1 % of the parameter, or times 0.01 of the
         parameter's unit if its value is zero.

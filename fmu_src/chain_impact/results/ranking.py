@@ -14,7 +14,7 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities, step_of
 from chain_impact.recording.summary import digits
-from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed
+from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed, signed
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.reading import names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
@@ -77,14 +77,6 @@ class Effect(NamedTuple):
     def told(self) -> str:
         """The value with its unit; if the value is 0, also the step: "0 + 0.01 N·m"."""
         return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
-
-
-WHOLE = 99.5  # a number from this size on is written without decimals: with two digits it would become 1e+02
-
-
-def signed(value: float) -> str:
-    """Return a number with its sign to two significant digits; as a whole number if |value| ≥ WHOLE."""
-    return f"{value:+#.2g}".rstrip(".") if abs(value) < WHOLE else f"{value:+.0f}"
 
 
 def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
