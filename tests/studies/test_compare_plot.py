@@ -4,9 +4,11 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from chain_impact import CONTACT_LAWS, compare
+from chain_impact.pictures.over_time import energy_curves
 from chain_impact.pictures.style import GREY, INK
 from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare_plot import (
@@ -15,6 +17,7 @@ from chain_impact.studies.compare_plot import (
     conditions,
     fill,
     looks_of,
+    message,
     named_laws,
     plot_comparison,
 )
@@ -141,8 +144,21 @@ def test_a_free_impact_is_not_called_otherwise(comparison):
 
 def test_the_range_of_peak_forces_is_told(comparison):
     forces = [1e-3 * run.peak_force for run in comparison.runs if run.peak_force > 0.0]
-    told = conditions(comparison, looks_of(comparison))
-    assert f"peak force {min(forces):.1f} kN to {max(forces):.1f} kN" in told
+    for small in (False, True):
+        told = message(comparison, small=small)
+        assert f"peak force {min(forces):.1f} kN to {max(forces):.1f} kN" in told
+
+
+def test_the_energy_has_the_zero_of_the_picture_of_the_motion():
+    found = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
+    _, energy = drawn(found).axes
+    (motion,) = (
+        look["label"] for _, look in energy_curves(found["hertz"].result) if "total" in look["label"]
+    )
+    assert energy.get_ylabel() == f"{motion} [J]"
+    shift = float(motion.split()[2])
+    (line,) = (line for line in energy.lines if line.get_label().startswith("hertz"))
+    np.testing.assert_allclose(line.get_ydata(), found["hertz"].result.energy["total"] + shift)
 
 
 def test_the_energy_begins_shortly_before_the_first_impact(comparison):
@@ -172,7 +188,7 @@ def test_the_panels_show_loops_and_energy(comparison):
         assert law in told[-2]
     thin = [line.get_xydata() for line in loops.lines if line.get_color() == GREY]
     assert len(thin) == len([law for law in ends if comparison[law].loop.size])
-    band, _ = energy.collections
+    band = energy.collections[0]
     least, most = band.get_datalim(energy.transData).intervaly
     last = [comparison[law].result.energy["total"][-1] for law in ends if comparison[law].result]
     assert least <= min(last) <= max(last) <= most
@@ -182,7 +198,7 @@ def test_the_headline_has_the_spread_of_the_laws(comparison):
     page = drawn(comparison)
     said, conditions = (text.get_text() for text in page.texts)
     found = [run.restitution for run in comparison.runs]
-    assert re.search(r"([\d.]+) to ([\d.]+) .* (\d+) laws", said).groups() == (
+    assert re.search(r"restitution ([\d.]+) to ([\d.]+) .* (\d+) laws", said).groups() == (
         f"{min(found):.2f}",
         f"{max(found):.2f}",
         str(len(CONTACT_LAWS)),
@@ -195,9 +211,16 @@ def test_the_headline_has_the_spread_of_the_laws(comparison):
 
 def test_a_mark_tells_from_where_on_impacts_differ_from_the_reference(comparison):
     _, energy = drawn(comparison).axes
-    (marks,) = (each for each in energy.collections if "differs from zhang_sharf" in each.get_label())
-    times = {comparison[law].divergence_time for law in named_laws(comparison)} - {None}
-    assert {at for at in times if at > 0.0} <= {*marks.get_offsets()[:, 0].tolist()}
+    assert any("differs from zhang_sharf" in each.get_label() for each in energy.collections)
+    marks = {
+        float(each.get_offsets()[0, 0]): each.get_edgecolor()[0]
+        for each in energy.collections
+        if len(each.get_offsets()) == 1
+    }
+    looks = looks_of(comparison)
+    for law in {*named_laws(comparison)} & {*looks}:
+        if (time := comparison[law].divergence_time) > 0.0:
+            assert marks[time] == pytest.approx(to_rgba(looks[law]["color"]))
 
 
 @pytest.mark.parametrize(

@@ -133,13 +133,7 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     The curve of the total energy is wide and behind the others. Another curve is dashed if it would hide an
     earlier curve, or if its energy is in ENERGY_PARTS.
     """
-    time, energies = recording.detailed_energies
-    zero, shown = np.zeros(len(time)), dict[str, np.ndarray]()
-    for name in ENERGIES:
-        energy = energies.get(name, zero)
-        if energy.any() or name not in ("elastic", "supplied", *ENERGY_PARTS):
-            shown[name] = energy
-    shown, offset = without_gap(shown)
+    shown, offset = shown_energies(recording)
     if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):
         del shown["elastic"]
     others = [name for name in shown if name != "total"]
@@ -149,6 +143,18 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
         (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
         for name, energy in shown.items()
     ]
+
+
+def shown_energies(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
+    """Return the energies of a picture, and the number [J] added to the potential and total energies.
+
+    The number is that of ``without_gap``. Elastic, supplied and partial energies that are always 0 are left
+    out.
+    """
+    time, energies = recording.detailed_energies
+    known = {name: energies.get(name, np.zeros(len(time))) for name in ENERGIES}
+    rare = ("elastic", "supplied", *ENERGY_PARTS)
+    return without_gap({name: energy for name, energy in known.items() if energy.any() or name not in rare})
 
 
 def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int]:

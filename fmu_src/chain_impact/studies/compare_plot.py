@@ -26,7 +26,7 @@ from chain_impact.pictures.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.over_time import name_time
+from chain_impact.pictures.over_time import name_time, offset_text, shown_energies
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
@@ -106,10 +106,10 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
 
 
 def message(comparison: LawRuns, *, small: bool = False) -> str:
-    """Return the headline: the range of the realised restitutions in the first impact under all laws.
+    """Return the headline: ranges of the peak forces and the realised restitutions in the first impact.
 
-    Laws under which this impact does not end are left out; if it ends under none, the headline says so. The
-    headline has the range of the peak forces if the impact has no restitution (``has_restitution``).
+    Laws under which this impact does not end have no restitution; if it ends under none, the headline says
+    so. Without restitutions (``has_restitution``) the headline has the range of the peak forces only.
     ``small``: whether the headline is for a narrow figure, and must be short.
     """
     restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
@@ -121,9 +121,12 @@ def message(comparison: LawRuns, *, small: bool = False) -> str:
     if not restitutions:
         return f"{name}: no law finished its first impact"
     span = f"{min(restitutions):.2f} to {max(restitutions):.2f}"
-    text = f"{name}: restitution {span}"
-    more = f"in the first impact, for e = {e:g}, {plural(len(restitutions), 'law')}"
-    return f"{text} for e = {e:g}" if small else f"{text} {more}"
+    told = ", ".join(filter(None, (peaks(comparison), f"restitution {span} for e = {e:g}")))
+    return (
+        f"{name}: {told}"
+        if small
+        else f"{name}: {told} in the first impact, {plural(len(restitutions), 'law')}"
+    )
 
 
 def peaks(comparison: LawRuns) -> str:
@@ -137,8 +140,8 @@ def peaks(comparison: LawRuns) -> str:
 def conditions(comparison: LawRuns, looks: Looks) -> str:
     """Return the text below the headline.
 
-    Its parts are the first impact; the range of the peak forces, or why the e′ do not describe the contact
-    alone (``no_restitution``); a remark if the impact is not free; stiffness and tolerance; and the number of
+    Its parts are the first impact; why the e′ do not describe the contact alone, if they do not
+    (``no_restitution``); a remark if the impact is not free; stiffness and tolerance; and the number of
     grey laws, unless the legend tells it.
     """
     contact, impact = comparison.contact, comparison.first_impact
@@ -156,8 +159,9 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
     if math.isfinite(most) and not comparison.pressed_again and (limits or f"{most:.2f}" != "1.00"):
         limits = f"{limits or 'with other forces during the impact'}: e′ = {most:.2f} without losses"
-    said = comparison.no_restitution or peaks(comparison)
-    return SEPARATOR.join(filter(None, (hit, said, limits, stiffness, tolerance, *others)))
+    return SEPARATOR.join(
+        filter(None, (hit, comparison.no_restitution, limits, stiffness, tolerance, *others))
+    )
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
@@ -313,28 +317,35 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw the total energy over time; the laws of ``banded`` share one grey band.
 
-    A cross marks the first impact from which on a curve cannot be compared with that of the reference law.
+    A cross in the colour of a law marks the first impact from which on its curve cannot be compared with that
+    of the reference law. The zero of the energy is that of the picture of the reference law's motion.
     """
+    reference = comparison[comparison.reference].result
+    assert reference is not None
+    offset = shown_energies(reference)[1]
     band = banded(comparison, looks)
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
         time = max((result.time for result in results), key=len)
-        curves = [np.interp(time, result.time, result.energy["total"], right=np.nan) for result in results]
+        totals = [(result.time, offset + result.energy["total"]) for result in results]
+        curves = [np.interp(time, *total, right=np.nan) for total in totals]
         figure = axes.get_figure(root=True)
         small = figure is not None and is_narrow(figure)
         fill_band(axes, time, curves, band_label(comparison, band, small=small))
     courses = {
-        law: np.array([result.time, result.energy["total"]])
+        law: np.array([result.time, offset + result.energy["total"]])
         for law in looks
         if (result := comparison[law].result) is not None and law not in band
     }
     draw_lines(axes, courses, looks)
+    mark: dict[str, Any] = {"marker": "x", "s": 22.0, "linewidth": 1.3}
     times = {law: comparison[law].divergence_time for law in courses}
-    parted = [(t, np.interp(t, *courses[law])) for law, t in times.items() if math.isfinite(t)]
+    parted = {law: at for law, at in times.items() if math.isfinite(at)}
+    for law, at in parted.items():
+        axes.scatter(at, np.interp(at, *courses[law]), color=looks[law]["color"], zorder=5.0, **mark)
     if parted:
         label = f"first impact that differs from {comparison.reference}"
-        at, up = np.transpose(parted)
-        axes.scatter(at, up, s=22.0, color=INK, marker="x", linewidth=1.3, zorder=5.0, label=label)
+        axes.scatter([], [], color=INK, label=label, **mark)
     every = [run.result for run in comparison.runs if run.result is not None]
     shown, last = [shown_time(result) for result in every], max(result.time[-1] for result in every)
     end = max(time.end for time in shown)
@@ -342,7 +353,8 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     start = min(time.start for time in shown)
     first = min((result.impacts["onset"][0] for result in every if len(result.impacts)), default=start)
     # before the first impact all curves are equal, so only the last part of this time is shown
-    axes.set(ylabel="total energy [J]", xlim=(max(start, first - BEFORE_FIRST * (end - first)), end))
+    label = f"total {offset_text(offset)} [J]" if offset else "total energy [J]"
+    axes.set(ylabel=label, xlim=(max(start, first - BEFORE_FIRST * (end - first)), end))
     give_ticks(axes)
 
 
