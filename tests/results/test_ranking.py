@@ -99,7 +99,7 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
         of_value, of_zero = ([e.change for e in found.effects if bool(e.value) == kind] for kind in (1, 0))
         assert drawn == [pytest.approx(of_value), pytest.approx(of_zero)]
         titles = [axes.get_title(loc="left") for axes in page.axes]
-        assert titles == ["+ 1 % of the value", "+ 0.01 in SI units, as the value is 0"]
+        assert titles == ["+ 1 % of the value", "+ 0.01 in SI units, as the value is 0: not comparable"]
         assert min(of_value) < 0.0 < max(of_value)
         # the bars of both panels fill the axes, which have one scale, as all of these bars are similar
         scales = {axes.get_xlim() for axes in page.axes}
@@ -162,7 +162,15 @@ def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
     assert all(effect.differs for effect in checked.effects)
     assert f"{change:+.3g}" in repr(checked)
     share = signed(100.0 * change / ranking.value).replace("-", "−")
-    assert all(share in text.get_text() for axes in checked.plot().axes for text in axes.texts)
+    page = checked.plot()
+    assert all(share in text.get_text() for axes in page.axes for text in axes.texts)
+    assert "2 of 2 effects differ" in " ".join(page.texts[1].get_text().split())
+    for axes in page.axes:
+        marks = [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "D"]
+        assert marks == [change]  # on the scale of the bars
+        assert axes.get_xlim()[0] <= change <= axes.get_xlim()[1]
+        assert [bar.get_facecolor()[3] for bar in axes.patches] == [0.0]  # hollow
+    assert all(bar.get_facecolor()[3] == 1.0 for axes in ranking.plot().axes for bar in axes.patches)
 
 
 def test_an_effect_whose_run_lacks_the_impact_is_refuted(result):
@@ -171,7 +179,7 @@ def test_an_effect_whose_run_lacks_the_impact_is_refuted(result):
     (effect,) = checked.effects
     assert np.isnan(effect.simulated)
     assert effect.differs
-    assert "link[2].mass" in repr(checked).partition("differ")[2]
+    assert "link[2].mass" in repr(checked).partition("that differ")[2]
     assert "run: none" in checked.plot().axes[0].texts[0].get_text()
 
 
@@ -194,6 +202,7 @@ def test_a_share_is_written_with_two_digits():
 def test_the_unit_of_a_picture_suits_its_bars():
     found = simulate("four_link_box", stop_time=0.6, sensitivities="contact.*").ranking("max_penetration")
     page = found.plot()
+    assert "on largest penetration =" in page.get_suptitle()
     assert page.get_suptitle().endswith(f"{1e3 * found.value:.4g} mm")
     for axes in page.axes:
         assert "[µm]" in axes.get_xlabel()
@@ -209,7 +218,7 @@ def test_bars_of_a_quantity_that_is_zero_have_no_exponents(result):
 
 def test_a_heading_tells_the_steps_of_parameters_that_are_zero(result):
     page = result.ranking("peak_force", ["contact.radius", "joint[1].torque"]).plot()
-    assert page.axes[0].get_title(loc="left") == "+ 0.01 m or 0.01 N·m, as the value is 0"
+    assert page.axes[0].get_title(loc="left") == "+ 0.01 m or 0.01 N·m, as the value is 0: not comparable"
 
 
 def test_a_heading_ends_within_a_narrow_picture(result):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ from chain_impact.pictures.style import (
     INK,
     LEAST_TICKS,
     PALE,
+    PEAK_COLOUR,
     TICK_STEPS,
     VERMILLION,
     headline,
@@ -28,6 +30,7 @@ WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in row 0, later ones lower
 DOT = 24.0  # [square points] the size of a dot
+RUN_MARK = 4.5  # [points] the size of the diamond at the change in a second run
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # If the axes of all blocks of bars have the same label, they have one scale, provided that the longest bar of
 # each block is at most ONE_SCALE times as long as the longest bar of any other block.
@@ -46,6 +49,8 @@ class Bars:
         heading: a text above the column of ``texts``.
         title: a text above the block.
         colours: the colour of each bar; if there are none, the colour of a bar shows the sign of its value.
+        marks: for each bar None, or another value, at which a diamond stands; the bar is then hollow. With
+            NaN there is no diamond.
         dots: whether a dot stands in place of each bar, for an axis that is not linear.
     """
 
@@ -56,12 +61,14 @@ class Bars:
     heading: str = ""
     title: str = ""
     colours: Sequence[str] = ()
+    marks: Sequence[float | None] = ()
     dots: bool = False
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The ends of the axis without margins: the least value or 0, and the largest value or 0."""
-        return min([0.0, *self.values]), max([0.0, *self.values])
+        """The ends of the axis without margins: the least value or mark or 0, and the largest or 0."""
+        seen = [value for value in (*self.values, *self.marks) if value is not None and math.isfinite(value)]
+        return min([0.0, *seen]), max([0.0, *seen])
 
 
 def bars_size(counts: Sequence[int]) -> tuple[float, float]:
@@ -70,16 +77,19 @@ def bars_size(counts: Sequence[int]) -> tuple[float, float]:
 
 
 @styled()
-def fill_bars(figure: Figure, *, title: str, conditions: str, blocks: Sequence[Bars]) -> None:
+def fill_bars(
+    figure: Figure, *, title: str, conditions: str, blocks: Sequence[Bars], warning: str = ""
+) -> None:
     """Draw blocks of bars, one below the other, on an empty figure.
 
     Args:
         figure: the figure to draw on.
         title: the title of the picture.
         conditions: the text below the title.
+        warning: a text in the colour of what matters most, between title and conditions.
         blocks: the blocks, each with at least one bar; without a block the picture says "no effect".
     """
-    headline(figure, title, conditions)
+    headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
     if not blocks:
         axes = figure.subplots()
         axes.set(xticks=[], yticks=[])
@@ -121,7 +131,12 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
     if block.dots:
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
     else:
-        axes.barh(rows, block.values, THICK, color=colours)
+        marks = block.marks or [None] * len(rows)
+        hollow = ["none" if mark is not None else colour for mark, colour in zip(marks, colours, strict=True)]
+        axes.barh(rows, block.values, THICK, color=hollow, edgecolor=colours)
+        for place, mark in enumerate(marks):
+            if mark is not None:
+                axes.plot([mark], [place], "D", color=INK, markersize=RUN_MARK)
     heading = [(HEADING_ROW, block.heading)] if block.heading else []
     for row, text in [*zip(rows, block.texts, strict=True), *heading]:
         axes.annotate(

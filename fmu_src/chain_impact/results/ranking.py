@@ -18,6 +18,7 @@ from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text,
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.reading import names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -137,22 +138,24 @@ class Ranking:
     def parts(self) -> Iterator[str | TextTable]:
         """Yield the ranking as text: lines, tables of the effects of 1 % and of fixed steps, and remarks."""
         yield f"{self.source}  {self.quantity} = {with_unit(f'{self.value:.6g}', self.unit)} ({self.where})"
+        checked = [effect for effect in self.effects if effect.simulated is not None]
+        if checked:
+            yield f"check    {self.verdict(checked)}"
         yield "effect   of 1 % of each parameter, to first order"
         of_value, at_zero = by_step(self.effects)
         yield from self._tables(of_value)
         if at_zero:
-            yield f"effect   of the step added to a parameter that is 0: {PART:g} of its unit"
+            yield f"effect   of {PART:g} of its unit added to a parameter that is 0: not comparable"
         yield from self._tables(at_zero)
         if self.without:
             yield f"without effect: {', '.join(self.without)}"
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
-        checked = [effect for effect in self.effects if effect.simulated is not None]
         if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects if effect.simulated is None):
             large = f"effects of more than {100.0 * LARGE_SHARE:g} %"
             yield f"{large} hold for smaller changes only: check them by another run"
         if checked:
-            yield from self._check(checked)
+            yield from self._other(checked)
             drawn = itertools.chain(*self._blocks())
             if not_run := [effect.parameter for effect in drawn if effect.simulated is None]:
                 yield f"no run is possible with the new values of {', '.join(not_run)}"
@@ -178,17 +181,22 @@ class Ranking:
                 ("parameter", "value", f"effect, {unit}" if unit else "effect", "in %", "derivative"), rows
             )
 
-    def _check(self, checked: Sequence[Effect]) -> Iterator[str | TextTable]:
-        """Yield a sentence on the effects that second runs have checked, and a table of those that differ."""
+    def verdict(self, checked: Sequence[Effect]) -> str:
+        """Return a sentence on the effects that second runs have checked."""
         found, limit = plural(len(checked), "effect"), f"{100.0 * FIRST_ORDER:g} %"
-        other = [effect for effect in checked if effect.differs]
-        if not other:
-            yield f"check    runs with the new values confirm {found} within {limit}"
-            return
-        yield f"check    runs with the new values: {len(other)} of {found} differ by more than {limit}"
+        count = sum(effect.differs for effect in checked)
+        if not count:
+            return f"runs with the new values confirm {found} within {limit}"
+        return f"runs with the new values: {count} of {found} differ by more than {limit}"
+
+    def _other(self, checked: Sequence[Effect]) -> Iterator[str | TextTable]:
+        """Yield a table of the effects that differ in a second run; nothing if there are none."""
         unit = in_brackets(unit_text(self.unit))
+        other = [effect for effect in checked if effect.differs]
         rows = [(each.parameter, f"{each.change:+.3g}", _in_run(each)) for each in other]
-        yield TextTable(("parameter", f"effect{unit}", f"in a run{unit}"), rows)
+        if rows:
+            yield "effects that differ in a run with the new value"
+            yield TextTable(("parameter", f"effect{unit}", f"in a run{unit}"), rows)
 
     def checked(self, run: Callable[[str, float], Recording | None]) -> Ranking:
         """Return this ranking with the effects that ``plot`` draws checked by a second run each.
@@ -233,6 +241,8 @@ class Ranking:
         if blocks and pictures.have_one_scale(sizes):
             sizes = [max(sizes)] * len(sizes)
         factor, unit = readable(self.value, self.unit)
+        other = [effect for effect in itertools.chain(*blocks) if effect.differs]
+        checked = [effect for effect in itertools.chain(*blocks) if effect.simulated is not None]
         more = max(len(self.effects) - MOST_BARS, 0)
         parts = [
             self.where,
@@ -243,11 +253,19 @@ class Ranking:
         ]
         pictures.fill_bars(
             figure,
-            title=f"{self.source}: effect of + {percent} on {self.quantity}"
+            title=f"{self.source}: effect of + {percent} on {self._words}"
             f" = {with_unit(digits(factor * self.value), unit)}",
+            warning=f"{self.verdict(checked)} (hollow bars; the diamond is the run)" if other else "",
             conditions="; ".join(filter(None, parts)),
             blocks=[pictures.Bars(**self._bars(*each)) for each in zip(blocks, sizes, strict=True)],
         )
+
+    @property
+    def _words(self) -> str:
+        """The name of the quantity in words, if it has them."""
+        if peak := PEAKS.get(self.quantity):
+            return peak.words
+        return "joint force" if self.quantity == JOINT_FORCE else self.quantity
 
     def _blocks(self) -> list[list[Effect]]:
         """Return the MOST_BARS largest effects in one or two lists: those of 1 %, and those of fixed steps.
@@ -276,9 +294,13 @@ class Ranking:
         label = f"change{in_brackets(unit)}"
         steps = list(dict.fromkeys(effect.step for effect in effects))
         words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{PART:g} in SI units"
-        title = f"+ {words} of the value" if effects[0].value else f"+ {words}, as the value is 0"
+        why = " of the value" if effects[0].value else ", as the value is 0: not comparable"
+        title = f"+ {words}{why}"
+        in_run = (effect.simulated if effect.differs else None for effect in effects)
+        marks = [None if change is None else factor * change for change in in_run]
         names = [effect.parameter for effect in effects]
-        return {"names": names, "values": values, "texts": texts, "label": label, "title": title}
+        bars = {"names": names, "values": values, "texts": texts, "label": label, "title": title}
+        return bars | {"marks": marks}
 
 
 def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
