@@ -1,6 +1,6 @@
 """Films: their content as their viewers see them."""
 
-# Tests: pictures/film_caption.py, pictures/film_figure.py, pictures/film_files.py
+# Tests: pictures/film_caption.py, pictures/film_charts.py, pictures/film_figure.py, pictures/film_files.py
 # Tests: pictures/film_labels.py, pictures/scale_bar.py
 
 import dataclasses
@@ -211,8 +211,9 @@ def test_no_text_runs_out_of_a_film(size):
         page = Film(figure, recording, np.linspace(0.0, 0.1, 9))
         list(page.show(4, 1e-4))
         figure.draw_without_rendering()
-    shown = page.now.axes.get_legend().get_texts() if page.tells_energies else []
-    labels = [page.now.axes.xaxis.label, page.now.axes.yaxis.label] if page.tells_energies else []
+    shown = page.cursors[0].axes.get_legend().get_texts() if page.tells_energies else []
+    panels = [cursor.axes for cursor in page.cursors]
+    labels = [panels[-1].xaxis.label, panels[0].yaxis.label] if panels else []
     written = [text for text in (*figure.texts, *shown, *labels) if text.get_text()]
     boxes = [text.get_window_extent() for text in written]
     assert [label.get_text().endswith(" J") for label in labels] == [False, True][: len(labels)]
@@ -345,7 +346,7 @@ def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
             page = Film(figure, recording, recording.impacts["onset"])
             list(page.show(0, 1.0))
             figure.draw_without_rendering()
-        legend = page.now.axes.get_legend().get_window_extent()
+        legend = page.cursors[0].axes.get_legend().get_window_extent()
         assert legend.y1 < page.caption.text.get_window_extent().y0
         assert legend.x1 <= figure.bbox.x1
         least = min(text.get_fontsize() for text in figure.findobj(mpl.text.Text) if text.get_text())
@@ -384,3 +385,29 @@ def test_numbers_in_a_film_may_stand_where_the_tip_comes_later():
         (number,) = (one for one in drawn if isinstance(one, Text) and one.get_text().endswith("N"))
         places.append(page.scene.transData.transform(number.get_position()))
     assert places[0] == pytest.approx(places[1], abs=2.0)  # the views of the two motions differ a little
+
+
+def test_a_film_has_the_largest_force_over_time_with_a_cursor(recording):
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, recording.time[[0, -1]])
+    energy, strip = (cursor.axes for cursor in page.cursors)
+    assert strip.get_title(loc="left") == "largest force [kN]"
+    (line,) = (line for line in strip.lines if line.get_color() == FORCE)
+    peak = 1e-3 * np.nanmax(recording.impacts["peak_force"])
+    assert line.get_ydata().max() == pytest.approx(peak, rel=0.02)
+    assert strip.get_xlim() == energy.get_xlim()
+    for frame, time in enumerate(recording.time[[0, -1]]):
+        list(page.show(frame, 1.0))
+        assert [cursor.get_xdata()[0] for cursor in page.cursors] == [time, time]
+
+
+def test_a_ring_stays_where_an_impact_happened():
+    impacts = [made.hit(time, 1, "y_min", 1.0) for time in (0.5, 1.0)]
+    recording = made.swing(impacts, {"y_min": 0.0})
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array([0.4, 0.6, 2.0]))
+    seen = []
+    for frame in range(3):
+        drawn = list(page.show(frame, 1.0))
+        assert page.rings in drawn
+        seen.append(page.rings.get_xydata().tolist())
+    spots = [recording.spot(impact).tolist() for impact in recording.impacts]
+    assert seen == [[], spots[:1], spots]

@@ -1,6 +1,6 @@
-"""The figure on which a film's frames are drawn: chain, trace, walls, arrows of forces, clock, energy curves.
+"""The figure on which a film's frames are drawn: chain, trace, walls, arrows of forces, clock, charts.
 
-A small figure, or one for a recording without energies, has no energy curves.
+A small figure, or one for a recording without energies, has no charts.
 """
 
 from __future__ import annotations
@@ -17,18 +17,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 
 from chain_impact.pictures.arrow_scale import ArrowScale
-from chain_impact.pictures.bands import plot_curves
 from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_caption import Caption
+from chain_impact.pictures.film_charts import FORCE, draw_charts
 from chain_impact.pictures.film_labels import Number, write_numbers
-from chain_impact.pictures.over_time import (
-    ENERGIES,
-    mark_impacts,
-    offset_text,
-    part_look,
-    without_gap,
-)
+from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.room import draw_pin, draw_room, moves
 from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import INK, LOAD, OUTSIDE_COLOUR, PALE, STYLE, force_text
@@ -40,7 +34,7 @@ from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
 from chain_impact.scene.bodies import placed
 from chain_impact.scene.names import STOPS
 
-MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
+MUTED, CHAIN, TIP = "#566076", "#2b4a9f", "#c2255c"
 FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
 """All colours of a film, except white and the shades between the colours and white."""
 FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
@@ -48,7 +42,7 @@ FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
 ROOM = (7.0, 3.9375)  # [inch] the least width and height of a figure with energies
 # position and size of the axes: left, bottom, width and height, relative to the size of the figure
-SCENE, ENERGY = (0.02, 0.09, 0.6, 0.79), (0.69, 0.12, 0.29, 0.6)
+SCENE = (0.02, 0.09, 0.6, 0.79)
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
 CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.832)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
@@ -61,7 +55,7 @@ TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
 
 class Film:
-    """The figure on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
+    """The figure on which the frames of a film are drawn: chain, walls, forces, a clock, charts over time."""
 
     def __init__(
         self, figure: Figure, recording: Recording, times: np.ndarray, ground: Ground | None = None
@@ -95,11 +89,11 @@ class Film:
         self.caption = Caption(figure, CAPTION, recording, times if self.tells_energies else times[:0])
         radius = radius_of(recording)
         self._draw_ground(radius)
-        if self.tells_energies:
-            self._draw_energies(figure.add_axes(ENERGY))
+        self.cursors = draw_charts(figure, recording, self.caption.lowest) if self.tells_energies else []
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
         self.trace_times, self.path = trace_of(recording, self.side)
         faint: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.7 if ground else 0.35}
+        self.rings, self.spots = self._rings()
         (self.trace,) = self.scene.plot([], [], color=TIP, **faint, **still)
         self.tail = LineCollection([], colors=TIP, animated=True)
         self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
@@ -145,6 +139,12 @@ class Film:
         ``vectors`` has them at the rows of the recording, shape (T, 2).
         """
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
+
+    def _rings(self) -> tuple[Line2D, np.ndarray]:
+        """Return the line of rings that stay where impacts happened, empty at first, and the places [m]."""
+        look: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markersize": 6.5, "animated": True}
+        (rings,) = self.scene.plot([], [], linestyle="", markeredgecolor=INK, **look)
+        return rings, np.reshape([self.recording.spot(impact) for impact in self.recording.impacts], (-1, 2))
 
     def _draw_key(self, figure: Figure, right: float) -> None:
         """Draw the legend of arrows: of walls and of joints; it ends at the part ``right`` of the width."""
@@ -199,27 +199,6 @@ class Film:
             self.ground.suit(self.room)
         return self.room
 
-    def _draw_energies(self, axes: Any) -> None:
-        mark_impacts(axes, self.recording)
-        time, known = self.recording.detailed_energies
-        shown, offset = without_gap({name: known[name] for name in ENERGIES if name in known})
-        curves: list[tuple[np.ndarray, dict[str, Any]]] = [
-            (energy, part_look(name)) for name, energy in shown.items() if known[name].any()
-        ]
-        plot_curves(axes, time, curves)
-        note = f"; potential, total {offset_text(offset)}" if offset else ""
-        axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel=f"energy [J]{note}")
-        position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
-        for columns in (3, 2):
-            key = axes.legend(**position, ncols=columns, fontsize=8, handlelength=1.0, columnspacing=1.0)
-            if key.get_window_extent().x1 <= axes.figure.bbox.x1:
-                break
-        # a legend of many rows makes the axes lower, so that it does not touch the caption
-        left, low, width, high = ENERGY
-        above = (key.get_window_extent().y1 - self.caption.lowest) / axes.figure.bbox.height
-        axes.set_position((left, low, width, high - max(0.0, above)))
-        self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)
-
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
         """Move the chain to its pose in a frame; return the artists to draw, in order.
 
@@ -232,6 +211,7 @@ class Film:
         passed = np.searchsorted(self.trace_times, time, side="right")
         self.trace.set_data(*np.append(self.path[:passed], points[-1:], axis=0).T)
         self._show_tail(time)
+        self.rings.set_data(*self.spots[self.recording.impacts["onset"] <= time].T)
         for point, disc in self.discs.items():
             disc.set_center(tuple(places[point]))
         for link, body in self.bodies.items():
@@ -248,13 +228,13 @@ class Film:
         self.rate.set_color(self._suited(INK if rate < SLOW_RATE else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
-        yield from (self.trace, self.tail, *self.patches, self.ranges)
+        yield from (self.trace, self.tail, self.rings, *self.patches, self.ranges)
         yield from (self.chain, self.sites, self.joints, self.tip)
         yield from self._forces(frame)
         yield from (self.clock, self.rate, self.caption.text)
-        if self.tells_energies:
-            self.now.set_xdata([time, time])
-            yield self.now
+        for cursor in self.cursors:
+            cursor.set_xdata([time, time])
+            yield cursor
 
     def _show_tail(self, time: float) -> None:
         moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)

@@ -126,11 +126,14 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
     legend_above(axes)
 
 
-def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]]]:
+def energy_curves(
+    recording: Recording, *, tells_zero: bool = True
+) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """Return a curve for each energy to draw: values, shape (T,), and properties with matplotlib's names.
 
     The values are those of ``recording.detailed_energies``.
-    The curve of the total energy is wide and behind the others. Another curve is dashed if it would hide an
+    The curve of the total energy is wide and behind the others. With ``tells_zero`` the labels of potential
+    and total energy tell the number that is added to them. Another curve is dashed if it would hide an
     earlier curve, or if its energy is in ENERGY_PARTS.
     """
     shown, offset = shown_energies(recording)
@@ -139,8 +142,9 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     others = [name for name in shown if name != "total"]
     hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
     is_dashed = {name: name in ENERGY_PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
+    told = offset if tells_zero else 0.0
     return [
-        (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
+        (energy, part_look(name, told) | {"linestyle": "--" if is_dashed.get(name) else "-"})
         for name, energy in shown.items()
     ]
 

@@ -1,0 +1,86 @@
+"""The charts beside the motion in a film: the energies over time and, below them, the largest forces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from chain_impact.pictures.bands import plot_curves
+from chain_impact.pictures.over_time import energy_curves, mark_impacts, offset_text, shown_energies
+from chain_impact.pictures.style import INK, LOAD, give_ticks
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import prefixed
+from chain_impact.scene.names import STOPS
+
+FORCE = "#d9480f"  # the colour of wall forces in a film
+CHARTS = (0.69, 0.12, 0.29, 0.6)
+"""The room for the charts: left, bottom, width and height, relative to the size of the figure."""
+STRIP, ABOVE_STRIP = 0.13, 0.075  # the height of the chart of forces and of the space above it, in this unit
+
+
+def draw_charts(figure: Figure, recording: Recording, top: float) -> list[Line2D]:
+    """Draw the charts and return their cursors, the lines at the present time; that of the energies is first.
+
+    Without forces at walls or in joints there is no chart of forces. ``top`` is the height [pixels] below
+    which the legend of the energies must end.
+    """
+    left, low, width, high = CHARTS
+    forces = largest_forces(recording)
+    lift = STRIP + ABOVE_STRIP if forces else 0.0
+    panels = [figure.add_axes((left, low + lift, width, high - lift))]
+    if forces:
+        panels.append(figure.add_axes((left, low, width, STRIP)))
+        _draw_forces(panels[1], recording, forces)
+        panels[0].tick_params(labelbottom=False)
+    _draw_energies(panels[0], recording, top)
+    start, end = recording.time[[0, -1]]
+    for axes in panels:
+        mark_impacts(axes, recording)
+        axes.set_xlim(start, end)
+    panels[-1].set_xlabel("time [s]")
+    return [axes.axvline(start, color=INK, linewidth=1.0, animated=True) for axes in panels]
+
+
+def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
+    """Return the largest normal force at walls and the largest force in joints over time, shape (T,) [N].
+
+    Forces that are always 0 or unknown are left out.
+    """
+    at_walls = [touch.force for touch in recording.touches if touch.wall not in STOPS]
+    known = {
+        "wall": [force for force in at_walls if force is not None],
+        "joint": [np.hypot(*force.T) for force in recording.loads.values()],
+    }
+    largest = {name: np.max(forces, axis=0) for name, forces in known.items() if forces}
+    return {name: force for name, force in largest.items() if force.any()}
+
+
+def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> None:
+    peak = max(float(force.max()) for force in forces.values())
+    factor, unit = prefixed(peak, "N")
+    for name, force in forces.items():
+        axes.plot(recording.time, factor * force, color={"wall": FORCE, "joint": LOAD}[name], linewidth=1.2)
+    axes.set_title(f"largest force [{unit}]", loc="left", fontsize=8, pad=2.0)
+    axes.set_ylim(bottom=0.0)
+    give_ticks(axes)
+
+
+def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
+    curves = [curve for curve in energy_curves(recording, tells_zero=False) if curve[0].any()]
+    plot_curves(axes, recording.detailed_energies[0], curves)
+    offset = shown_energies(recording)[1]
+    note = f"\npotential, total {offset_text(offset)}" if offset else ""
+    axes.set_ylabel(f"energy [J]{note}", fontsize=8)
+    position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
+    for columns in (3, 2):
+        key = axes.legend(**position, ncols=columns, fontsize=8, handlelength=1.0, columnspacing=1.0)
+        if key.get_window_extent().x1 <= axes.figure.bbox.x1:
+            break
+    # a legend of many rows makes the axes lower, so that it does not touch the caption
+    box = axes.get_position()
+    above = (key.get_window_extent().y1 - top) / axes.figure.bbox.height
+    axes.set_position((box.x0, box.y0, box.width, box.height - max(0.0, above)))
