@@ -15,8 +15,9 @@ from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.contact_law import ContactLaw
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, lossless_depth
+from chain_impact.pictures.law_looks import law_look
 from chain_impact.pictures.legends import legend_at_foot
-from chain_impact.pictures.style import BLACK, DPI, GREY, PALETTE, STYLE, headline
+from chain_impact.pictures.style import DPI, GREY, STYLE, headline
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.scene.tables import Contact
 from chain_impact.simulation.simulate import simulate
@@ -79,21 +80,17 @@ def groups() -> dict[str, list[ContactLaw]]:
     return found
 
 
-def look(names: list[str], colours: dict[str, str]) -> dict[str, object]:
+def look(names: list[str]) -> dict[str, object]:
     """Return the style of the curve of some laws."""
-    if EXACT_LAW in names:
-        return {"color": BLACK, "linewidth": 3.5, "zorder": 2}
-    colour = next((colours[name] for name in names if name in colours), GREY)
-    return {
-        "color": colour,
-        "linewidth": 0.9 if colour == GREY else 1.8,
-        "zorder": 1 if colour == GREY else 3,
-    }
+    named = next((name for name in names if name in NAMED), None)
+    if named is None:
+        return {"color": GREY, "linewidth": 0.9, "zorder": 1}
+    width, layer = (3.5, 2) if named == EXACT_LAW else (1.8, 3)
+    return law_look(named) | {"linewidth": width, "zorder": layer}
 
 
 def draw(path: Path) -> None:
     """Draw the realised restitution on the left, and its error on the right."""
-    colours = dict(zip((name for name in NAMED if name != EXACT_LAW), PALETTE, strict=False))
     near = total = 0
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(10.5, 4.4), dpi=DPI, layout="constrained")
@@ -102,8 +99,8 @@ def draw(path: Path) -> None:
             names, e_out = [law.id for law in laws], curve(laws[0])
             reason = next((f" ({NAMED[name]})" for name in names if name in NAMED), None)
             label = {"label": ", ".join(names) + reason} if reason else {}
-            value.plot(SAMPLES, e_out, **look(names, colours), **label)
-            error.plot(SAMPLES, e_out - SAMPLES, **look(names, colours))
+            value.plot(SAMPLES, e_out, **look(names), **label)
+            error.plot(SAMPLES, e_out - SAMPLES, **look(names))
             total += len(names)
             near += len(names) * bool(np.abs(e_out - SAMPLES)[FROM <= SAMPLES].max() <= NEAR)
         value.plot([], [], color=GREY, label="others")

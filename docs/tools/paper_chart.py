@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact import Chain, load_scene, simulate
-from chain_impact.pictures.style import DPI, PALETTE, STYLE
+from chain_impact.pictures.law_looks import law_look
+from chain_impact.pictures.style import DPI, STYLE
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "paper.png"
@@ -50,10 +51,10 @@ def draw() -> Figure:
     """Draw six panels over the time since the onset."""
     figure = Figure((9.0, 4.6), layout="constrained")
     panels = figure.subplots(2, 3).ravel()
-    for law, colour in zip(LAWS, PALETTE, strict=False):
+    for law in LAWS:
         time, *others = curves(law).items()
         for axes, (title, values) in zip(panels, others, strict=True):
-            axes.plot(time[1], values, color=colour, linewidth=1.3, label=law)
+            axes.plot(time[1], values, **law_look(law), linewidth=1.3, label=law)
             axes.set(ylabel=title)
     for axes in panels:
         axes.margins(x=0.0)

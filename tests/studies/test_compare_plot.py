@@ -1,5 +1,7 @@
 """The picture of a comparison."""
 
+# Tests: pictures/law_looks.py
+
 import re
 
 import numpy as np
@@ -8,6 +10,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from chain_impact import CONTACT_LAWS, compare
+from chain_impact.pictures.law_looks import LAW_LOOKS
 from chain_impact.pictures.over_time import energy_curves
 from chain_impact.pictures.style import GREY, INK
 from chain_impact.scene.scene import with_values
@@ -77,6 +80,15 @@ def test_six_laws_are_named_each_in_its_own_colour_and_the_rest_is_grey(comparis
         (look,) = (look for look in looks.values() if law in look["label"].replace(",", "").split())
         told = look["label"].partition("(")[2]
         assert told == ", ".join(filter(None, [reason, f"e′ = {comparison[law].restitution:.2f})"]))
+
+
+def test_a_law_has_the_same_colour_in_each_picture(comparison):
+    assert {*LAW_LOOKS} == {*CONTACT_LAWS}
+    seen = [tuple(look.values()) for look in LAW_LOOKS.values()]
+    assert len({*seen}) == len(seen)
+    few = compare("pinned_arm", laws=["zhang_sharf", "lankarani_nikravesh"])
+    for found in (comparison, few):
+        assert looks_of(found)["lankarani_nikravesh"]["color"] == LAW_LOOKS["lankarani_nikravesh"]["color"]
 
 
 def test_the_law_without_losses_has_its_own_line():

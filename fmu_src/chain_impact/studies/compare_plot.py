@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -24,6 +23,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.bands import MOST_GREY, fill_band, merged_dashes
 from chain_impact.pictures.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
+from chain_impact.pictures.law_looks import LAW_LOOKS, law_look
 from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.over_time import name_time, offset_text, shown_energies
@@ -32,8 +32,6 @@ from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
     INK,
-    OCHRE,
-    PALETTE,
     force_text,
     give_ticks,
     headline,
@@ -53,22 +51,13 @@ REFERENCE_LAYER = 3
 # the reason for the colour of a law whose force is above 0 at penetration 0
 JUMPS = "force jumps at the onset"
 IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
-IMPULSE: dict[str, Any] = {"color": INK, "linestyle": ":", "linewidth": 1.2, "zorder": 3.5}
+IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses, which has no penetration, if the law has no colour."""
 BEFORE_FIRST = 0.1  # the time shown before the first impact, relative to the time shown after it
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400
 HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
-LINES: tuple[dict[str, Any], ...] = (
-    *({"color": colour} for colour in PALETTE[:4]),
-    {"color": OCHRE, "linestyle": "--"},
-)
-"""Colours and dashes of the laws with a colour, except the reference law.
-
-These lines lie over the line of the reference law, which is wider and so remains visible at both edges.
-"""
-# largest number of laws with a colour: the reference law, and one law for each entry of LINES
-COLOURED_LAWS = 1 + len(LINES)
+COLOURED_LAWS = 6  # largest number of laws with a colour
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Ids of laws that many programs and papers use; these laws get the colours that other laws leave."""
 
@@ -204,7 +193,7 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
     Laws with equal loops share the line of the first of them, whose label names them all. A label has the
     reason for the colour and the restitution; with ``small`` only the reference law has its reason.
     """
-    why, lines = named_laws(comparison), iter(LINES)
+    why = named_laws(comparison)
     twins: dict[str, list[str]] = {}
     for run in comparison.runs:
         twin = next((other for other in twins if _alike(comparison[other].loop, run.loop)), run.law)
@@ -221,9 +210,10 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
         told = ", ".join(filter(None, (first_reason, reached)))
         label = ", ".join(laws) + (f" ({told})" if told else "")
         if comparison.reference in laws:
-            look = {"color": mpl.rcParams["text.color"], "linewidth": 3.0, "zorder": REFERENCE_LAYER}
+            look = law_look(comparison.reference) | {"linewidth": 3.0, "zorder": REFERENCE_LAYER}
         elif reasons:
-            look = {**next(lines), "linewidth": 1.7, "zorder": 4}
+            named = next(law for law in laws if law in why)
+            look = law_look(named) | {"linewidth": 1.7, "zorder": 4}
         elif (loop := comparison[first].loop) is not None and not loop.size:
             label, look = f"{first}{IMPULSIVE}", IMPULSE
         else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bands import merged_dashes
+from chain_impact.pictures.law_looks import law_look
 from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.style import BLACK, COUNT_STEPS, PALETTE, give_ticks, is_narrow
 from chain_impact.recording.map_colours import spread
@@ -58,7 +59,7 @@ def draw_curves(
         drawn = [curve[:, np.isfinite(curve[1])] for curve in curves]
         usable = [curve.shape[1] > 1 and runs.design.samples is None for curve in drawn]
         dashes = iter(merged_dashes([curve for curve, use in zip(drawn, usable, strict=True) if use]))
-        for (text, rows), colour, use in zip(lines.items(), COLOURS, usable, strict=False):
+        for (text, rows), look, use in zip(lines.items(), looks_of(lines, choice), usable, strict=False):
             label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
             marks: dict[str, Any] = {}
             if runs.design.samples is not None:
@@ -68,7 +69,7 @@ def draw_curves(
             # a count is drawn as steps: a sloping line would show numbers that are not whole between two runs
             if quantity.is_count and runs.design.samples is None:
                 marks["drawstyle"] = "steps-mid"
-            (line,) = axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
+            (line,) = axes.plot(values[rows], shown[rows], label=label, linewidth=1.4, **look | marks)
             if use and (dash := next(dashes)):
                 line.set_linestyle(dash)
         failed = values[runs.failed]
@@ -89,6 +90,13 @@ def draw_curves(
             legend_at_foot(figure, [name, *handles])
         else:
             figure.legend(handles, labels, loc="outside right center", title=label_of(runs, choice))
+
+
+def looks_of(lines: Iterable[str], choice: Variation | None) -> list[dict[str, Any]]:
+    """Return the looks of lines by their labels: contact laws have theirs, other lines have COLOURS."""
+    if choice is not None and choice.name == "contact.model":
+        return [law_look(text.partition(" = ")[0]) for text in lines]
+    return [{"color": colour} for colour in COLOURS]
 
 
 def lines_of(runs: Runs, across: Variation, choice: Variation | None = None) -> dict[str, np.ndarray]:
