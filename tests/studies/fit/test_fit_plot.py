@@ -11,6 +11,7 @@ import pytest
 from matplotlib.collections import PathCollection
 
 from chain_impact import fit, load_scene, simulate
+from chain_impact.pictures.style import PEAK_COLOUR
 from chain_impact.studies.fit.estimates import LawEstimates
 from chain_impact.studies.fit.plot import MOST_DOTS, MOST_IN_TITLE, running_means
 from chain_impact.studies.fit.report import heading, sigma_of
@@ -80,6 +81,25 @@ def test_the_headline_has_what_was_found(found):
     pairs = found.correlation[~np.eye(len(FREE), dtype=bool)]
     assert abs(float(most.replace("−", "-"))) == pytest.approx(np.abs(pairs).max(), abs=0.01)
     assert told.replace("\n", " ").count("grey lines: impacts of the model") == 1
+
+
+def test_a_value_and_its_error_have_the_same_decimals(found):
+    title = found.plot().get_suptitle().replace("\n", " ")
+    value, error = re.search(r"contact\.restitution ([\d.]+) ± ([\d.]+)", title).groups()
+    assert len(value.partition(".")[2]) == len(error.partition(".")[2])
+    assert float(error) == pytest.approx(found.standard_errors["contact.restitution"], rel=0.05)
+
+
+def test_a_picture_calls_a_bound_a_bound_and_has_a_warning_in_colour():
+    arm = load_scene("triple_pendulum")
+    truth = simulate(arm.with_values({"link[1].joint_damping": 0.0}), stop_time=1.0, output_step=0.01)
+    columns = {"time": truth.time, "link[1].angle": truth["link[1].angle"] * (1.0 + 0.01 * truth.time)}
+    found = fit(arm, columns, ["link[1].joint_damping", "link[1].mass"], sigma={"link[1].angle": 1e-3})
+    title, *texts = found.plot().texts
+    assert "link[1].joint_damping at its lower bound 0" in title.get_text().replace("\n", " ")
+    (warning,) = (text for text in texts if "errors are too small" in text.get_text())
+    assert warning is texts[0]
+    assert warning.get_color() == PEAK_COLOUR
 
 
 def test_rows_with_a_point_and_a_wall_stand_at_their_own_impacts():

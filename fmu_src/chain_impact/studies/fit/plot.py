@@ -30,9 +30,12 @@ from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
     INK,
+    LINE,
     PALE,
     PALETTE,
+    PEAK_COLOUR,
     VERMILLION,
+    faint,
     headline,
     is_narrow,
     raised,
@@ -44,6 +47,7 @@ from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
+from chain_impact.studies.fit.problem import AT_BOUND
 from chain_impact.studies.fit.remarks import alike_neighbours
 from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, misfit, rounded, sigma_of
 from chain_impact.studies.fit.unknown import size_of
@@ -67,6 +71,7 @@ HARDLY = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham 
 # MEANS: in the running mean of residuals over time, each mean is that of 1/MEANS of the values;
 # LEAST_FOR_MEAN: the least number of values that have a running mean; MEAN: its identifier in matplotlib
 MEANS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
+ERROR_DECIMALS = 7  # the largest number of decimals of a value and its standard error
 USUAL = 2.0  # bars, and the grey band of usual residuals, extend from −USUAL to USUAL standard deviations
 
 
@@ -109,8 +114,8 @@ def fill(figure: Figure, fit: Estimates) -> None:
     cells = [grid[k // across, :] if k == alone else grid[k // across, k % across] for k in range(len(names))]
     has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
     poor = ", ".join(alike_neighbours(fit))
-    more = [f"errors are too small: neighbouring residuals of {poor} are correlated"] if poor else []
-    more += [f"rms residual {number(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
+    warning = f"errors are too small: neighbouring residuals of {poor} are correlated"
+    more = [f"rms residual {number(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
     if len(names) < len(fit.columns):
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
@@ -125,7 +130,8 @@ def fill(figure: Figure, fit: Estimates) -> None:
     kept = 1 if is_narrow(figure) else MOST_IN_TITLE
     size = heading(fit, ": ").partition(": ")[2]
     title = f"{fit.scene.name}: {', '.join(told[:kept])}"
-    headline(figure, title, SEPARATOR.join(filter(None, [*told[kept:], *more, size])))
+    lines = [(warning, PEAK_COLOUR)] if poor else []
+    headline(figure, title, SEPARATOR.join(filter(None, [*told[kept:], *more, size])), *lines)
     settle(figure)
 
 
@@ -283,7 +289,8 @@ def _curve(
     onsets, until = result.impacts["onset"], result.time <= last
     onsets = onsets[onsets <= last]
     for axes in panels:
-        axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
+        across: dict[str, Any] = {"linewidth": 0.6, "zorder": 0, "transform": axes.get_xaxis_transform()}
+        axes.vlines(onsets, 0.0, 1.0, faint(axes, LINE), **across)
     panels[0].plot(result.time[until], model[until], **{"linewidth": 1.2, "zorder": 4.0} | look)
     return len(onsets) > 0
 
@@ -322,9 +329,20 @@ def _estimate_texts(fit: Estimates) -> list[str]:
 
 
 def _estimate_text(fit: Estimates, label: str) -> str:
-    """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013"."""
+    """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013".
+
+    A parameter at a bound has no standard error; the text tells the bound. An error in the unit of its value
+    has as many decimals as the value.
+    """
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
+    for which, bound in (("lower", parameter.low), ("upper", parameter.high)):
+        if abs(value - bound) <= AT_BOUND * error < math.inf:
+            text = with_unit(number(bound, 4), of_scene(parameter.unit, fit.scene))
+            return f"{label} at its {which} bound {raised(text)}"
     size = size_of(parameter, value, error / parameter.slope(value))
-    found = with_unit(rounded(value, error), of_scene(parameter.unit, fit.scene))
-    return f"{label} {raised(found)} ± {size}"
+    unit = of_scene(parameter.unit, fit.scene)
+    decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1
+    if size.endswith("%") or not 0 <= decimals <= ERROR_DECIMALS:
+        return f"{label} {raised(with_unit(rounded(value, error), unit))} ± {size}"
+    return f"{label} {value:.{decimals}f} ± {raised(with_unit(f'{error:.{decimals}f}', unit))}"
