@@ -27,7 +27,7 @@ EMPTY = """(() => {
 })()"""
 """The number of runs of a map without a colour."""
 READ = re.compile(
-    r"Restitution = ([\d.]+), Initial angle of link 1 = ([\d.]+)\u202frad \(.*°\): Number of impacts = (\d+)"
+    r"Restitution = ([\d.]+), Initial angle of link 1 = ([\d.]+)\u202f°: Number of impacts = (\d+)"
 )
 
 
@@ -51,6 +51,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     assert outputs == [
         "impact.count",
         "impact.last_time",
+        *(f"impact[1].{name}" for name in ("onset", "peak_force", "place")),
         *largest,
         "energy.total",
         "point[1].x",
@@ -64,6 +65,8 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
         page.get_by_role("button", name="Simulate 41 × 41 runs").click()
         page.get_by_text("must be a finite number ≥ 0 and ≤ 1").wait_for()
         assert page.locator("#map-text").evaluate(colour) != usual, "a fault stands out"
+        refused = page.locator(".map-axes input:invalid")
+        assert refused.evaluate_all("all => all.map(({ id }) => id)") == ["map-x-from"]
     page.locator("#map-x-from").fill("0.2")
     page.locator("#map-x-to").fill("0.95")
     draw_map(page)
@@ -83,7 +86,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     lower_right = {"x": box["width"] - 5, "y": box["height"] - 5}
     page.locator("#map-canvas").hover(position=lower_right)
     e, angle, count = READ.search(page.locator("#map-text").inner_text()).groups()
-    values = {**MAP, "contact.restitution": float(e), "initial.angle[1]": float(angle)}
+    values = {**MAP, "contact.restitution": float(e), "initial.angle[1]": math.radians(float(angle))}
     assert float(e) == 0.95
     assert int(count) == len(simulate(load_scene("rod_drop").with_values(values)).impacts)
     page.locator("#map-canvas").click(position=lower_right)
@@ -415,12 +418,10 @@ def test_a_map_tells_numbers_of_runs_the_present_run_and_the_pointers(show):
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
     shown = {float(text) for text in page.locator(".map-value").all_text_contents()}
-    low = {
-        "contact.restitution": 0.05,
-        "initial.angle[1]": np.deg2rad(float(page.locator("#map-y-from").input_value())),
-    }
-    corner = simulate(load_scene("rod_drop").with_values(MAP | low)).impacts["peak_force"].max() / 1e3
-    assert min(abs(value / corner - 1.0) for value in shown) < 5e-3, "the run at the lower left is told"
+    low, high = (float(page.locator(f"#map-y-{end}").input_value()) for end in ("from", "to"))
+    second = {"contact.restitution": 0.05, "initial.angle[1]": np.deg2rad(low + (high - low) / 8)}
+    corner = simulate(load_scene("rod_drop").with_values(MAP | second)).impacts["peak_force"].max() / 1e3
+    assert min(abs(value / corner - 1.0) for value in shown) < 5e-3, "a run at the left is told"
     present = simulate(load_scene("rod_drop").with_values(MAP)).impacts["peak_force"].max()
     number = page.text_content(".map-value.of-present")
     assert float(number) == pytest.approx(present / 1e3, rel=5e-3)
@@ -432,3 +433,67 @@ def test_a_map_tells_numbers_of_runs_the_present_run_and_the_pointers(show):
     page.mouse.move(1, 1)
     page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
     assert page.locator(".map-label-text").count() == 0
+
+
+def test_a_map_tells_when_where_and_how_hard_the_first_impact_is(show):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-y-from").fill("-20")
+    page.locator("#map-y-to").fill("20")
+    draw_map(page)
+    found = {}
+    for output in ("onset", "peak_force", "place"):
+        page.locator("#map-output").select_option(f"impact[1].{output}")
+        _, *rows = saved(page, "Map as CSV").read_text().splitlines()
+        found[output] = [row.split(",") for row in rows]
+    for run in (3, 1600):
+        e, angle, onset = map(float, found["onset"][run])
+        values = {**MAP, "contact.restitution": e, "initial.angle[1]": angle}
+        first = simulate(load_scene("rod_drop").with_values(values)).impacts[0]
+        force = float(found["peak_force"][run][2])
+        assert (onset, force) == pytest.approx((first["onset"], first["peak_force"]), rel=1e-9)
+        assert found["place"][run][2] == f"{first['point']} floor"
+    texts = page.locator("#map-scales text:not(.map-value)").all_text_contents()
+    assert texts[-3:] == ["0 floor", "1 floor", "First impact: point and wall"]
+    page.locator("#map-canvas").hover(position={"x": 5, "y": 5})
+    page.locator("#map-text").get_by_text("First impact: point and wall = 0 floor").wait_for()
+
+
+def test_the_colours_of_crowded_values_have_equally_many_runs(script):
+    values = [1 + 0.001 * k for k in range(80)] + [1.2 + 0.05 * k for k in range(20)]
+    shares, knots = script.evaluate(
+        "(all) => { const { shareOf, knots } = colourScale(all, false); return [all.map(shareOf), knots]; }",
+        values,
+    )
+    assert shares == sorted(shares)
+    assert (shares[0], shares[-1]) == (0.0, 1.0)
+    assert shares[50] == pytest.approx(0.5, abs=0.03)
+    assert len(knots) == 9
+    assert (
+        script.evaluate("(values) => colourScale(values, false).knots ?? null", list(range(1, 100))) is None
+    )
+
+
+HIDDEN = """() => {
+  const label = document.querySelector('.map-label').getBoundingClientRect();
+  return [...document.querySelectorAll('.map-value')].map((one) => one.getBoundingClientRect())
+    .filter(({ left, right }) => left < label.right && right > label.left)
+    .filter(({ top, bottom }) => top + 3 < label.bottom && bottom - 3 > label.top).length;
+}"""
+"""The number of numbers that the label of a run covers."""
+
+
+def test_the_label_of_a_run_covers_no_number_and_tablets_have_all_columns(show):
+    page = show("rod_drop", MAP, viewport={"width": 768, "height": 1024})
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text("A preview of").wait_for()
+    places = page.locator(".map-value:not(.of-present)").evaluate_all(
+        "all => all.map((one) => one.getAttribute('x'))"
+    )
+    assert len(set(places)) == 9
+    draw_map(page)
+    box = page.locator("#map-canvas").bounding_box()
+    for share in np.linspace(0.1, 0.9, 7):
+        page.locator("#map-canvas").hover(position={"x": share * box["width"], "y": share * box["height"]})
+        page.locator(".map-label-text").wait_for()
+        assert page.evaluate(HIDDEN) == 0

@@ -8,7 +8,7 @@ export const runEach = async ([module, contents, names, grid, endTimes, outputs]
   const words = outputs.map((name) => scene.columns.find((one) => one.name === name).word);
   const kernel = await Kernel.load(await compiled(module), scene);
   const given = [Float64Array.from(grid), Float64Array.from(endTimes), words];
-  const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given));
+  const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given)).rows;
   const after = runThrough(kernel.run({}, rowTimes(0.1, 0.01), scene.columns.slice(0, 1))).columns[0].length;
   return [btoa(String.fromCharCode(...new Uint8Array(found.buffer))), after];
 };

@@ -3,7 +3,6 @@
 
 const { WORD } = SHARED.record; // [bytes] size of a word
 const ROWS = 256; // number of rows of outputs that the kernel fills in one call
-const RUNS = 41; // number of runs of a map that the kernel computes in one call
 const PAGE = 65536; // [bytes] size of a page of WebAssembly's memory
 
 /** Return the first multiple of 64 bytes that is not below an address. */
@@ -160,30 +159,20 @@ export class Kernel {
 
   /**
    * Run once for each row of values (`each`, one row after the other) of the real parameters `names`, up to the row's end time [s], with
-   * the other changes `values`. Return the `words` of the record (indices) at the end of each run, one run after the other. The generator
-   * yields the fraction of the runs that is done.
+   * the other changes `values`. Return in `rows` the `words` of the record (indices) at the end of each run, one run after the other, and
+   * in `firsts` the results of `firstOf` for the impacts and the changes of each run. The generator yields after each call of the kernel.
    */
-  *runEach(values, names, each, endTimes, words) {
-    const [runs, width] = [endTimes.length, words.length];
-    const [indices, rows, endTimesAt, outputs, results] = this.#allocate([names.length, each.length, runs, width, runs * width]);
-    const { buffer } = this.exports.memory;
-    this.#write(values);
-    new BigInt64Array(buffer, indices, names.length).set(names.map((name) => BigInt(this.parameters.get(name).word)));
-    new Float64Array(buffer, rows, each.length).set(each);
-    new Float64Array(buffer, endTimesAt, runs).set(endTimes);
-    new BigInt64Array(buffer, outputs, words.length).set(words.map(BigInt));
-    for (let done = 0, continuing = 0; done < runs;) {
-      const most = Math.min(RUNS, runs - done);
-      const [valuesAt, endsAt, resultsAt] = [rows + done * names.length * WORD, endTimesAt + done * WORD, results + done * width * WORD];
-      const counts = [names.length, most, words.length].map(BigInt);
-      const complete = Number(this.exports.run_each(
-        this.record, indices, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], resultsAt, continuing,
-      ));
-      done += complete;
-      continuing = complete < most ? 1 : 0;
-      yield done / runs;
+  *runEach(values, names, each, endTimes, words, firstOf = () => null) {
+    const rows = new BigInt64Array(endTimes.length * words.length);
+    const firsts = [];
+    for (let number = 0; number < endTimes.length; number += 1) {
+      const given = Object.fromEntries(names.map((name, k) => [name, each[number * names.length + k]]));
+      const changed = { ...values, ...given };
+      const { impacts } = yield* this.run(changed, endTimes.subarray(number, number + 1), [], { timesPerCall: 1 });
+      rows.set(words.map((word) => this.integers[word]), number * words.length);
+      firsts.push(firstOf(impacts, changed));
     }
-    return new Float64Array(buffer, results, runs * width).slice();
+    return { rows: new Float64Array(rows.buffer), firsts };
   }
 
   /** Return the ended contacts that are new in the log; if the log is not read in time, its oldest contacts are lost. */

@@ -20,7 +20,7 @@ const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: 
 const { FOLLOWED, WITHIN } = SHARED.curves;
 
 /** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
-function impactsOf(impacts, scene, valueOf) {
+export function impactsOf(impacts, scene, valueOf) {
   return impacts.map((impact) => {
     const { point, wall, onset, end, joint } = impact;
     const quantities = mapped(SHARED.drawn.OF_IMPACT, (column) => impact[column]);

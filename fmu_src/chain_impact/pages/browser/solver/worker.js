@@ -1,7 +1,9 @@
 // The worker: runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
 
+import { impactsUntil } from "../recording/frames.js";
+import { toucherText, wallText } from "../scene/words.js";
 import { Kernel, rowTimes } from "./kernel.js";
-import { motion, stepsForKernel } from "./motion.js";
+import { impactsOf, motion, stepsForKernel } from "./motion.js";
 
 const MOST_BYTES = 500e6; // [byte] largest table of results that a request may ask for
 const MESSAGE_INTERVAL = 15; // [ms] after this computing time the worker looks for messages
@@ -30,12 +32,22 @@ function* rows(kernel, values, { names, inputSteps = {} }) {
 
 /**
  * Run once for each row of values (`each`, one row after the other) of the parameters `names`. Return in `rows` the words of the record
- * with the indices `words` at the end of each run.
+ * with the indices `words` at the end of each run, and in `firsts` its first impact: name → value, or null without impacts. A stop of a
+ * joint has no force.
  */
 function* study(kernel, values, { names, each, words }) {
   const endTime = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
   const endTimes = new Float64Array(each.length / names.length).fill(endTime);
-  return { rows: yield* kernel.runEach(values, names, each, endTimes, words) };
+  const firstOf = (impacts, changed) => {
+    const valueOf = (name) => changed[name] ?? kernel.parameters.get(name)?.start;
+    const [first] = impactsUntil(impactsOf(impacts.slice(0, 1), kernel.scene, valueOf), endTime);
+    return first ? {
+      "impact[1].onset": first.onset,
+      "impact[1].peak_force": first.atStop ? null : first.peak,
+      "impact[1].place": `${toucherText(first)} ${wallText(first)}`,
+    } : null;
+  };
+  return yield* kernel.runEach(values, names, each, endTimes, words, firstOf);
 }
 
 /** Return the buffers of a result's columns, which the worker transfers to the page, so that they are not copied. */

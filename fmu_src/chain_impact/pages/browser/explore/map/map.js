@@ -8,9 +8,9 @@ import { mainParametersOf, wordsFor } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
 import { connectFiles } from "./map_files.js";
-import { failureOf, mainOutput, outputIn, outputsOf, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
+import { failureOf, mainOutput, outputIn, outputsOf, presentOutputs, runIn, takeOutput, wordsOfRun } from "./map_outputs.js";
 import { completed, hasAreaOf, rowOrder, valuesAt } from "./map_rows.js";
-import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, scaledTo } from "./map_scales.js";
+import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, refused, scaledTo, titleOf } from "./map_scales.js";
 import { Ranking } from "./ranking.js";
 
 const POINTS = 41; // number of values of each parameter in the map
@@ -127,7 +127,8 @@ export class GridMap {
       this.#range(k);
     });
     const outputs = outputsOf(this.changes.scene);
-    this.output.replaceChildren(...outputs.map(({ name }) => new Option(quantityOf(name), name)));
+    this.output.replaceChildren(...outputs.map(({ name, unit }) =>
+      new Option(titleOf(quantityOf(name), name.startsWith("point") ? unit : ""), name)));
     this.output.value = mainOutput(this.changes, outputs).name;
   }
 
@@ -190,7 +191,8 @@ export class GridMap {
     const { shown } = this;
     if (this.#refuses || shown.seconds === undefined) return;
     const { points, rows, faults, results, seconds } = shown;
-    const grey = faults.size ? "; grey runs fail" : results.includes(null) ? "; grey runs have only impulses" : "";
+    const grey = faults.size ? "; grey runs fail" : !results.includes(null) ? ""
+      : `; grey runs have ${shown.output.rigid ? "only impulses" : "no such impact"}`;
     const summary = points === POINTS
       ? `${points * points} runs in ${seconds.toPrecision(2)} s${grey}.`
       : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
@@ -215,9 +217,10 @@ export class GridMap {
   /** Return what the fields ask for: `names` of two parameters, `axes` with their values, all changes (`values`), and all `outputs`. */
   #requestOf(points) {
     const names = this.inputs.map(([name]) => name.value);
-    if (names[0] === names[1]) throw new RangeError("choose two parameters");
+    this.inputs.flat().forEach((field) => field.setCustomValidity(""));
+    if (names[0] === names[1]) throw refused(this.inputs[1][0], "choose two parameters");
     const axes = this.inputs.map(([name, from, to]) => {
-      const [first, last] = [from, to].map((field) => limitOf(this.changes, name.value, field.value));
+      const [first, last] = [from, to].map((field) => limitOf(this.changes, name.value, field, this.wordsOf(name.value)));
       const { valueAt } = axisScale(first, last, isLogarithmic(name.value));
       return Array.from({ length: points }, (_, k) => Number(valueAt(k / (points - 1)).toPrecision(12)));
     });
@@ -235,7 +238,7 @@ export class GridMap {
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
         const result = await engine.ask("study", values, { names, each, words });
         if (!result) return; // there is no result because the worker was ended
-        if (shown === this.shown) this.#store(result.rows, row);
+        if (shown === this.shown) this.#store(result, row);
       }
     };
     const engines = this.#startEngines();
@@ -245,7 +248,7 @@ export class GridMap {
     const present = names.map((name) => this.changes.valueOf(name));
     const run = await engines[0].ask("study", values, { names, each: Float64Array.from(present), words });
     if (!run) return;
-    known.set(present.join(), runIn(outputs, run.rows, 0));
+    known.set(present.join(), runIn(outputs, run, 0));
     await Promise.all(engines.map(work));
   }
 
@@ -260,12 +263,12 @@ export class GridMap {
     this.#showState();
   }
 
-  /** Store the outputs of a row of runs from the kernel's results (`rows`), or the reason for a run that failed or is refused. */
-  #store(rows, row) {
+  /** Store the outputs of a row of runs from the `result` of its study, or the reason for a run that failed or is refused. */
+  #store(result, row) {
     const { outputs, runs, faults, points, began } = this.shown;
     for (let column = 0; column < points; column += 1) {
       const index = row * points + column;
-      const { status, values } = runIn(outputs, rows, (column * rows.length) / points);
+      const { status, values } = runIn(outputs, result, column);
       const fault = this.#refusalOf(index) || (status ? SHARED.kernel.STATUS_TEXT[status] : "");
       if (fault) faults.set(index, fault);
       runs[index] = fault ? null : values;
@@ -288,10 +291,7 @@ export class GridMap {
 
   #draw() {
     const { shown } = this;
-    [shown.coarse, shown].filter(Boolean).forEach((map) => {
-      map.output = map.outputs.find(({ name }) => name === this.output.value);
-      map.results = Array.from(map.runs, (values) => values && outputIn(values, map.output));
-    });
+    takeOutput([shown.coarse, shown].filter(Boolean), this.output.value);
     const results = completed(shown);
     shown.scale = colourScale(results, shown.output.integer);
     this.drawing.drawRuns(shown, results);
@@ -358,17 +358,16 @@ export class GridMap {
     const parameters = Object.entries(at).map(([name, given]) => this.#valueText(name, given, { ...this.shown.values, ...at }));
     const { factor, text } = scaledTo(output, scale);
     const number = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text].filter(Boolean).join("\u202f");
-    const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : `only impulses with ${output.rigid}`;
-    const told = value === null ? reason : `${quantityOf(output.name)} = ${number}`;
+    const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : output.rigid ? `only impulses with ${output.rigid}` : "no such impact";
+    const told = value === null ? reason : `${quantityOf(output.name)} = ${output.places?.[value] ?? number}`;
     this.#say(`${parameters.join(", ")}: ${told}`);
   }
 
-  /** Return a value of a parameter with its unit, if the parameters have the changed `values`; an angle is in radians and degrees. */
+  /** Return a value of a parameter with its unit, if the parameters have the changed `values`; an angle is in degrees. */
   #valueText(name, value, values) {
     const { factor, text } = this.#unitOf(name, values);
-    const degrees = factor === 1 ? "" : ` (${withMinus(numberText(Number((factor * value).toPrecision(4))))}\u202f${text})`;
-    const shown = [withMinus(numberText(Number(value.toPrecision(5)))), presentUnit(this.changes, name, values)];
-    return `${this.wordsOf(name)} = ${shown.filter(Boolean).join("\u202f")}${degrees}`;
+    const shown = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text];
+    return `${this.wordsOf(name)} = ${shown.filter(Boolean).join("\u202f")}`;
   }
 
   /** Open a run, that is take over its values; a finger's first touch of a run only shows the values. */

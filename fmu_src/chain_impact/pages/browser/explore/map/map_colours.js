@@ -6,6 +6,10 @@ import { axisScale } from "./map_scales.js";
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 const { BEYOND_QUANTILES, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
 
+const KNOTS = 9; // number of values between which colours of crowded values lie
+const CROWDED = 2; // least ratio of the largest to the least value, for values that crowd
+const FAR_FROM_MIDDLE = 0.2; // fraction of the scale: a median farther from the middle than this is far from it
+
 /** Return the colour for a fraction of the scale, from 0 to 1, as [red, green, blue], each from 0 to 255. */
 export function colourAt(share) {
   const position = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
@@ -33,6 +37,28 @@ function colourEnds(values, isLogarithmic) {
   });
 }
 
+/**
+ * Return the values at equal shares of the runs, from increasing values, if these crowd: if the largest is more than twice the least, and
+ * the median far from the middle; else undefined. The values at the ends of the colours are `low` and `high`.
+ */
+function knotsOf(values, [low, high]) {
+  const share = (values[values.length >> 1] - low) / (high - low);
+  if (!(low > 0 && high > CROWDED * low && Math.abs(share - 0.5) > FAR_FROM_MIDDLE)) return undefined;
+  const within = values.filter((value) => value >= low && value <= high);
+  const knots = Array.from({ length: KNOTS }, (_, k) => within[Math.round((k * (within.length - 1)) / (KNOTS - 1))]);
+  return knots.filter((value, k) => k === 0 || value > knots[k - 1]);
+}
+
+/** Return a function from a value to the share of the scale of colours whose `knots` have equal distances. */
+function shareBetween(knots) {
+  return (value) => {
+    const next = Math.max(knots.findIndex((knot) => knot >= value), 1);
+    const [low, high] = [knots[next - 1], knots[next]];
+    const at = value > knots.at(-1) ? knots.length - 1 : next - 1 + (value - low) / (high - low);
+    return at / (knots.length - 1);
+  };
+}
+
 /** Return the limits of the colours for counts from `least` to `most`, at most MOST_COLOURS: each limit lies 0.5 below a count. */
 function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
@@ -45,8 +71,8 @@ function countBins(least, most) {
 
 /**
  * Return the scale of the colours for the outputs of a map; null without outputs. It has the `extremes` of the outputs, the values at the
- * `ends` of the colours, `isLogarithmic`, `bins` (the limits of the colours, for different counts) and `shareOf`, a function from a value
- * to a fraction of the scale.
+ * `ends` of the colours, `isLogarithmic`, `bins` (the limits of the colours, for different counts), `knots` (for values that crowd, those
+ * between which equally many runs lie) and `shareOf`, a function from a value to a fraction of the scale.
  */
 export function colourScale(outputs, areCounts) {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);
@@ -60,5 +86,7 @@ export function colourScale(outputs, areCounts) {
   const [low, high] = quantilesOf(values);
   const isLogarithmic = extremes[0] > 0 && high / low >= WIDE_COLOURS;
   const ends = colourEnds(values, isLogarithmic);
+  const knots = isLogarithmic ? undefined : knotsOf(values, ends);
+  if (knots?.length > 3) return { extremes, ends, isLogarithmic, knots, shareOf: shareBetween(knots) };
   return { extremes, ends, isLogarithmic, shareOf: axisScale(...ends, isLogarithmic).shareOf };
 }

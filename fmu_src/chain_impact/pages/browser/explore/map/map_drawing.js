@@ -96,7 +96,7 @@ export class MapDrawing {
     const { factor, text } = scaledTo(output, scale);
     const colours = this.scales.gradient("linear", (add) => gradientStops(scale).forEach((stop) => add.stop(...stop)));
     this.scales.rect(width, 9).move(left, top - 8).fill(colours);
-    const labels = scale ? labelsOf(scale, factor, output.integer) : [];
+    const labels = scale ? labelsOf(scale, factor, output) : [];
     const widest = Math.max(...labels.map(([label]) => label.length)) * DIGIT + GAP;
     const every = Math.ceil((labels.length * widest) / width) || 1;
     labels.filter((_, k) => k % every === 0).forEach(([label, share]) => {
@@ -105,7 +105,8 @@ export class MapDrawing {
       this.#write(label, at, top + 17, "middle");
     });
     const beyond = scale ? beyondEnds(scale, factor) : "";
-    this.#write(titleOf(quantityOf(output.name), text) + beyond, left + width / 2, top + 34, "middle");
+    const equal = scale?.knots ? " (each colour for as many runs)" : "";
+    this.#write(titleOf(quantityOf(output.name), text) + beyond + equal, left + width / 2, top + 34, "middle");
   }
 }
 
@@ -119,7 +120,9 @@ function gradientStops(scale) {
 }
 
 /** Return the labels of the scale of colours as pairs [text, fraction of the scale at which it stands]. */
-function labelsOf({ ends, bins, isLogarithmic, shareOf }, factor, areCounts) {
+function labelsOf({ ends, bins, knots, isLogarithmic, shareOf }, factor, { integer: areCounts, places }) {
+  if (places) return places.map((place, k) => [place, (k + 0.5) / places.length]);
+  if (knots) return knots.filter((_, k) => k % 2 === 0).map((knot) => [digits(factor * knot), shareOf(knot)]);
   if (bins) {
     return bins.slice(1).map((above, k) => {
       const [first, last] = [bins[k] + 0.5, above - 0.5];

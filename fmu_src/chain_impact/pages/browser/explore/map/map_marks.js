@@ -3,7 +3,8 @@
 import { digits, numberText, withMinus } from "../../base/format.js";
 import { scaledTo } from "./map_scales.js";
 
-const [NUMBERS_BESIDE, NUMBERS_ABOVE] = [56, 30]; // [pixels] least distances between two numbers, beside and above each other
+const [NUMBERS_BESIDE, NUMBERS_ABOVE] = [44, 38]; // [pixels] least distances between two numbers, beside and above each other
+const [NUMBER_WIDTH, NUMBER_HEIGHT] = [34, 11]; // [pixels] size of a number
 const RING_SIZE = 13; // [pixels] diameter of the ring at the present run
 const MARK_RIM = 2; // [pixels] width of the mark around a run
 const BLACK_FROM = 0.45; // fraction of the scale of colours from which on a number is black
@@ -11,6 +12,7 @@ const [LABEL_SIGN, LABEL_PAD] = [7, 5]; // [pixels] width of a sign in the label
 
 /** Return an output in the unit of the map as short text. */
 function outputText(value, { output, scale }) {
+  if (output.places) return output.places[value];
   const shown = scaledTo(output, scale).factor * value;
   const size = Math.abs(shown);
   if (output.integer) return String(value);
@@ -37,11 +39,15 @@ export function markRuns(scales, map, place, { present, chosen }) {
   const steps = [Math.ceil(NUMBERS_BESIDE / width), Math.ceil(NUMBERS_ABOVE / height)];
   const isWritten = (number, k) => number % steps[k] === Math.floor(steps[k] / 2);
   const ring = present && ringOf(present.at, place);
+  const written = ring ? [[ring.middle, ring.y]] : []; // the middles of all numbers
   results.forEach((value, index) => {
     const at = middle(index);
     const isFree = !ring || Math.abs(at[0] - ring.middle) > 0.85 * NUMBERS_BESIDE || Math.abs(at[1] - ring.y) > RING_SIZE;
     const isThere = isWritten(index % points, 0) && isWritten(Math.floor(index / points), 1);
-    if (isThere && isFree && Number.isFinite(value)) write(value, at, "");
+    const isInside = Math.min(at[0] - place.left, place.left + place.width - at[0]) >= NUMBER_WIDTH / 2;
+    if (!isThere || !isFree || !isInside || !Number.isFinite(value)) return;
+    write(value, at, "");
+    written.push(at);
   });
   if (ring) {
     ["map-present-edge", "map-present"].forEach((kind) => scales.circle(RING_SIZE).center(...present.at).addClass(kind));
@@ -51,16 +57,22 @@ export function markRuns(scales, map, place, { present, chosen }) {
   const [x, y] = middle(chosen);
   ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
     scales.rect(width + 2 * MARK_RIM, height + 2 * MARK_RIM).center(x, y).addClass(kind));
-  if (Number.isFinite(results[chosen])) writeLabel(scales, map, place, { value: results[chosen], x, y, height });
+  if (Number.isFinite(results[chosen])) writeLabel(scales, map, place, { value: results[chosen], x, y, height, written });
 }
 
-/** Write the output `value` of the run with the middle `x`, `y` and a `height` above the run, or below it at the upper edge. */
-function writeLabel(scales, map, { left, top, width }, { value, x, y, height }) {
+/**
+ * Write the output `value` of the run with the middle `x`, `y` and a `height`: above or below it, and so near that the text covers none of
+ * the numbers with the middles `written`, if there is such a place.
+ */
+function writeLabel(scales, map, { left, top, width }, { value, x, y, height, written }) {
   const text = [outputText(value, map), scaledTo(map.output, map.scale).text].filter(Boolean).join("\u202f");
-  const [wide, high] = [text.length * LABEL_SIGN + 2 * LABEL_PAD, 20];
+  const [wide, high] = [text.length * LABEL_SIGN + 2 * LABEL_PAD, 18];
   const middle = Math.min(Math.max(x, left + wide / 2), left + width - wide / 2);
-  const above = y - height / 2 - MARK_RIM - high / 2 - 4;
-  const at = above - high / 2 < top ? y + height / 2 + MARK_RIM + high / 2 + 4 : above;
+  const least = height / 2 + MARK_RIM + high / 2 + 2;
+  const places = [0, 6, 12, 18, 24, 30].flatMap((more) => [y - least - more, y + least + more]).filter((at) => at - high / 2 > top);
+  const covers = (at) => written.some(([across, down]) =>
+    Math.abs(across - middle) < (wide + NUMBER_WIDTH) / 2 && Math.abs(down - at) < (high + NUMBER_HEIGHT) / 2);
+  const at = places.find((one) => !covers(one)) ?? places[0];
   scales.rect(wide, high).radius(5).center(middle, at).addClass("map-label");
   scales.plain(text).attr({ x: middle, y: at + 4, "text-anchor": "middle" }).addClass("map-number map-label-text");
 }

@@ -10,20 +10,28 @@ export function wordsOfRun({ layout }, outputs) {
   return [layout.status, ...outputs.flatMap(({ words }) => words)];
 }
 
-/** Return a run from the kernel's results for `wordsOfRun`, of which it has those from `first` on: its status, and name → value. */
-export function runIn(outputs, rows, first) {
+/**
+ * Return run `number` from a study's results (worker.js) for `wordsOfRun`: its status, and name → value; null for a value of an impact that
+ * the run does not have.
+ */
+export function runIn(outputs, { rows, firsts }, number) {
+  const first = (number * rows.length) / firsts.length;
   const integers = new BigInt64Array(rows.buffer);
   let at = first + 1;
   const values = Object.fromEntries(outputs.map(({ name, words, integer }) => {
     const all = words.map((_, k) => (integer ? Number(integers[at + k]) : rows[at + k]));
     at += words.length;
-    return [name, Math.max(...all)];
+    return [name, all.length ? Math.max(...all) : firsts[number]?.[name] ?? null];
   }));
   return { status: Number(integers[first]), values };
 }
 
-/** Return an output from the `values` of a run; null if a rigid law leaves it unknown, so that it is 0 though the run has impacts. */
-export function outputIn(values, { name, rigid }) {
+/**
+ * Return an output from the `values` of a run, of `places` the index of a place; null if the run has no such impact, or if a rigid law
+ * leaves the output unknown, so that it is 0 though the run has impacts.
+ */
+export function outputIn(values, { name, rigid, places }) {
+  if (places && values[name]) return places.indexOf(values[name]);
   return rigid && values[name] === 0 && values["impact.count"] > 0 ? null : values[name];
 }
 
@@ -50,15 +58,33 @@ function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks
   return loads.length ? [...largest, ofJoints] : largest;
 }
 
+/** Return the outputs of the first impact, with the names of a sweep; its place has the names of what touches and of the wall. */
+function ofFirst({ contactPoints, sliderStops, stops }) {
+  const touch = contactPoints.length + sliderStops.length;
+  const units = [["onset", "s"], ...(touch ? [["peak_force", SHARED.impactUnits.AT_WALL.peak_force]] : []), ["place", "1"]];
+  return touch + stops.length
+    ? units.map(([key, unit]) => ({ name: `impact[1].${key}`, unit, integer: key === "place", isPlace: key === "place", words: [] })) : [];
+}
+
+/** Let some maps show the output `name`: its values in all runs are their `results`; of a place these are indices in a list of all places. */
+export function takeOutput(maps, name) {
+  const all = new Set(maps.flatMap(({ runs }) => runs.map((values) => values?.[name])));
+  maps.forEach((map) => {
+    const output = map.outputs.find((one) => one.name === name);
+    map.output = output.isPlace ? { ...output, places: [...all].filter(Boolean).sort() } : output;
+    map.results = Array.from(map.runs, (values) => values && outputIn(values, map.output));
+  });
+}
+
 /**
- * Return the outputs that a map can show: the number and the last time of impacts, the largest forces and penetrations, the energy and the
- * position of the tip at the end.
+ * Return the outputs that a map can show: the number, the first and the last time of impacts, the largest forces and penetrations, the
+ * energy and the position of the tip at the end.
  */
 export function outputsOf(scene) {
   const tip = `point[${scene.links}]`;
   const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
   const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
-  return [...first, ...largestOf(scene), ...last];
+  return [...first, ...ofFirst(scene), ...largestOf(scene), ...last];
 }
 
 /** If all runs of a map fail, return why the first one does, and which parameters beside the map's two are changed in all; else "". */
@@ -75,11 +101,11 @@ export function presentOutputs(changes) {
 }
 
 /**
- * Return the rigid law of the walls, for the output `peak_force`, or of the stops of joints, for `stop.peak_moment`: an impulse has no peak
+ * Return the rigid law of the walls, for a peak force, or of the stops of joints, for `stop.peak_moment`: an impulse has no peak
  * force. The result is "" if the law is not rigid, and for all other outputs.
  */
 function rigidLaw(changes, name) {
-  return ["peak_force", "stop.peak_moment"].includes(name) ? impulsiveLaw(changes, name === "stop.peak_moment") : "";
+  return ["peak_force", "impact[1].peak_force", "stop.peak_moment"].includes(name) ? impulsiveLaw(changes, name === "stop.peak_moment") : "";
 }
 
 /**

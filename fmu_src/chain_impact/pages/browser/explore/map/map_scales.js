@@ -22,11 +22,25 @@ export function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-/** Return the end of an axis, an angle in radians, that the text of a field stands for; an angle in it without a unit is in degrees. */
-export function limitOf(changes, name, text) {
+/**
+ * Return the end of an axis, an angle in radians, that the text of a field stands for; an angle in it without a unit is in degrees. A field
+ * with a refused value is marked; `words`: those for the parameter.
+ */
+export function limitOf(changes, name, field, words) {
   const { factor } = shownIn(changes.parameters.get(name));
+  const text = field.value;
   const isShown = factor !== 1 && text.trim() !== "" && Number.isFinite(Number(text));
-  return changes.numberOf(name, isShown ? Number(text) / factor : text);
+  try {
+    return changes.numberOf(name, isShown ? Number(text) / factor : text);
+  } catch ({ message }) {
+    throw refused(field, message.replace(name, words));
+  }
+}
+
+/** Mark a field as refused, and return an error with the reason. */
+export function refused(field, reason) {
+  field.setCustomValidity(reason);
+  return new RangeError(reason);
 }
 
 /** Return a text by which maps, or requests of maps, are compared: it is equal if the parameters and the ends of the axes are equal. */
@@ -43,6 +57,9 @@ export function titleOf(name, unit) {
 const QUANTITIES = {
   "impact.count": "Number of impacts",
   "impact.last_time": "Time of the last impact",
+  "impact[1].onset": "First impact: time",
+  "impact[1].peak_force": "First impact: largest force",
+  "impact[1].place": "First impact: point and wall",
   peak_force: "Largest force at a wall",
   max_penetration: "Largest penetration",
   "stop.peak_moment": "Largest moment at a stop",
@@ -51,9 +68,9 @@ const QUANTITIES = {
   "energy.total": "Energy at the end",
 };
 
-/** Return the title for the name of an output, or the name itself if it has no title. */
+/** Return the title for the name of an output; an output without one is a coordinate of the tip. */
 export function quantityOf(name) {
-  return QUANTITIES[name] ?? name;
+  return QUANTITIES[name] ?? `Tip at the end, ${name.at(-1)}`;
 }
 
 /**

@@ -72,7 +72,7 @@ export class Ranking {
         const step = waiting.shift();
         const result = await engine.ask("study", { ...changes.values }, { names: [step.name], each: Float64Array.of(step.value), words });
         if (!result || shown !== this.shown) return;
-        const { status, values } = runIn(outputs, result.rows, 0);
+        const { status, values } = runIn(outputs, result, 0);
         shown.runs.push({ ...step, values: status ? null : values });
         this.text.textContent = `${shown.runs.length} of ${shown.count} runs`;
       }
@@ -90,7 +90,7 @@ export class Ranking {
     const { shown, list, text } = this;
     if (list.hidden || shown?.runs.length !== shown?.count) return;
     const output = shown.outputs.find(({ name }) => name === find("map-output").value);
-    const valueOf = ({ values }) => values && outputIn(values, output);
+    const valueOf = ({ values }) => values && !output.isPlace ? outputIn(values, output) : null;
     const base = valueOf(shown.runs.find(({ sign }) => sign === 0));
     const { factor, text: unit } = scaledTo(output, { ends: [base ?? 0] });
     const write = (value, count) => [withMinus(digits(factor * value, count)), unit].filter(Boolean).join("\u202f");
@@ -116,9 +116,9 @@ export class Ranking {
     }));
     const others = [some.length > MOST_EFFECTS && `${some.length - MOST_EFFECTS} more with smaller effects`,
       effects.length > some.length && `${effects.length - some.length} without any`].filter(Boolean).join(", ");
-    const effect = "Effects of 1\u00a0% more of a parameter, each from a run (simulate --rank: from derivatives)";
+    const effect = "Effects of 1\u00a0% more of a parameter, each from a run";
     const told = `${effect}${others && `; ${others}`}. Click one to vary it in the map.`;
-    text.textContent = base === null ? `${quantityOf(output.name)} is not known in this run.`
+    text.textContent = base === null ? `${quantityOf(output.name)} is not known ${output.isPlace ? "as a number" : "in this run"}.`
       : `${quantityOf(output.name)} = ${output.integer ? base : write(base, 4)}. ${told}`;
   }
 }
