@@ -261,4 +261,12 @@ def test_pins_are_named_by_the_changes_in_which_they_differ(show, size):
     page.keyboard.press("Escape")
     page.evaluate("location.hash = '#'")
     until(page, "document.querySelector('.pin-text').textContent === 'present'")
-    assert "Gravity, y = -9.5" in names.last.inner_text()
+    assert "Gravity, y = −9.5" in names.last.inner_text()
+
+
+def test_forces_and_impulses_are_not_compared_and_angles_are_in_degrees(show):
+    page = show()
+    page.evaluate("chainImpact.show({'contact.model': 'newton_impact', 'initial.angle[2]': -2.16})")
+    until(page, "/^[0-9]+ → [0-9]+$/.test(document.getElementById('impacts-before').textContent)")
+    page.get_by_role("button", name="Pin").click()
+    assert "Initial angle of link 2 = −123.76\u202f°" in page.locator(".pin-text").last.inner_text()

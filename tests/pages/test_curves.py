@@ -281,3 +281,43 @@ def test_a_curve_is_as_strong_as_its_entry_in_the_list(show, model, faint):
     opacity = line.evaluate("term => Number(getComputedStyle(term, '::before').opacity)")
     assert (opacity < 1.0) is faint
     assert (page.evaluate(PIXELS, ["energy", "total"]) < 100) is faint
+
+
+def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):
+    page = show()
+    time = page.inner_text("#time")
+    total = page.locator("#energies div", has=page.get_by_text("total", exact=False)).locator("dd").first
+    before = total.inner_text()
+    box = page.locator("#energy .u-over").bounding_box()
+    page.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.5 * box["height"])
+    assert page.inner_text("#energy .reading") == "1.5000 s"
+    energy = np.interp(1.5, result.time, result["energy.total"])
+    shift = float(before) - result["energy.total"][0]
+    assert float(total.inner_text().replace("−", "-")) == pytest.approx(energy + shift, abs=0.05)
+    page.mouse.move(1, 1)
+    assert (total.inner_text(), page.locator(".reading:visible").count()) == (before, 0)
+    page.locator("#force").focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowRight")
+    later = page.inner_text("#force .reading")
+    page.keyboard.press("ArrowLeft")
+    assert page.inner_text("#force .reading") != later
+    assert later.split(": ")[1].endswith("N")
+    page.keyboard.press("Escape")
+    assert page.locator(".reading:visible").count() == 0
+    assert page.inner_text("#time") == time
+
+
+def test_the_chart_of_a_force_has_the_number_of_its_peak(show):
+    page = show()
+    page.evaluate("""() => {
+      const write = CanvasRenderingContext2D.prototype.fillText;
+      window.written = [];
+      CanvasRenderingContext2D.prototype.fillText = function (...given) {
+        written.push(given[0]);
+        write.apply(this, given);
+      };
+    }""")
+    page.locator("#impacts tbody tr button").nth(1).click()
+    peak = page.locator("#impacts tbody tr").nth(1).locator("td").last.inner_text()
+    until(page, f"written.includes({peak!r})")

@@ -374,3 +374,27 @@ def test_typing_after_tab_replaces_a_rounded_angle(show):
     page.keyboard.type("25 deg")
     page.keyboard.press("Enter")
     until(page, "Math.abs(chainImpact.parameters['initial.angle[1]'] - 25 * Math.PI / 180) < 1e-9")
+
+
+def test_a_law_without_losses_makes_the_restitution_pale(show):
+    page = show(hash_="#contact.model=hertz")
+    pale = page.locator(".main-parameter.idle .main-parameter-label")
+    assert pale.all_inner_texts() == ["Restitution"]
+    assert pale.get_attribute("title") == "contact.restitution: no effect with hertz"
+    page.evaluate("chainImpact.show({'contact.model': 'flores'})")
+    assert pale.count() == 0
+
+
+@pytest.mark.parametrize(
+    ("model", "name"), [("four_link_box", "initial.y"), ("pinned_arm", "initial.angle[1]")]
+)
+def test_a_slider_changes_the_start(show, model, name):
+    page = show(model)
+    slider = page.locator(".main-parameter", has=page.locator(f"[data-parameter='{name}']")).locator(
+        "input[type=range]"
+    )
+    before = float(page.evaluate(f"chainImpact.parameters['{name}']"))
+    slider.press("PageUp")
+    assert float(page.evaluate(f"chainImpact.parameters['{name}']")) > before
+    texts = page.locator("input[type=range]").evaluate_all("all => all.map((one) => one.ariaValueText ?? '')")
+    assert [text for text in texts if text != text.strip()] == []

@@ -14,6 +14,7 @@ const NARROWEST = 48; // [pixels] least width of a vertical axis, enough for mos
 // horizontal positions of the letters at curves of compared motions, relative to the width of the chart: of A, and from each letter to the
 // next
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
+const READ_STEPS = 100; // number of steps of the arrow keys along the horizontal axis of a chart
 const LETTER_DOT = 6; // [pixels] radius of the dot around a curve's letter
 const LABEL_MARGIN = 4; // [pixels] free space to the left of a label of an axis
 const DECIMALS_OF_LARGEST = 3; // number of decimals with which values are written if the largest of them lies between 1 and 10
@@ -110,6 +111,45 @@ export class Chart {
     this.height = element.clientHeight || height;
     new ResizeObserver(() => this.fit()).observe(element);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
+    this.label = document.createElement("div");
+    Object.assign(this.label, { className: "reading", hidden: true });
+    this.label.setAttribute("role", "status");
+    this.#connect();
+  }
+
+  /** Let the mouse, or the arrow keys while the chart has the focus, read values at a place of the horizontal axis. */
+  #connect() {
+    const { element } = this;
+    element.tabIndex = 0;
+    element.addEventListener("pointermove", ({ clientX, buttons, pointerType }) => {
+      const { left, width } = this.plot.over.getBoundingClientRect();
+      const at = clientX - left;
+      this.read(pointerType === "mouse" && !buttons && at >= 0 && at <= width ? this.plot.posToVal(at, "x") : undefined);
+    });
+    ["pointerleave", "pointerdown", "blur"].forEach((end) => element.addEventListener(end, () => this.read(undefined)));
+    element.addEventListener("keydown", (event) => {
+      const direction = { ArrowLeft: -1, ArrowRight: 1, Escape: 0 }[event.key];
+      if (direction === undefined || event.shiftKey) return;
+      event.preventDefault();
+      event.stopPropagation(); // the arrow keys would move the motion
+      const { min, max } = this.plot.scales.x;
+      const next = (this.reading ?? this.at ?? min) + (direction * (max - min)) / READ_STEPS;
+      this.read(direction ? Math.min(Math.max(next, min), max) : undefined);
+    });
+  }
+
+  /** Tell the values at `x` of the horizontal axis by the text of `readingAt`, beside a dashed line; without `x`, end it. */
+  read(x) {
+    if (x === undefined && this.reading === undefined) return;
+    this.reading = x;
+    const text = x === undefined ? "" : this.readingAt(x);
+    this.label.hidden = !text;
+    if (!text) return;
+    const left = this.plot.valToPos(x, "x");
+    if (this.label.parentElement !== this.plot.over) this.plot.over.append(this.label);
+    this.label.textContent = text;
+    this.label.classList.toggle("at-left", left > this.plot.over.clientWidth / 2);
+    this.label.style.left = `${left}px`;
   }
 
   /** Make a plot with options and data of uPlot, in place of the chart's present plot. */

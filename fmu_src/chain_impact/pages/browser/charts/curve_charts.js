@@ -70,15 +70,17 @@ class UnitChart extends TimeChart {
   }
 
   /**
-   * Draw the curves with the line at the time `now` [s]: over the whole run or, in a close view, over `close`, [from, to], where the axis
+   * Draw the curves with the line at the time `present` [s]: over the whole run or, in a close view, over `close`, [from, to], where the axis
    * counts from `onset`.
    */
-  draw(now, close, onset) {
+  draw(present, close, onset) {
+    this.drawn = [present, close, onset];
     if (close?.join() !== this.close?.join() || onset !== this.onset) {
       Object.assign(this, { close, onset });
       this.plot.setData(this.plot.data);
     }
-    this.mark(now);
+    this.mark(present);
+    const now = this.reading ?? present;
     const row = Math.min(lastBefore(this.time, now), this.time.length - 2);
     const share = Math.min(Math.max((now - this.time[row]) / (this.time[row + 1] - this.time[row]), 0), 1);
     this.values.forEach(([, value], k) => {

@@ -1,6 +1,6 @@
 // The chart of the force of one contact, over time or over penetration.
 
-import { durationText, forceTicks, unitsOf, withMinus } from "../base/format.js";
+import { durationText, forceText, forceTicks, unitsOf, withMinus } from "../base/format.js";
 import { partnerOf } from "../recording/partners.js";
 import { hasImpulseOnly, lastBefore } from "../recording/recording.js";
 import {
@@ -60,6 +60,7 @@ export class ForceChart extends Chart {
         hooks: {
           draw: [(plot) => {
             if (this.loop) drawCurve(plot, this.loop, "force", "force-fill");
+            this.#writePeak(plot);
             this.curves?.forEach((curve) => drawCompared(plot, curve));
           }],
         },
@@ -83,6 +84,34 @@ export class ForceChart extends Chart {
       this.shown = null;
       this.draw(frame, shown);
     });
+  }
+
+  /** Write the largest force of the shown contact beside its place on the curve. */
+  #writePeak({ ctx, bbox, valToPos, data }) {
+    const peak = this.shown?.peak;
+    const [along, up] = this.loop ?? data;
+    const top = up.indexOf(highest(up));
+    if (!peak || top < 0) return;
+    const [x, y] = [valToPos(along[top], "x", true), valToPos(peak, "y", true)];
+    const isAtLeft = x > bbox.left + 0.6 * bbox.width;
+    ctx.save();
+    Object.assign(ctx, { textAlign: isAtLeft ? "right" : "left", textBaseline: "top", lineWidth: 3 * devicePixelRatio, lineJoin: "round" });
+    Object.assign(ctx, { font: `600 ${11 * devicePixelRatio}px system-ui, sans-serif`, strokeStyle: styleColour("panel") });
+    ctx.fillStyle = styleColour("force");
+    const place = [forceText(peak, 3, this.unit.force), x + (isAtLeft ? -8 : 8) * devicePixelRatio, y];
+    ctx.strokeText(...place);
+    ctx.fillText(...place);
+    ctx.restore();
+  }
+
+  /** Return the time since the onset and the force then as text; "" for the loop over penetration, which has two forces at a place. */
+  readingAt(time) {
+    if (this.loop) return "";
+    const [times, force] = this.plot.data;
+    const row = Math.min(lastBefore(times, time), times.length - 2);
+    const share = Math.min(Math.max((time - times[row]) / (times[row + 1] - times[row]), 0), 1);
+    const value = force[row] + share * (force[row + 1] - force[row]);
+    return `${withMinus(durationText(time))}: ${forceText(value, 3, this.unit.force)}`;
   }
 
   show(recording) {
@@ -116,6 +145,7 @@ export class ForceChart extends Chart {
     const { recording } = this;
     const { onset, end } = contact;
     this.shown = contact;
+    this.read(undefined);
     Object.assign(this.unit, unitsOf(contact));
     const { times, margin, force: inside, friction: along, depth } = courseAround(recording, contact);
     const rubs = along?.some((force) => force !== 0);

@@ -1,6 +1,6 @@
 // Charts of quantities over the whole time, among them the chart of the energies.
 
-import { ticksOf, withMinus } from "../base/format.js";
+import { fixed, ticksOf, withMinus } from "../base/format.js";
 import {
   axisOptions, Chart, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
 } from "./chart.js";
@@ -21,6 +21,17 @@ export class TimeChart extends Chart {
   constructor(element, height, entries, seek) {
     super(element, height);
     Object.assign(this, { entries, seek });
+  }
+
+  /** Return the time on the axis as text. */
+  readingAt(time) {
+    return `${withMinus(fixed(time, 4))} s`;
+  }
+
+  /** Read the chart at a time: the list shows the values at this time, not at the present one. */
+  read(time) {
+    super.read(time);
+    if (this.drawn) this.draw(...this.drawn);
   }
 
   /** Return the first and the last time on the axis [s]: those of the recording, or of a part that a derived class shows. */
@@ -156,8 +167,10 @@ export class EnergyChart extends TimeChart {
     if (this.recording) this.show(this.recording);
   }
 
-  draw(frame) {
-    this.mark(this.recording.timeAt(frame));
+  draw(present) {
+    this.drawn = [present];
+    this.mark(this.recording.timeAt(present));
+    const frame = this.reading === undefined ? present : this.recording.frameAt(this.reading);
     this.values.forEach(([name, value]) => {
       value.textContent = this.written(this.recording.betweenRows(this.energies[name], frame));
     });

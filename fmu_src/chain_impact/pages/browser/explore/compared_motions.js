@@ -232,8 +232,11 @@ function percentText(recording, other) {
 /** Return words for how impacts differ from those of the recording before a change: their number and largest force. */
 function differenceText(before, present) {
   if (!before || before === present) return "";
-  const [one, other] = [before, present].map((recording) => [`${recording.impacts.length}`, largestText(recording)]);
-  return `${one[0]} → ${other[0]}, largest ${one[1]} → ${other[1]}`;
+  const [one, other] = [before, present];
+  const counts = `${one.impacts.length} → ${other.impacts.length}`;
+  const [unit, after] = [one, other].map((recording) => largestImpact(recording)?.unit);
+  const isAlike = unit && unit === after; // a force and an impulse are not compared
+  return isAlike ? `${counts}, largest ${largestText(one)} → ${largestText(other)}` : counts;
 }
 
 /**

@@ -1,7 +1,8 @@
 // The runs of the page: one run for each change, and the line that tells how the last run ended.
 
 import { find, make } from "../base/dom.js";
-import { numberText, readable } from "../base/format.js";
+import { numberText, readable, withMinus } from "../base/format.js";
+import { shownIn } from "../scene/angles.js";
 import { withBoxWalls } from "../scene/words.js";
 import { faultText, stopText } from "./console.js";
 import { markFailing } from "./parameters/parameter_fields.js";
@@ -155,9 +156,16 @@ export class Simulation {
 
 /** Return the changes of the reader: words for a parameter → text of its value or, for an input with steps, of all its values. */
 function changesInWords(changes) {
-  const [texts, wordsOf] = [new Map(changes.texts()), wordsFor(changes)];
+  const wordsOf = wordsFor(changes);
+  const textOf = (name, value) => {
+    const { items, ...parameter } = changes.parameters.get(name);
+    const { factor, text } = shownIn(parameter); // an angle is in degrees
+    const number = numberText(factor === 1 ? value : Number((factor * value).toPrecision(5)));
+    return items.length ? items[value - 1][0] : `${withMinus(number)}${factor === 1 ? "" : `\u202f${text}`}`;
+  };
+  const texts = new Map(Object.entries(changes.values).map(([name, value]) => [name, textOf(name, value)]));
   for (const [name, steps] of Object.entries(changes.inputSteps)) {
-    const later = steps.map(([time, value]) => `${numberText(value)} from ${time} s`);
+    const later = steps.map(([time, value]) => `${textOf(name, value)} from ${time} s`);
     texts.set(name, [texts.get(name), ...later].filter(Boolean).join(", "));
   }
   return new Map([...texts].map(([name, text]) => [wordsOf(name), text]));

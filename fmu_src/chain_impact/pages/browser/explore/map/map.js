@@ -358,7 +358,8 @@ export class GridMap {
     const parameters = Object.entries(at).map(([name, given]) => this.#valueText(name, given, { ...this.shown.values, ...at }));
     const { factor, text } = scaledTo(output, scale);
     const number = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text].filter(Boolean).join("\u202f");
-    const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : output.rigid ? `only impulses with ${output.rigid}` : "no such impact";
+    const unknown = output.rigid ? `only impulses with ${output.rigid}` : "no such impact";
+    const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : unknown;
     const told = value === null ? reason : `${quantityOf(output.name)} = ${output.places?.[value] ?? number}`;
     this.#say(`${parameters.join(", ")}: ${told}`);
   }

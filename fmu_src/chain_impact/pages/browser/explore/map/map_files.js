@@ -14,7 +14,8 @@ export function connectFiles(map) {
 /** Return the runs of a map as CSV, with a column for each of the two parameters and for the output. */
 function csvOfMap(shown) {
   const { names, output, results } = shown;
-  const lines = Array.from(results, (value, index) => [...Object.values(valuesAt(shown, index)), output.places?.[value] ?? value ?? ""].join(","));
+  const textOf = (value) => output.places?.[value] ?? value ?? "";
+  const lines = Array.from(results, (value, index) => [...Object.values(valuesAt(shown, index)), textOf(value)].join(","));
   return [[...names, output.name].join(","), ...lines, ""].join("\r\n");
 }
 

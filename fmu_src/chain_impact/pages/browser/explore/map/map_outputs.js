@@ -1,6 +1,6 @@
 // The outputs that a map can show.
 
-import { impulsiveLaw } from "../parameters/sliders.js";
+import { idleLaw } from "../parameters/sliders.js";
 
 // a map first shows the first of these outputs that the scene has and no rigid law leaves unknown (`rigidLaw`)
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];
@@ -66,7 +66,7 @@ function ofFirst({ contactPoints, sliderStops, stops }) {
     ? units.map(([key, unit]) => ({ name: `impact[1].${key}`, unit, integer: key === "place", isPlace: key === "place", words: [] })) : [];
 }
 
-/** Let some maps show the output `name`: its values in all runs are their `results`; of a place these are indices in a list of all places. */
+/** Let some maps show the output `name`: its values are their `results`, or for a place indices in a list of all places. */
 export function takeOutput(maps, name) {
   const all = new Set(maps.flatMap(({ runs }) => runs.map((values) => values?.[name])));
   maps.forEach((map) => {
@@ -105,7 +105,8 @@ export function presentOutputs(changes) {
  * force. The result is "" if the law is not rigid, and for all other outputs.
  */
 function rigidLaw(changes, name) {
-  return ["peak_force", "impact[1].peak_force", "stop.peak_moment"].includes(name) ? impulsiveLaw(changes, name === "stop.peak_moment") : "";
+  const isForce = ["peak_force", "impact[1].peak_force", "stop.peak_moment"].includes(name);
+  return isForce ? idleLaw(changes, "stiffness", name === "stop.peak_moment") : "";
 }
 
 /**

@@ -18,7 +18,7 @@ export const MAIN_PARAMETERS = [
   { name: "stop.stiffness", label: "Stiffness of stops", logarithmic: true, decades: 3 },
   { name: "stop.restitution", label: "Restitution of stops", ends: [0, 1] },
   { name: "gravity.y", label: "Gravity, y", ends: [-20, 20] },
-  { name: "solver.tolerance", label: "Solver tolerance", logarithmic: true, ends: [-12, -3] },
+  { name: "solver.tolerance", label: "Solver tolerance", logarithmic: true, isListed: true }, // it has no slider
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
 const STEPS = 400; // number of positions of a slider
@@ -89,19 +89,23 @@ function mainParameter(changes, entry, now) {
     relabel(field.value);
     field.setAttribute("aria-label", `${entry.label}, ${name}`); // the label contains the words that are seen, and the name in the scene
     explain(row);
-    const law = name.endsWith(".stiffness") ? impulsiveLaw(changes, name === "stop.stiffness") : "";
+    const law = idleLaw(changes, name.split(".").at(-1), name.startsWith("stop."));
     row.classList.toggle("idle", Boolean(law));
     label.title = law ? `${name}: no effect with ${law}` : name;
     row.classList.toggle("changed", changes.isChanged(name));
   } };
 }
 
-/** Return the name of the law of walls or, if `ofStops`, of stops of joints, if it has impulses in place of forces; otherwise "". */
-export function impulsiveLaw(changes, ofStops) {
+/**
+ * Return the name of the law of walls or, if `ofStops`, of stops of joints, if it does not use a number `key`: an impulse needs no
+ * stiffness, and a law without losses no restitution; otherwise "".
+ */
+export function idleLaw(changes, key, ofStops) {
   const { contact, stops } = changes.scene.file;
   const model = changes.parameters.get("contact.model");
   const law = (ofStops && stops.model) || (model?.items[changes.valueOf(model.name) - 1]?.[0] ?? contact.model);
-  return SHARED.laws[law]?.impulsive ? law : "";
+  const fact = { stiffness: "impulsive", restitution: "lossless" }[key];
+  return SHARED.laws[law]?.[fact] ? law : "";
 }
 
 /** Return an element for the sentence on a parameter's choice, and `show`, a function that writes the sentence on the present choice. */
@@ -152,7 +156,7 @@ function slider(changes, entry, { field, write, now, unit }) {
     element.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
     element.setAttribute("aria-label", [entry.label, unit()].filter(Boolean).join(", "));
     if (since) since.textContent = sinceText(changes, name, now().time);
-    element.setAttribute("aria-valuetext", `${numberText(value)} ${unit()}`);
+    element.setAttribute("aria-valuetext", [numberText(value), unit()].filter(Boolean).join(" "));
   };
   return { element, since, follow, show: () => {
     element.setCustomValidity("");
@@ -219,7 +223,16 @@ export function mainParametersOf(changes) {
       const words = boxWallText(wall, (name) => changes.valueOf(name)); // they change with gravity
       return `${entry.label} at ${words ? `the ${words}` : wall}`;
     } }))];
-  }).filter(({ name }) => parameters.has(name)).concat(inputSliders(changes));
+  }).filter(({ name }) => parameters.has(name)).concat(startSlider(changes), inputSliders(changes));
+}
+
+/** Return the entry of a slider for the start: the height of a free base, within the length of the chain, or else the first angle. */
+function startSlider({ scene: { links, file }, starts }) {
+  const { "initial.y": y, "initial.angle[1]": angle } = starts;
+  const length = Array.from({ length: links }, (_, k) => starts[`link[${k + 1}].length`]).reduce((a, b) => a + b, 0);
+  const reach = Number(Math.max(length, Math.abs(y)).toPrecision(2));
+  if (file.chain.base === "free" && y !== undefined) return [{ name: "initial.y", label: "Initial height", ends: [y - reach, y + reach] }];
+  return angle === undefined ? [] : [{ name: "initial.angle[1]", label: "Initial angle of link\u00a01", ends: [-Math.PI, Math.PI] }];
 }
 
 /** Return a function from the name of a parameter of the scene to its words: those of its slider, or else words made from the name. */
@@ -239,7 +252,8 @@ export function wordsFor(changes) {
 export function showMainParameters(element, changes, now) {
   let rows;
   const fill = () => {
-    rows = [...mainParametersOf(changes), ...signalSliders(changes)].map((entry) => mainParameter(changes, entry, now));
+    const entries = mainParametersOf(changes).filter(({ isListed }) => !isListed);
+    rows = [...entries, ...signalSliders(changes)].map((entry) => mainParameter(changes, entry, now));
     element.replaceChildren(...rows.map(({ row }) => row));
   };
   const refresh = () => rows.forEach((row) => row.refresh());
