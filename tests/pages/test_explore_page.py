@@ -235,3 +235,31 @@ def test_the_page_is_loaded_when_it_shows_its_first_motion(show, changes):
       performance.getEntriesByType('navigation')[0].loadEventStart]""")
     assert at[0] <= at[1]
     assert page.locator("iframe").count() == 0
+
+
+def test_an_unknown_name_gets_the_nearest_one(show):
+    page = show()
+    message = page.evaluate(
+        "chainImpact.simulate({'contact.restitutoin': 0.5}).catch((error) => error.message)"
+    )
+    assert message.endswith("has no parameter contact.restitutoin; the nearest is contact.restitution")
+    message = page.evaluate(
+        "chainImpact.simulate({}, {output: ['energy.totl']}).catch((error) => error.message)"
+    )
+    assert message == "energy.totl is not an output; the nearest is energy.total"
+    page.locator("summary", has_text="All parameters").click()
+    page.get_by_role("searchbox", name="Search the parameters").fill("gravty.y")
+    assert page.inner_text("#list-of-parameters .nothing").endswith("; the nearest is gravity.y.")
+
+
+def test_a_scene_whose_controller_is_elsewhere_tells_that_its_inputs_are_0(show):
+    assert "Inputs are 0 until you move their sliders" in show("controlled_arm").inner_text("#inputs")
+    assert "Inputs are 0" not in show("hopping_leg").inner_text("#inputs")
+
+
+def test_a_row_of_an_impact_tells_where_it_is(show):
+    page = show()
+    first = simulate("four_link_box").impacts[0]
+    told = page.locator("#impacts tbody tr").first.get_attribute("title").replace("−", "-")
+    x, y = map(float, re.fullmatch(r"At x = (\S+)\sm, y = (\S+)\sm", told).groups())
+    assert (x, y) == pytest.approx((first["x"], first["y"]), abs=2e-3)

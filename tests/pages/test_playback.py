@@ -26,6 +26,7 @@ from tests.pages.in_pages import (
     pixels,
     press,
     time_of,
+    until,
 )
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
@@ -302,3 +303,20 @@ def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show_record
         assert box["y"] + box["height"] <= viewport["height"]
         assert min(box["width"], box["height"]) >= 32
     assert count_of(pixels(page), LIGHT_CHAIN) > 150
+
+
+@pytest.mark.parametrize("name", ["help", "map"])
+def test_the_motion_pauses_behind_a_dialog_and_goes_on_after_it(show, name):
+    page = show(reduced_motion="no-preference")
+    playing = "document.body.classList.contains('playing')"
+    until(page, playing)
+    page.locator(f"#{name}-open").click()
+    until(page, f"!{playing}")
+    page.keyboard.press("Escape")
+    until(page, playing)
+    page.locator("#play").click()
+    until(page, f"!{playing}")
+    page.locator(f"#{name}-open").click()
+    page.keyboard.press("Escape")
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert not page.evaluate(playing), "a motion that the reader has paused stays paused"

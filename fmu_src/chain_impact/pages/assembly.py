@@ -20,6 +20,8 @@ IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 # pattern of a comment in JavaScript, // or /** … */, that takes whole lines
 COMMENT = re.compile(r"^ *(?://.*|/\*\*[\s\S]*?\*/)\n", re.MULTILINE)
+# pattern of what a style sheet does not need: comments, except of licences, and spaces at the start of a line
+OF_READERS = re.compile(r"/\*(?!!).*?\*/\n?|^ +", re.MULTILINE | re.DOTALL)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 
 
@@ -34,7 +36,7 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
         parts: name → text for the other parts of the template.
     """
     scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
-    parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
+    parts |= {"title": html.escape(title, quote=False), "style": OF_READERS.sub("", "\n".join(styles))}
     parts |= {"libraries": scripts, "program": modules}
     parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
     # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which is not to be

@@ -19,7 +19,6 @@ import numpy as np
 from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
-from chain_impact.kernel.forces.contact_law import ContactLaw
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
@@ -85,7 +84,7 @@ def shared() -> dict[str, Any]:
         "refusals": SENTENCES,
         "rules": {"FILE": [*map(_parsed, RULES)], "SIGNAL": [*map(_parsed, SIGNAL_RULES)]},
         "laws": {
-            name: {key: getattr(law, key) for key in LAW_FACTS} | {"lossless": _is_lossless(law)}
+            name: {key: getattr(law, key) for key in LAW_FACTS} | {"lossless": law.formula == "0"}
             for name, law in CONTACT_LAWS.items()
         },
         "file": {
@@ -123,11 +122,6 @@ def shared() -> dict[str, Any]:
 def declaration() -> str:
     """Return the line of JavaScript that declares the constant ``SHARED``."""
     return f"const SHARED = {json.dumps(shared(), separators=(',', ':'))};"
-
-
-def _is_lossless(law: ContactLaw) -> bool:
-    """Return whether a law has a force without damping, whatever restitution is prescribed."""
-    return not law.impulsive and law.damping_factor(0.25) == law.damping_factor(0.75) == 0.0
 
 
 def _parsed(rule: Rule) -> dict[str, Any]:

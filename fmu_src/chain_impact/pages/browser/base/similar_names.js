@@ -65,6 +65,12 @@ function longer(text, names) {
   return names.filter((name) => text && words.test(name)).toSorted((a, b) => a.length - b.length)[0];
 }
 
+/** Return the end of a message on an unknown name: "; the nearest is …", or "" if none of `names` is similar. */
+export function nearestText(name, names) {
+  const near = proposed(name, names);
+  return near === undefined ? "" : `; the nearest is ${near}`;
+}
+
 /** Return, from the list `names`, the one that a message proposes for an unknown name; undefined if none is similar. */
 export function proposed(name, names) {
   return nearest(name, names) ?? longer(name, names);

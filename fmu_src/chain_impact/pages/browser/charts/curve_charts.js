@@ -70,8 +70,8 @@ class UnitChart extends TimeChart {
   }
 
   /**
-   * Draw the curves with the line at the time `present` [s]: over the whole run or, in a close view, over `close`, [from, to], where the axis
-   * counts from `onset`.
+   * Draw the curves with the line at the time `present` [s]: over the whole run or, in a close view, over `close`, [from, to], where the
+   * axis counts from `onset`.
    */
   draw(present, close, onset) {
     this.drawn = [present, close, onset];

@@ -1,5 +1,6 @@
 // Functions of the page for the console of the browser, and for other pages that contain this page.
 
+import { nearestText } from "../base/similar_names.js";
 import { Changes } from "../scene/changes.js";
 
 /** Return words for the fault with which a run ended, and for the part of the scene that causes it, if the kernel names one. */
@@ -33,7 +34,8 @@ export function consoleInterface(changes, ask) {
       const values = new Changes(scene).with(given);
       if (output && !Array.isArray(output)) throw new TypeError("output must be a list of names");
       const unknown = output?.find((name) => !scene.columns.some((column) => column.name === name));
-      if (unknown) throw new RangeError(`${unknown} is not an output`);
+      const near = unknown && nearestText(unknown, scene.columns.map(({ name }) => name));
+      if (unknown) throw new RangeError(`${unknown} is not an output${near}`);
       const result = await ask("rows", values, { names: output });
       const { time, columns, impacts, statistics, status, reached } = result;
       const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));

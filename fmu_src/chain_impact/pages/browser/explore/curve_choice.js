@@ -2,7 +2,7 @@
 
 import { find, make } from "../base/dom.js";
 import { breakable, readable, unitText } from "../base/format.js";
-import { proposed } from "../base/similar_names.js";
+import { nearestText } from "../base/similar_names.js";
 import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 import { shownIn } from "../scene/angles.js";
 import { inputText } from "../scene/words.js";
@@ -16,8 +16,7 @@ function like(text, columns) {
 
 /** Return words for an error on a name that no output has; they propose the most similar name, if there is one. */
 function noOutput(name, columns) {
-  const near = proposed(name, columns.map((column) => column.name));
-  return `${name} is not an output${near === undefined ? "" : `; the nearest is ${near}`}`;
+  return `${name} is not an output${nearestText(name, columns.map((column) => column.name))}`;
 }
 
 /**

@@ -87,12 +87,14 @@ export class OpenScene {
 
   /** Show name and description of the open scene, and notes on its inputs: when sliders act, which inputs stay constant on the page. */
   #describe() {
-    const { name, text, still, inputs } = this.changes.scene;
+    const { scene: { name, text, still, inputs }, starts } = this.changes;
     document.querySelector("h1").textContent = name;
     document.title = `${name} – chain-impact`;
     find("description").textContent = text;
     find("description").hidden = !text;
     const notes = [
+      inputs.length && inputs.every((input) => starts[input] === 0)
+        && "Inputs are 0 until you move their sliders: this page has no controller of another FMU.",
       inputs.length && "While the motion plays, the slider of an input acts from that moment on.",
       still.length && `These inputs keep their start values here: ${still.map(inputText).join("; ")}.`,
     ].filter(Boolean);

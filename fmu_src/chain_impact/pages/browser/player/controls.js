@@ -45,6 +45,7 @@ export function connect(clock, drawing) {
     clock.set({});
   });
   find("help-open").addEventListener("click", () => find("help").showModal());
+  pauseBehindDialogs(clock);
   connectSpeed(clock);
   return connectSlider(clock);
 }
@@ -56,6 +57,18 @@ function keepsKey({ target, key }) {
   if (target.closest("input:not([type=checkbox], [type=range])")) return true;
   if (target.closest("select")) return true;
   return key === " " && target.closest("summary, button, input[type=checkbox]") !== null;
+}
+
+/** Pause while a dialog covers the motion, and go on afterwards. */
+function pauseBehindDialogs(clock) {
+  let isPaused = false;
+  const watch = new MutationObserver(() => {
+    const isCovered = document.querySelector("dialog[open]") !== null;
+    const isNext = isCovered && (isPaused || clock.playing);
+    if (isNext !== isPaused) clock.set({ playing: !isNext });
+    isPaused = isNext;
+  });
+  document.querySelectorAll("dialog").forEach((dialog) => watch.observe(dialog, { attributeFilter: ["open"] }));
 }
 
 function connectSpeed(clock) {

@@ -1,7 +1,7 @@
 // The list of impacts; a click on a row goes to the largest force of its impact.
 
 import { find, make } from "../base/dom.js";
-import { forceText, impulseText, unitsOf } from "../base/format.js";
+import { fixed, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
 import { placeText, toucherText, wallText } from "../scene/words.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
@@ -73,7 +73,7 @@ export class ImpactList {
 
   /** List the impacts of a recording. */
   show(recording) {
-    const { element, goTo } = this;
+    const { element } = this;
     this.current = this.rows = this.reached = undefined;
     this.more.textContent = `All ${recording.impacts.length} impacts`;
     element.classList.toggle("none", !recording.impacts.length);
@@ -87,7 +87,7 @@ export class ImpactList {
     const heads = names.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" }));
     table.createTHead().insertRow().append(...heads);
     const body = table.createTBody();
-    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, impact, columns, goTo));
+    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, columns, recording, impact));
     this.rows.slice(FIRST).forEach((row) => row.classList.add("later"));
     this.#reach(this.rows[0].querySelector("button"));
     this.#markLargest(recording.impacts);
@@ -109,8 +109,10 @@ export class ImpactList {
     });
   }
 
-  #row(body, impact, columns, goTo) {
+  #row(body, columns, recording, impact) {
     const row = body.insertRow();
+    const [x, y] = recording.pointAt(recording.frameAt(impact.onset), impact.point).map((value) => withMinus(fixed(value, 4)));
+    if (!impact.atStop) row.title = `At x = ${x}\u202fm, y = ${y}\u202fm`;
     const button = make("button", { type: "button", tabIndex: -1, textContent: String(impact.number) });
     button.setAttribute("aria-label", `Go to impact ${impact.number}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
@@ -127,7 +129,7 @@ export class ImpactList {
     const ofJoint = joint > 0 ? { textContent: forceText(jointForce), title: `In joint ${joint}` } : { textContent: "–" };
     if (columns.includes(JOINT_FORCE)) row.append(make("td", ofJoint));
     row.addEventListener("click", () => {
-      goTo(impact);
+      this.goTo(impact);
       // on a phone in landscape format, the list lies far below the motion, so the page scrolls back to it
       find("stage").scrollIntoView({ block: "nearest" });
     });

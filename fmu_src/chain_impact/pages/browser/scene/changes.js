@@ -2,6 +2,7 @@
 
 import { numberText } from "../base/format.js";
 import { inFile, pathText } from "../base/paths.js";
+import { nearestText } from "../base/similar_names.js";
 import { inRadians, orDegrees } from "./angles.js";
 import { sumOf } from "./geometry.js";
 import { keepFileRules } from "./refusals.js";
@@ -71,7 +72,7 @@ export class Changes {
    */
   numberOf(name, given) {
     const parameter = this.parameters.get(name);
-    if (!parameter) throw new RangeError(`${this.scene.name} has no parameter ${name}`);
+    if (!parameter) throw new RangeError(`${this.scene.name} has no parameter ${name}${nearestText(name, [...this.parameters.keys()])}`);
     const { items, low, high, allowed, type, unit } = parameter;
     const choice = items.findIndex(([id]) => id === given) + 1;
     const text = typeof given === "string" ? given.trim() : given;

@@ -66,7 +66,7 @@ export function parameterText(name) {
 
 /** Return the words for a key of an owner: "friction of wall ramp", "initial angle of link 1". */
 function partsText(head, others, key) {
-  const spaced = key.replaceAll("_", " ");
+  const spaced = key.replaceAll("_", " ").replace("center", "centre");
   if (head === "initial") return `initial ${spaced.replace(/\[(\d+)\]$/, " of link $1")}`;
   const owners = head === "wall" ? [`wall ${others.join(" ")}`] : [head, ...others];
   return [spaced, ...owners.reverse().map((owner) => owner.replace(/\[(\d+)\]$/, " $1"))].join(" of ");

@@ -2,6 +2,7 @@
 
 import { make } from "../../base/dom.js";
 import { breakable, readable } from "../../base/format.js";
+import { nearestText } from "../../base/similar_names.js";
 import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
@@ -26,7 +27,10 @@ export function showParameterList(details, changes) {
     rows.forEach(({ row, text }) => {
       row.hidden = !words.every((word) => text.includes(word));
     });
-    details.querySelector(".nothing").hidden = rows.some(({ row }) => !row.hidden);
+    const nothing = details.querySelector(".nothing");
+    nothing.hidden = rows.some(({ row }) => !row.hidden);
+    const near = nothing.hidden ? "" : nearestText(search.value.trim(), rows.map(({ name }) => name));
+    nothing.textContent = `No parameter has such a name${near}.`;
   };
   const fill = () => {
     if (rows || !details.open) return;
