@@ -127,7 +127,8 @@ class Structure:
                 yield Finding(text, attribute=f"ModelStructure/{name if self.is_fmi_2 else _THIRD[name]}")
 
     def _dependencies(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
-        # FMI lists event indicators for debugging only; they may depend on outputs, too (FMI 3.0, table 23)
+        # The dependencies of event indicators are for debugging only, and FMI 3.0 (table 23) does not say on
+        # which variables they may depend. So any variable is allowed, also outputs.
         debugging = node.tag == "EventIndicator"
         depends, initial = _depends(node), INITIAL_LIST[:-1] in path
         yield from twice(depends, self.key, path)

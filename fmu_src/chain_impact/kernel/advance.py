@@ -233,7 +233,7 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Latch damping and expected penetration of contacts with a force law again, as laws may have changed."""
+    """Latch damping and expected penetration again, for contacts with a force law: laws may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 

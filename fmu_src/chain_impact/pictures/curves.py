@@ -95,7 +95,8 @@ def check_curves(curves: Curves) -> None:
     """Refuse curves that a reader could not distinguish.
 
     Raises:
-        ValueError: when there are too many panels, or too many curves in a panel.
+        ValueError: when there are too many panels, or too many curves in a panel. Outputs without a curve
+            do not count (``drawn_in``).
     """
     panels = curves.panels
     if len(panels) > MOST_PANELS:

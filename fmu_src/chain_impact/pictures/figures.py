@@ -163,14 +163,14 @@ def least_figure(
     *,
     free_height: bool = False,
 ) -> Figure:
-    """Return the lowest figure that has room for all panels, among the heights that are tried.
+    """Return the lowest figure that has room for all panels; its height is found by bisection.
 
-    These heights are ``height`` [inches], which is itself too low, rounded up to a multiple of STEP, plus 1
-    to HIGHER − 1 times STEP. ``mean`` is as in ``has_room``; ``lacks`` is the result of ``lacking_height`` at
-    ``height``, inf if it is unknown; ``free_height`` is as in ``StyledFigure``.
+    The possible heights are ``height`` [inches] rounded up to a multiple of STEP, plus 1 to HIGHER − 1 times
+    STEP; ``height`` itself is too low. ``mean`` is as in ``has_room``; ``lacks`` is the result of
+    ``lacking_height`` at ``height``, inf if it is unknown; ``free_height`` is as in ``StyledFigure``.
 
     Raises:
-        ValueError: when no tried height is enough.
+        ValueError: when no possible height is enough.
     """
     heights = STEP * (math.ceil(height / STEP) + np.arange(1, HIGHER))
     # all heights up to ``low`` are too low, and all heights from ``high`` on are enough

@@ -66,7 +66,7 @@ SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their
 RING_SIZE = 6.5  # [points] the diameter of the ring at an impact
 PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a slider sticks
-# the distance within which impacts at the same wall or stop share a ring, relative to the view's larger side
+# [1] distance within which impacts at the same wall or stop share a ring, relative to the view's larger side
 RING_DISTANCE = 0.03
 # the length of the arrow for the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
@@ -373,8 +373,8 @@ def _label_place(
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
     """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
-    A ring is where the point is at the onset. Two impacts share a ring if they are at the same wall or stop,
-    closer than RING_DISTANCE.
+    A ring is at the ``spot`` of its fastest impact. A slower impact at the same wall or stop belongs to this
+    ring if its spot is closer to it than RING_DISTANCE × the larger side of the view.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}

@@ -127,7 +127,7 @@ class Recording:
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
 
     def output_hint(self, name: str) -> str | None:
-        """Return a hint for a name that no column has, if it is an input or a parameter; else None."""
+        """Return a hint if ``name``, which no column has, is an input or a parameter; else None."""
         return output_hint(name, self.inputs, self.parameters)
 
     @property

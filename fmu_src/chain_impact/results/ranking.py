@@ -182,7 +182,7 @@ class Ranking:
             )
 
     def verdict(self, checked: Sequence[Effect]) -> str:
-        """Return a sentence on the effects that second runs have checked."""
+        """Return a sentence on the effects that are checked by runs with the new values of parameters."""
         found, limit = plural(len(checked), "effect"), f"{100.0 * FIRST_ORDER:g} %"
         count = sum(effect.differs for effect in checked)
         if not count:
@@ -190,7 +190,7 @@ class Ranking:
         return f"runs with the new values: {count} of {found} differ by more than {limit}"
 
     def _other(self, checked: Sequence[Effect]) -> Iterator[str | TextTable]:
-        """Yield a table of the effects that differ in a second run; nothing if there are none."""
+        """Yield a table of the effects that differ in a run with the new value; nothing if there are none."""
         unit = in_brackets(unit_text(self.unit))
         other = [effect for effect in checked if effect.differs]
         rows = [(each.parameter, f"{each.change:+.3g}", _in_run(each)) for each in other]
@@ -199,13 +199,15 @@ class Ranking:
             yield TextTable(("parameter", f"effect{unit}", f"in a run{unit}"), rows)
 
     def checked(self, run: Callable[[str, float], Recording | None]) -> Ranking:
-        """Return this ranking with the effects that ``plot`` draws checked by a second run each.
+        """Return this ranking, with each effect that ``plot`` draws checked by a run.
 
-        A change of 1 % can lead to other impacts, or be too large for a change to first order.
+        The effects are changes to first order for a step of the parameter (``step_of``). In a run, this step
+        can lead to other impacts, or be too large for first order.
 
         Args:
             run: a function that simulates the scene with one parameter changed; its arguments are the name of
-                the parameter and the new value. It returns None if the scene cannot have this value.
+                the parameter and the new value. It returns None if the scene cannot have this value; the
+                effect then remains unchecked.
         """
         found = {}
         for effect in itertools.chain(*self._blocks()):

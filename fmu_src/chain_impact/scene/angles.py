@@ -33,7 +33,7 @@ def in_radians(value: Any, unit: str) -> Any:
 def or_degrees(unit: str) -> str:
     """Return the words of an error that say that a text such as "90 deg" is allowed.
 
-    The result is "" if the unit is not a unit of angles.
+    The result is "" for a unit without [rad]. For angular velocities the text is such as "90 deg/s".
     """
     return f', or text in degrees as "90 {DEGREES[unit]}"' if unit in DEGREES else ""
 

@@ -217,8 +217,8 @@ class Solver:
 
 
 STEP_ROUND_OFF = 1e-12
-"""[1] relative round-off of stop_time/step_size: a ratio nearer to a whole number counts as this whole
-number"""
+"""[1] relative round-off of stop_time/step_size: a ratio counts as a whole number if its relative difference
+from this number is smaller"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

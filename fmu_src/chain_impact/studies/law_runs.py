@@ -14,8 +14,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
-# an impact is free if its restitution without losses differs from 1, and that with the exact law from e, by
-# at most this
+# An impact is free if its restitution without losses differs from 1, and that with the exact law from e, by
+# at most this. If a realised restitution exceeds 1 by more, other forces drive the contact apart.
 FREE_TOLERANCE = 0.05
 
 

@@ -269,7 +269,8 @@ def loss_allowed(d, available):
 def loss_budget(d, available):
     """Return the energy B [J] that all steps of the run, up to the end of the last one, may lose by errors.
 
-    ``available``: the most [J] that motion, springs, walls and heat can have had up to this end.
+    ``available``: the most [J] that motion, springs, walls and heat can have had up to this end. Even if
+    nothing of B is left, a step may lose the growth of B in it, or round-off (``loss_allowed``).
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)
     most = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
@@ -310,8 +311,8 @@ def interpolates(d):
 def dissipates_evenly(d, middle):
     """Return whether ``middle`` lies between the dissipated energies at both ends of the last step.
 
-    ``middle`` [J] is the dissipated energy in the middle of the step. It may lie outside by MIDDLE_CHANGE
-    times the error that the tolerance allows.
+    ``middle`` [J] is the dissipated energy in the middle of the step. It may lie outside by MIDDLE_CHANGE ×
+    STEP_CHANGE × the tolerance × the scale that control.py has for errors of the dissipated energy.
     """
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.chain.energy_scale + abs(end) + impact_energy(d)

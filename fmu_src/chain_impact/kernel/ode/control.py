@@ -61,7 +61,7 @@ PAST_END = 1.04
 
 
 def prescribed_method(choice):
-    """Return EXPLICIT or IMPLICIT for the number ``choice``, from 1, in SOLVER_METHODS; −1 for `auto`."""
+    """Return EXPLICIT or IMPLICIT for ``choice``, a number from 1 in SOLVER_METHODS; −1 for `auto`."""
     return choice - AUTO - 1
 
 
@@ -270,8 +270,8 @@ def raise_scales(d, y, scale, contacts):
 def clear_faded(d, y):
     """Set coordinates and rates of y with 0 < size < FADED_SIZE to 0; return whether there were any."""
     count = 0
-    # The first loop only counts, and has no branches, so that it is fast: most states have no component to
-    # clear.
+    # The first loop only counts, without branches, so that it is fast: in most calls nothing has to be
+    # cleared. The coordinates and rates are the entries of y before the dissipated energy.
     for j in range(dissipated_at(d.links)):
         count += 0.0 < abs(y[j]) < FADED_SIZE
     for j in range(dissipated_at(d.links) if count > 0 else 0):

@@ -1,6 +1,7 @@
 """The last accepted step and its dense output: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1.
 
-y₀ is the state at the start of the step, θ the fraction of the step, and F₀ to F₆ are coefficients.
+y₀ is the state at the start of the step, θ the fraction of the step, and F₀ to F₆ are coefficients. In a
+regularized step, θ is the fraction in the step's own variable, not in time.
 
 Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists their kinds.
 They advance with the stages and the dense output of the state, have no effect on the motion, and are ignored
@@ -66,7 +67,10 @@ def change_within(step, theta, j):
 
 
 def time_within(d, theta):
-    """Return the time [s] at the fraction θ of the last step."""
+    """Return the time [s] at the fraction θ of the last step.
+
+    In a regularized step, θ is the fraction in the step's own variable, so the time is not proportional to θ.
+    """
     return d.step.start + change_within(d.step, theta, time_at(d.links))
 
 

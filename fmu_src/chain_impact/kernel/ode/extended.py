@@ -264,7 +264,11 @@ def solve_real(d, s, x):
 
 
 def factorize_complex(d, s, pair):
-    """Factorize M + Jᵀ D J + K for a complex shift s [s], into slot ``pair`` of ``implicit.pairs``."""
+    """Factorize M + Jᵀ D J + K (see the head of this module) for a complex shift s [s].
+
+    D are the impedances of the contacts for this s, K those of the drives. The factors are stored in slot
+    ``pair`` of ``implicit.pairs``.
+    """
     factorize_shift(d, s, d.implicit.pairs, pair)
 
 

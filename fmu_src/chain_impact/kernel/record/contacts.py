@@ -213,7 +213,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # residual target − reached of a constraint in the active set, else 0; during a correction the
         # residual times the impedance
         ("residual", REAL, (count,)),
-        ("impulse", REAL, (count,)),  # impulse or force of the constraint
+        ("impulse", REAL, (count,)),  # impulse [kg·m or N·s] or force [N] of the constraint, by the problem
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, impedance with which a contact with a force law resists a projection; else 0
         ("resistance", REAL, (count,)),

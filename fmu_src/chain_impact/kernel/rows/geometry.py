@@ -122,7 +122,7 @@ def at_joint_stop(d, c):
 
 
 def stop_sign(d, c):
-    """Return the sign of the normal of a stop: 1.0 at a lower limit, −1.0 at an upper limit."""
+    """Return the sign of the normal at a stop of a joint or slider: 1.0 at the lower, −1.0 at the upper."""
     return 1.0 if d.candidate.stop[c] > AT_WALL else -1.0
 
 

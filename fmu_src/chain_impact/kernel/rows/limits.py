@@ -93,7 +93,8 @@ def largest_start(d):
 def sign_at_limit(d, k):
     """Return the sign of the force of sticking constraint k if the force is at its limit, else 0.
 
-    If the limit is 0, the sign is that of the residual, the acceleration that the force should cause.
+    If the limit is 0, the result is the sign of the residual, the acceleration that the force should still
+    cause, or −1 for a residual of 0.
     """
     limited, limit = d.limited_forces, upper_limit(d, k)
     if limit == 0.0:

@@ -71,7 +71,8 @@ class Found:
 def search(problem: Problem, progress: Progress = silent) -> Found:
     """Search the values of the free parameters, and return the result of a series of searches.
 
-    If the first series is not good (see WORSE), a second one is made, and the better of the two is returned.
+    If the first series does not converge, or ends in what may be a wrong minimum (see WORSE), a second one is
+    made; of the two results, the one with smaller residuals is returned.
 
     Raises:
         SceneError: when the data cannot be fitted, or the model has no value to compare with them.

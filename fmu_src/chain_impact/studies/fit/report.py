@@ -57,7 +57,7 @@ def count_of_best(fit: Estimates) -> int:
 
 
 def misfit(fit: Estimates, best: Estimates) -> float:
-    """Return the root mean square of a fit's residuals, each divided by its σ in the best fit."""
+    """Return the root mean square of a fit's residuals, each divided by its value's σ in the best fit."""
     return math.sqrt(float(np.nanmean((fit.residuals / best.sigma) ** 2)))
 
 

@@ -25,7 +25,10 @@ MOST_ASKED, MOST_PANELS = 4, 8
 # the least range of an axis and of the colours of a map, relative to the largest |result|, so that a result
 # that hardly depends on a parameter does not look as if it does
 LEAST_RANGE = 0.1
-EQUAL_RESULTS = 1e-9  # results are equal if their range, relative to the largest |result|, is at most this
+# Results are equal if their range, relative to the largest |result|, is at most this. The results of two
+# choices (`_equal` of curves.py) are compared in pairs: two are equal if they differ by at most 1e-8 (`atol`
+# of NumPy) plus this times the second of them.
+EQUAL_RESULTS = 1e-9
 
 
 @dataclass(frozen=True)

@@ -63,9 +63,10 @@ class Variation:
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
-        """Return the values at fractions 0 ≤ x < 1 of the interval, or of the list of values.
+        """Return the values at fractions 0 ≤ x < 1 of the interval or of the list of values, as an array.
 
-        From a list of n values, a fraction x selects the value with the index ⌊n x⌋.
+        Fractions of an interval count from its first end, and are fractions of the logarithm if it is
+        logarithmic. From a list of n values, a fraction x selects the value with the index ⌊n x⌋.
         """
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])

@@ -183,7 +183,8 @@ FMI3_Export fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *aga
     instance->observed = NULL;
     int fault = event_update(instance->record);
     if (fault) return (fmi3Status)fail(instance, ERROR, fault);
-    /* No flag is ever true: one update suffices, and the time of the next event is not known in advance. */
+    /* No flag is true: one update suffices, the FMU does not end the simulation, it shows the importer no continuous
+     * states, and the time of the next event is not known in advance. */
     for (int i = 0; i < 5; i++) *flags[i] = fmi3False;
     *next_time = instance->time;
     return fmi3OK;

@@ -216,7 +216,10 @@ function patternOf(stroke, dash = [1]) {
   return `repeating-linear-gradient(to right, ${parts.join(", ")})`;
 }
 
-/** Add an entry to a list: words for a quantity, and a line that looks like its curve. Return the element for the present value. */
+/**
+ * Add an entry to the legend of a chart, the <dl> `list`: words for a quantity, and a line that looks like its curve. Return the element of
+ * the entry in which the quantity's present value is to stand.
+ */
 function entryOf(list, { name, words = name, stroke, dash }) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
   Object.assign(term, { textContent: words, title: words === name ? "" : name });

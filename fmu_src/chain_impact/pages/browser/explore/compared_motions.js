@@ -118,9 +118,10 @@ export class ComparedMotions {
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;
-    // while the list is shown, the charts have a smaller height, so that the list of impacts has room
+    // While the table of pinned motions is shown, the page has another layout: in a low window, for example, the charts are lower, so that
+    // the list of the present motion's impacts has room (explore.css).
     document.body.classList.toggle("with-pins", !panel.hidden);
-    document.body.style.setProperty("--pins", 2 + pinned.length); // number of rows of the list
+    document.body.style.setProperty("--pins", 2 + pinned.length); // number of rows of the table
     if (panel.hidden) return;
     const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
     const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");

@@ -7,7 +7,10 @@ import { keepRules, refuse, shown } from "./refusals.js";
 
 const SIGNALS = SHARED.signals;
 
-/** Add the defaults of their forms to signals; refuse unsuitable names, missing keys, keys of other forms. `tables`: signal → its table. */
+/**
+ * Add the defaults of their forms to signals. Refuse unsuitable names, missing keys, keys of other forms, and tables that the page does not
+ * have as their signals need them. `tables`: signal → the page's data of its table.
+ */
 export function completeSignals(signals, tables) {
   for (const [name, signal] of Object.entries(signals)) {
     const { form } = signal;

@@ -1,4 +1,5 @@
-// The shapes that the page draws, as pictures do: outlines of links with points, and the line along which a base slides.
+// The shapes that the page draws, as pictures do: outlines of links that have points besides their ends; and the line, the carriage and the
+// stops of a slider.
 
 import { discOf } from "../scene/geometry.js";
 
@@ -30,8 +31,8 @@ function outlineOf(discs) {
 }
 
 /**
- * Return [number, corners of the outline] of each link with points; the corners [m] are along the link and to its left. A link end that is
- * not in `touching` has the radius 0.
+ * Return [number, corners of the outline] of each link that has points besides its ends; the corners [m] are along the link and to its
+ * left. A link end that is not in `touching` has the radius 0.
  */
 export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
   const links = [...new Set(sites.map(({ link }) => link))];

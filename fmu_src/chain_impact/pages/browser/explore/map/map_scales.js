@@ -98,8 +98,9 @@ export function decadesBetween(low, high) {
 }
 
 /**
- * Return the unit in which a map shows its output (`text`), and the `factor` from the output's own unit to it; the values at the ends of
- * the `scale` of colours decide the prefix.
+ * Return the unit in which a map shows its output (`text`), and the `factor` by which a value in the output's own unit is multiplied. By
+ * the values at the ends of the `scale` of colours, large forces and moments are in kN and kN·m, and small lengths in mm. Angles are in
+ * degrees.
  */
 export function scaledTo({ unit }, scale) {
   const most = Math.max(...(scale?.ends ?? [0]).map(Math.abs));
