@@ -91,7 +91,10 @@ def _names(walls: tuple[str, ...]) -> np.ndarray:
 
 
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the indices that sort the contacts of some logs by onset, and the sorted, named table."""
+    """Join logs of contacts; return the indices that sort their rows, and the sorted table (``named``).
+
+    The order is by onset; at the same onset, by point and then wall.
+    """
     filled = [_numbers(part) for part in parts if len(part)] or [_numbers(parts[0])]
     # most runs have one log with contacts, which needs no copy
     numbers = filled[0] if len(filled) == 1 else np.concatenate(filled)
@@ -218,8 +221,8 @@ def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Return the impacts that an FMU's outputs show, also if it has no list of them: see `IMPACT_DTYPE`.
 
     ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` has no list. Its
-    outputs show only the last impact of each communication step. The end of this impact, and all values that
-    are known only at the end, are then NaN.
+    outputs show only the last impact of each communication step. Only the point, the wall, the onset and the
+    impact speed of this impact are then known; the number of the joint is 0, all other values are NaN.
     """
     if "impact[1].time" in names_of(record):
         return _table(record, walls)

@@ -26,7 +26,7 @@ def rest_word(recording: Recording) -> str:
 
 
 def _held_since(recording: Recording) -> np.ndarray:
-    """Return the start [s] of each phase of sticking that lasts to the end."""
+    """Return the start [s] of each phase of sticking that lasts to the end of the run."""
     phases = recording.stick_slip
     starts: np.ndarray = phases["start"][np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
     return starts
@@ -42,7 +42,7 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
     """Return start and end [s] of each rest: no point or wall moves noticeably, and no impact begins.
 
     Both speeds and mean accelerations must be small. So a chain that only turns back, as a pendulum at its
-    highest position, is not at rest. A rest shorter than SHORTEST_REST is left out.
+    highest position, is not at rest. A rest shorter than SHORTEST_REST × the run is left out.
     """
     time, positions = recording.time, recording.all_points
     span = time[-1] - time[0]
@@ -105,7 +105,8 @@ def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.nd
 def rest_lines(recording: Recording) -> Iterator[str]:
     """Yield a line on the rest with which the motion ends, or nothing if it does not end with a rest.
 
-    The line tells the start of the rest, the position of the tip and, unless it is pinned, that of the base.
+    The line tells the start of the rest, the position of the tip and, unless the base is pinned, that of the
+    base.
     """
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
         # dry friction may hold the chain only some milliseconds after the last noticeable motion

@@ -64,9 +64,9 @@ class Sensitivities:
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """Name of a parameter or input in ``varied`` → its value.
+        """Name of a parameter or input in ``varied`` → its value, that of an input at the start.
 
-        The result is 0 for an input whose values the user gives.
+        The value is 0 for an input whose values the user gives.
         """
         values, names = self.prepared.scene.values, [variable.name for variable in self.varied]
         return {name: 0.0 if name in self.given else value_at_start(values, name) for name in names}
@@ -98,7 +98,7 @@ class Sensitivities:
         """Return the text of ``repr`` for a notebook, followed by a table and by ``limits``.
 
         The table has, for each parameter, the changes of the tip's position and of the total energy at the
-        end of the run.
+        end of the run, as far as these outputs have derivatives.
         """
         outputs = [name for name in self._usual if name in self.columns]
         ends = [self.changes(name)[-1:] for name in outputs]

@@ -52,7 +52,7 @@ def phases_of(changes: np.ndarray) -> np.ndarray:
 def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]:
     """Yield the phases that follow from the changes of one contact, joint or slider.
 
-    None has the duration 0.
+    No phase has the duration 0. Times in which no friction acts are not phases.
     """
     lasting = np.append(np.diff(changes["time"]) > 0.0, True)
     changes = changes[lasting]  # of several changes at the same time, only the last one counts

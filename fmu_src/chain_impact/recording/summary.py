@@ -106,8 +106,8 @@ def _headline(result: Recording, outputs: int) -> str:
 def impact_heads(result: Recording) -> tuple[str, ...]:
     """Return the heads of the columns of ``impact_cells``, with units.
 
-    At stops of joints, the units differ. If the list has both kinds of impacts, or the two columns of loads,
-    the heads have several lines, so that a row fits into 80 characters.
+    At stops of joints, the units differ. If the list also has other impacts, or the two columns of loads, the
+    heads have several lines, so that a row fits into 80 characters.
     """
     stopped = result.at_stops
     at_walls, at_stops = not stopped.all(), bool(stopped.any())
@@ -139,7 +139,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _peak(value: float) -> str:
-    """Return the text of a peak force or a duration; a dash if it is unknown or, as at an impulse, 0."""
+    """Return the text of a peak force or a duration; a dash if it is unknown or, as at a rigid wall, 0."""
     return digits(value) if value else NONE
 
 
@@ -231,8 +231,9 @@ class Body(NamedTuple):
 def smallest_body(scene: Scene) -> Body:
     """Return the smallest body: the shortest link, or a ball with its radius as the size.
 
-    A free chain of one link is a ball if only its centre of mass touches. The length of this link has no
-    meaning. A ball without a radius counts as infinitely large, so that it is never the reason of a hint.
+    A free chain of one link is a ball if its centre of mass is at an end, and only this end touches. The
+    length of this link has no meaning. A ball without a radius counts as infinitely large, so that it is
+    never the reason of a hint.
     """
     link = min(scene.chain.links, key=lambda item: item.length)
     ends = {0.0: 0, link.length: 1}

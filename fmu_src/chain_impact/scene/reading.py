@@ -330,7 +330,7 @@ class Reader:
         return "".join(f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved)
 
     def _keys(self) -> dict[str, str]:
-        """Return a dict: last part of a key, as "mass" → the whole key, as "chain.links[].mass".
+        """Return a dict: last part of a key, as "length" → the whole key, as "chain.links[].length".
 
         Of several keys with the same last part, only the first one is returned. Keys of tables to which users
         give names, such as signals, are left out.

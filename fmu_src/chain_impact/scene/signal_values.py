@@ -151,10 +151,11 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
 def _interpolated(
     signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the interpolation of a table: the starts of its polynomials and the end, shape (R + 1,) [s].
+    """Return the interpolation of a table by R polynomials, as two arrays.
 
-    The second array has the coefficients for powers of the time since the start of each polynomial, shape (R,
-    P). A table with a single row gives no polynomial.
+    The first has the starts of the polynomials and the end of the last one, shape (R + 1,) [s]; the second
+    the coefficients of the powers of the time since the start of each polynomial, shape (R, P). A table with
+    a single row gives no polynomial.
     """
     kind = joined_by(signal, driven)
     if kind == "hold" or len(at) == 1:

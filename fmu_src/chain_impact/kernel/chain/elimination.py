@@ -105,10 +105,10 @@ def eliminate_end(d, y, i, outward):
 
 
 def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
-    """Return A and b at the inner joint of link i, from A' at its outer joint and the force d there.
+    """Return A (xx, xy, yy) and b (x, y) at the inner joint of link i, from A' at its outer joint.
 
-    d, the components dx and dy, is the force at the outer joint without accelerations. ``w2`` is ω², and
-    ``inverse`` 1/H. The function stores h/H, 1/H and h₀/H of the link for ``accelerate_link`` and
+    (dx, dy) is the force at the outer joint without accelerations, the d of the comments below. ``w2`` is ω²,
+    and ``inverse`` 1/H. The function stores h/H, 1/H and h₀/H of the link for ``accelerate_link`` and
     ``copy_factors``.
     """
     lx, ly, sx, sy, _ = link
@@ -133,7 +133,7 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 def accelerate_link(d, y, i, outward, ax, ay, rate):
     """Set in ``rate`` the angular acceleration α_i of link i, from the acceleration of its inner joint.
 
-    Returns the acceleration of the link's outer joint.
+    Returns the acceleration [m/s²] of the link's outer joint, as its x and y.
     """
     stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
     # the link's angular acceleration α = −(h·a + h₀)/H for the acceleration a of the inner joint
@@ -154,9 +154,9 @@ def accelerations(d, y, rate):
             [N] and moment on each link [N·m]), ``scratch.moment`` (net joint torque on each link) [N·m] and,
             with a slider, ``scratch.thrust`` (force of its drive) [N].
         y: state, of which the angular velocities ω_i [rad/s] are read.
-        rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned, and of the
-            links [rad/s²]. The function also stores the factors that ``copy_factors`` needs for the response
-            to other loads.
+        rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned or moved by
+            inputs, and of the links [rad/s²]. The function also stores the factors that ``copy_factors``
+            needs for the response to other loads.
     """
     # In the call for a chain with a base joint, ``middle`` is a constant, so its code is faster.
     if d.chain.has_base_joint:

@@ -67,16 +67,16 @@ def smooth(x):
 
 
 def sine_phase(d, i, s):
-    """Return the phase Φ [rad] of the sine in row i of the given numbers, a time s [s] after its start."""
+    """Return the phase Φ [rad] of the sine in row i of ``d.signal``, a time s [s] after its start."""
     signal = d.signal
     return signal.phase[i] + TAU * s * (signal.frequency[i] + 0.5 * signal.frequency_rate[i] * s)
 
 
 def sine_integral(d, i, m, s, rise):
-    """Return the m-fold integral I_m of the sine in row i of the given numbers, a time s [s] after its start.
+    """Return the m-fold integral I_m of the sine in row i of ``d.signal``, a time s [s] after its start.
 
-    I_m is that of r sin Φ, without the amplitude a. ``rise`` is the duration [s] of the rise r if s lies
-    within the rise, else 0.
+    I_m is that of r sin Φ, without the signal's amplitude. ``rise`` is the duration [s] of the rise r if s
+    lies within the rise, else 0.
     """
     begin, g = TAU * d.signal.frequency[i], TAU * d.signal.frequency_rate[i]
     omega = begin + g * s

@@ -91,7 +91,7 @@ def apply_events(d):
         or gets a new impact speed; a contact begins or ends whose force may jump then (``may_jump``); a rigid
         wall holds a point or has an event; the scene has dry friction or a drive with a limit.
     """
-    # ``onset`` is the last candidate with a force law whose contact begins
+    # ``onset``: of the candidates with a force law, the one whose contact the program has begun last
     touch, onset, jumped = d.touch, -1, False
     # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
     # friction or drive mode and, in the loop below, after a kink or a relatch
@@ -172,7 +172,8 @@ def choose_next_size(d, onset, goes_on):
 
     Args:
         d: the instance.
-        onset: the last candidate with a force law whose contact begins; −1 if there is none.
+        onset: of the candidates with a force law, the one whose contact the program has begun last; −1 if no
+            contact begins.
         goes_on: whether the proposed size of the next step stays valid if a contact lasts and none begins.
     """
     if d.touch.active_count == 0:

@@ -25,10 +25,10 @@ def store_friction_forces(d, stage):
 
 
 def correct_friction_energy(d, h):
-    """Subtract the work of friction along the last correction from the dissipated energy of each stage.
+    """Correct the dissipated energy of each stage for the last iteration of an implicit step of size h [s].
 
-    The step is an implicit one of size h [s], after its iteration. The energy that the forces of sticking
-    elements take from the chain is added (``count_holding_work``).
+    The work that sliding friction does along the speeds that this iteration added is subtracted. The energy
+    that the forces of sticking elements take from the chain is added (``count_holding_work``).
     """
     for m in range(RADAU_STAGES if d.friction.count > d.friction.stuck_count else 0):
         power = power_of_correction(d, m)

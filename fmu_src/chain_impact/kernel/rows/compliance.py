@@ -2,7 +2,7 @@
 
 J contains the rows of the constraints: normals of active contacts, tangents of sticking elements. D =
 diag(D_k) contains an impedance [kg] for each constraint: a mass that resists motion along the row. K = s C +
-s² S is the resistance of the joints for a time s, with their damping matrix C and stiffness matrix S. With
+s² S is the resistance of the drives for a time s, with their damping matrix C and stiffness matrix S. With
 the mass matrix M, the module solves in O(N) the equation
 
     (M + Jᵀ D J + K) Δ = Jᵀ p + q,
@@ -30,9 +30,9 @@ from chain_impact.kernel.rows.geometry import (
     normal_row,
 )
 
-# A mobility (1/effective mass) of a point below LEAST_MOBILITY, relative to 1/(mass of the chain), is raised
-# to it. In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass would be
-# infinite. A mass a million times the chain's has the same effect.
+# A mobility (1/effective mass) of a point below LEAST_MOBILITY, relative to 1/(mass of chain, carriage and
+# armatures), is raised to it. In a toggle position of a pinned chain the mobility of a point is 0, and its
+# effective mass would be infinite. A mass a million times the chain's has the same effect.
 LEAST_MOBILITY = 1e-6
 # The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. It is fixed,
 # except that the iteration ends when the residual is round-off: if it depended on the residual, the forces
@@ -179,7 +179,8 @@ def accelerations_with_armatures(d, y, rate):
 def effective_mass(d, c):
     """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points.
 
-    It is at most the mass of the chain divided by LEAST_MOBILITY.
+    It is at most the mass of the chain, with carriage and armatures (``mean_mass``), divided by
+    LEAST_MOBILITY.
     """
     scratch, row = d.scratch, normal_row(d, c)
     no_impedance(d, scratch.impedance)

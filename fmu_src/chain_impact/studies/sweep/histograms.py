@@ -76,7 +76,8 @@ def draw_samples(
 def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation]:
     """Return the parameters over which samples are drawn: at most MOST_SCATTERS, the strongest first.
 
-    The strength is the rank correlation with any load of the run; choices come last.
+    The strength of a parameter is its largest |rank correlation| with one of the LOADS. Parameters that are
+    choices come last.
     """
     loads = [runs[name].astype(float) for name in LOADS if name in runs.names] or [np.zeros(len(runs))]
 
@@ -103,7 +104,7 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
-    """Return words for the varied number that each quantity follows most, and their rank correlation."""
+    """Return words: which varied number each quantity follows most, and the rank correlation of the two."""
     numbers, parts = [variation.name for variation in varying if not variation.choices], []
     for quantity in quantities:
         found = {name: rank_correlation(runs[name], quantity.of(runs)) for name in numbers}
@@ -115,7 +116,7 @@ def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Vari
 
 
 def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
-    """Draw a dot for each run: a quantity over a varied parameter, with the scene's own value marked."""
+    """Draw a dot for each run: a quantity over a varied parameter; mark the scene's ``own_value``."""
     shown, given = quantity.of(runs), runs[variation.name]
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()
@@ -137,8 +138,8 @@ def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -
 def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:
     """Return the edges of the bars for some values, in ascending order.
 
-    They are equally spaced; with ``logarithmic`` in the logarithm. With ``whole`` alone, for values that are
-    whole numbers, the edges lie in the middle between two such numbers.
+    They are equally spaced; with ``logarithmic`` in the logarithm. With ``whole``, for values that are whole
+    numbers, and without ``logarithmic``, the edges lie in the middle between two such numbers.
     """
     # 2 N^(1/3) bars for N values: Terrell & Scott, J Am Stat Assoc 80 (1985) 209
     count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))

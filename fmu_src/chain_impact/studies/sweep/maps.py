@@ -212,8 +212,8 @@ def axis_of(variation: Variation) -> Scale:
 def is_logarithmic(variation: Variation) -> bool:
     """Return whether a parameter's axis is logarithmic.
 
-    It is so if the values of the variation are evenly spaced in the logarithm, or the largest is at least
-    WIDE_RANGE times the smallest, which must be > 0.
+    The axis of a number is so if its values are evenly spaced in the logarithm, or the largest is at least
+    WIDE_RANGE times the smallest, which must be > 0. The axis of choices never is.
     """
     low, high = variation.values.min(), variation.values.max()
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
