@@ -253,8 +253,8 @@ def test_an_unknown_name_gets_the_nearest_one(show):
 
 
 def test_a_scene_whose_controller_is_elsewhere_tells_that_its_inputs_are_0(show):
-    assert "Inputs are 0 until you move their sliders" in show("controlled_arm").inner_text("#inputs")
-    assert "Inputs are 0" not in show("hopping_leg").inner_text("#inputs")
+    assert "Here the inputs are 0" in show("controlled_arm").inner_text("#description")
+    assert "Here the inputs are 0" not in show("four_link_box").inner_text("#description")
 
 
 def test_a_row_of_an_impact_tells_where_it_is(show):

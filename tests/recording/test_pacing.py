@@ -53,9 +53,15 @@ def test_without_impacts_or_slow_motion_the_frames_are_even(spans, impact_time):
 
 
 def test_short_and_lasting_contacts_are_slowed_for_a_while():
-    for span, shown in (((0.7, 0.7), LEAST_DURATION), ((0.7, 1.9), LONGEST_SLOW)):
+    for span, shown in (((0.7, 0.7 + 1e-6), LEAST_DURATION), ((0.7, 1.9), LONGEST_SLOW)):
         times, per_second = frame_times(0.0, 2.0, [span])
         assert seen(times, per_second, 0.7, 0.7 + shown) == pytest.approx(0.6, rel=0.1)
+
+
+def test_an_impact_without_a_duration_is_a_short_stop():
+    """The stop with its two ramps takes about 0.1 s more than real time."""
+    times, per_second = frame_times(0.0, 2.0, [(0.7, 0.7)])
+    assert seen(times, per_second, 0.6, 0.8) - 0.2 == pytest.approx(0.11, abs=0.03)
 
 
 def test_frames_increase_and_are_no_more_than_allowed():

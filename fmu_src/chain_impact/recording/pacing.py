@@ -19,6 +19,9 @@ RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, o
 LONGEST_SLOW = 0.1
 # [s] least duration that a film assumes for an impact, because an impulse of a rigid wall has none
 LEAST_DURATION = 1e-4
+# [1] an impact without a duration, such as that of a rigid wall, is shown for this fraction of the time
+# of the others, and so are the ramps before and after it, because nothing moves in it
+INSTANT = 0.1
 FRAME_RATE = 60.0  # [1/s] frames per second on the screen, unless a sine needs more
 # least number of frames in a period of the fastest sine that drives an input; with fewer, its motion would
 # look wrong
@@ -74,7 +77,7 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
     The rate is 1 far from impacts. During an impact that is shorter than ``impact_time``, the rate is the
     duration of the impact divided by ``impact_time``, so that the impact takes ``impact_time`` on the screen.
     Before and after the impact, the rate grows linearly with the distance in time from the impact, by 1 in
-    RAMP [s], until it is 1.
+    RAMP [s], until it is 1. For an impact without a duration, both times are shorter, by the factor INSTANT.
 
     Args:
         time: simulated times, shape (T,) [s].
@@ -83,9 +86,10 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
     """
     slowest = np.ones_like(time)
     for onset, end in spans:
-        within = min(1.0, (end - onset) / impact_time)
-        distance = np.maximum(0.0, np.maximum(onset - time, time - end))
-        slowest = np.minimum(slowest, within + distance / RAMP)
+        share, last = 1.0 if end > onset else INSTANT, max(end, onset + LEAST_DURATION)
+        within = min(1.0, (last - onset) / (share * impact_time))
+        distance = np.maximum(0.0, np.maximum(onset - time, time - last))
+        slowest = np.minimum(slowest, within + distance / (share * RAMP))
     return slowest
 
 
@@ -136,10 +140,10 @@ def frame_times(
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.
     """
     spans = spans if impact_time > 0.0 else []
-    shown = [(a, a + min(max(b - a, LEAST_DURATION), LONGEST_SLOW)) for a, b in spans]
+    shown = [(a, min(b, a + LONGEST_SLOW)) for a, b in spans]
     parts = [np.linspace(start, stop, 2 + min(int((stop - start) / FLIGHT_STEP), 2 * most))]
     far = RAMP * RAMP_DISTANCES
-    for onset, end in shown:
+    for onset, end in ((a, max(b, a + LEAST_DURATION)) for a, b in shown):
         parts += [onset - far, onset + (end - onset) * CONTACT_SHARES, end + far]
     grid = np.unique(np.concatenate(parts).clip(start, stop))
     slowness = 1.0 / rate(grid, shown, impact_time)

@@ -90,11 +90,10 @@ export class OpenScene {
     const { scene: { name, text, still, inputs }, starts } = this.changes;
     document.querySelector("h1").textContent = name;
     document.title = `${name} – chain-impact`;
-    find("description").textContent = text;
+    const areZero = inputs.length > 0 && inputs.every((input) => starts[input] === 0);
+    find("description").textContent = [text, areZero && "Here the inputs are 0: no controller sets them."].filter(Boolean).join(". ");
     find("description").hidden = !text;
     const notes = [
-      inputs.length && inputs.every((input) => starts[input] === 0)
-        && "Inputs are 0 until you move their sliders: this page has no controller of another FMU.",
       inputs.length && "While the motion plays, the slider of an input acts from that moment on.",
       still.length && `These inputs keep their start values here: ${still.map(inputText).join("; ")}.`,
     ].filter(Boolean);

@@ -36,7 +36,9 @@ function interpolated(allX, nodes, values) {
  * `impactTime` 0 nothing is slow.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
-  const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, PACING.LEAST_DURATION), PACING.LONGEST_SLOW)]) : [];
+  // an impact without a duration takes a small share of the time
+  const shown = impactTime > 0 ? spans.map(([a, b]) =>
+    [a, Math.max(a + PACING.LEAST_DURATION, Math.min(b, a + PACING.LONGEST_SLOW)), b > a ? 1 : PACING.INSTANT]) : [];
   const moments = between(start, stop, 2 + Math.min(Math.floor((stop - start) / PACING.FLIGHT_STEP), 2 * most));
   for (const [onset, end] of shown) {
     for (const near of PACING.RAMP_DISTANCES) moments.push(onset - PACING.RAMP * near, end + PACING.RAMP * near);
@@ -44,9 +46,9 @@ export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.F
   }
   const clipped = Float64Array.from(moments, (time) => Math.min(Math.max(time, start), stop)).sort();
   const grid = clipped.filter((time, k) => k === 0 || time > clipped[k - 1]);
-  const slowness = grid.map((time) => 1 / shown.reduce((slowest, [onset, end]) => {
+  const slowness = grid.map((time) => 1 / shown.reduce((slowest, [onset, end, share]) => {
     const distance = Math.max(0, onset - time, time - end);
-    return Math.min(slowest, Math.min(1, (end - onset) / impactTime) + distance / PACING.RAMP);
+    return Math.min(slowest, Math.min(1, (end - onset) / (share * impactTime)) + distance / (share * PACING.RAMP));
   }, 1));
   // the time on the screen is the integral of 1/rate over the simulated time, by the trapezoidal rule
   const screen = new Float64Array(grid.length);
