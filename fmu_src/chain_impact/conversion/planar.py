@@ -55,8 +55,8 @@ class Converted(NamedTuple):
     Attributes:
         data: the data of the scene.
         warnings: sentences on differences that change the motion or are large, with the largest effect first.
-        differs: sentences on other parts of the robot that the scene has in another form.
-        left_out: sentences on other parts of the robot that the scene does not have.
+        differs: sentences on parts of the robot that the scene has in another form, beside the ``warnings``.
+        left_out: sentences on parts of the robot that the scene does not have, beside the ``warnings``.
         notes: sentences on how the scene was made of the robot.
     """
 
@@ -142,7 +142,7 @@ class _Conversion:
         return {moved.joint.name for moved in (*self.slides, self.hinges[0])} if free else set()
 
     def _carriage(self) -> list[int]:
-        """Return the bodies that move with a slide of the base, but belong to no link."""
+        """Return the indices of the bodies that move with a slide of the base, but belong to no link."""
         before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
         return [b for b in bodies if self.link_of[b] < 0 and before & {*above(self.robot, b)}]

@@ -24,7 +24,8 @@ class Variable:
         name: the name.
         reference: the value reference, as text.
         type: the kind of value: the element's tag without "Type", such as ``Real`` or ``Float64``.
-        attributes: the attributes of the declared type, replaced by the variable's own ones.
+        attributes: the variable's own attributes, and those of its declared type that it does not have
+            itself.
         choices: the values of an enumeration.
         node: the element with the attributes of the type, such as ``Real``.
         size: the number of values, 1 for a scalar; None if it cannot be determined.

@@ -34,8 +34,8 @@ REFERENCE_TOLERANCE = 1e-12  # the solver's tolerance in the run whose outputs a
 # approximate number of communication steps of the table, if it covers the whole simulated time of the scene
 REFERENCE_ROWS = 100
 # if not more than REFERENCE_ROWS / SHORTER rows are reliable, a table of a SHORTER-th of the simulated time,
-# with communication steps that are shorter by the same ratio, is made instead; but none is shorter than the
-# scene's own
+# with communication steps that are shorter by the same ratio, is made instead; but no communication step is
+# shorter than the scene's own
 SHORTER = 10
 # A chain amplifies each error at every impact, so results are reliable only for some time. A second run, at
 # the scene's own tolerance, tells for how long: the table ends where an output of this run deviates from the
@@ -169,7 +169,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
 def _run(
     scene: Scene, times: np.ndarray, inputs: dict[str, np.ndarray], names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return outputs and impacts of a run: the outputs ``names`` at each of ``times`` [s], a row each.
+    """Return two arrays of a run: the outputs ``names``, with a row for each of ``times`` [s]; the impacts.
 
     The run ends early after a fault, or when its work reaches MOST_WORK.
 

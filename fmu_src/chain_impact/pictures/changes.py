@@ -211,7 +211,7 @@ def readable(largest: float, unit: str) -> tuple[float, str]:
 
 
 def _largest(sensitivities: Sensitivities, output: str, k: int) -> float:
-    """Return the largest |change| of an output over time by parameter k, in the unit of the output."""
+    """Return the largest |change| of an output over time for a step of parameter k, in the output's unit."""
     return float(np.nanmax(np.abs(sensitivities.changes(output)[:, k]), initial=0.0))
 
 

@@ -306,7 +306,7 @@ class Ranking:
 
 
 def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
-    """Return the change in the second run as text; "none" if that run does not have the quantity."""
+    """Return the change in the run with the new value as text; "none" if this run lacks the quantity."""
     return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
 
 

@@ -300,9 +300,9 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 def _against(expected: Result, run: LawRun) -> LawRun:
     """Return ``run`` with the number and onset of the first impact in which it differs from ``expected``.
 
-    ``expected`` is the result with the reference law. If the run or ``expected`` has all impacts of the other
-    and more, its next impact counts. A run that agrees in all impacts has no such impact, nor has a run that
-    ended early and agrees up to its end.
+    ``expected`` is the result with the reference law. If one of the two has all impacts of the other and
+    more, its first additional impact counts. A run that agrees in all impacts has no such impact, nor has a
+    run that ended early and agrees up to its end.
     """
     if run.result is None:
         return run

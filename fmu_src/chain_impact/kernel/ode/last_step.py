@@ -259,7 +259,7 @@ def ensure_rate(d):
 def find_rate(d, located):
     """Evaluate the rate at the end of the last step.
 
-    ``located`` tells whether the points are located there; if not, the function locates them.
+    ``located`` tells whether the points are located there already.
     """
     y, rate = d.step.state_end, d.scratch.rate_end
     touching = d.touch.active_count > 0 or d.friction.count > 0

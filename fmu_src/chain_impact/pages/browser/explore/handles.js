@@ -60,9 +60,9 @@ export class Handles {
     return this.changes.valueOf(name) ?? 0;
   }
 
-  /** Return { positions [m], velocity [m/s] } of the base and the link ends at the start, by the parameters; but see below. */
+  /** Return { positions [m], velocity [m/s] } of the base and the link ends at the start, for the present parameters. */
   get #start() {
-    // the position of a base that a signal drives is that at the start of the shown motion
+    // a base that a signal drives does not have the position of the parameters, but that at the start of the shown motion
     const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
     const base = isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")];
     const numbers = Array.from({ length: this.changes.scene.links }, (_, k) => k + 1);

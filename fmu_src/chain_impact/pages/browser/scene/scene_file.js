@@ -134,7 +134,7 @@ export function wallsOf({ box, walls }) {
   return [...BOX_WALLS.filter((name) => name in box), ...walls.map(({ name }) => name)];
 }
 
-/** Return the numbers of the link ends that can move: all but a pinned base. */
+/** Return the numbers of the base and the link ends that may touch walls: all but a pinned base. */
 export function movablePoints({ chain: { base, links } }) {
   return Array.from({ length: links.length + 1 }, (_, point) => point).slice(base === "pinned" ? 1 : 0);
 }
