@@ -1,6 +1,6 @@
 """The picture of the motion: its poses, its paths, and the numbers of the impacts."""
 
-# Tests: pictures/body.py, pictures/names.py
+# Tests: pictures/body.py, pictures/joint_forces.py, pictures/names.py
 
 import numpy as np
 import pytest
@@ -9,16 +9,18 @@ from matplotlib.quiver import Quiver
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
+from chain_impact.pictures.joint_forces import part_in_view
 from chain_impact.pictures.message import peaks
 from chain_impact.pictures.motion import (
     MOST_STRONG_POSES,
     RING_DISTANCE,
     apart,
     by_speed,
-    part_in_view,
     strong_times,
 )
-from chain_impact.pictures.style import PEAK_COLOUR
+from chain_impact.pictures.style import LOAD, PEAK_COLOUR
+from chain_impact.recording.joint_peaks import joint_peaks
+from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of, size_of
 from tests.pictures.pictures import boxes, crowd, drawn, hit, motion_of, recorded, swing, texts
 
@@ -212,3 +214,21 @@ def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_has_a_path(model):
 @pytest.mark.parametrize("model", ["rod_drop", "pinned_arm", "thrown_brick", "cart_pole"])
 def test_other_chains_are_no_balls(model):
     assert ball_of(recorded(model)) is None
+
+
+def test_arcs_of_stops_and_poses_of_joint_forces_have_their_times():
+    leg = simulate("kneed_leg")
+    axes = leg.plot(panels=["motion"]).axes[0]
+    (arcs,) = (lines for lines in axes.collections if lines.get_label() == "stops")
+    pose = leg.pose_at(leg.impacts["onset"][0])
+    right = list(range_lines(pose, leg.stops))
+    assert all(np.allclose(*pair) for pair in zip(arcs.get_segments(), right, strict=True))
+    arm = simulate("carried_arm")
+    axes = arm.plot(panels=["motion"]).axes[0]
+    largest, *others = joint_peaks(arm)
+    shown = [
+        line.get_xydata() for line in axes.lines if line.get_color() == LOAD and len(line.get_xdata()) > 1
+    ]
+    assert [xy.tolist() for xy in shown] == [arm.pose_at(largest.time).tolist()]
+    told = " ".join(text.get_text() for text in axes.texts)
+    assert all(f"joint {peak.joint}: {peak.force:.0f} N" in told for peak in (largest, *others))

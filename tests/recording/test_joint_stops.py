@@ -71,7 +71,7 @@ def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():
     speeds = found.end_speeds[by_speed(found)].tolist()
     assert speeds == sorted(speeds, reverse=True)
     knee_at = found.point_at(1, impacts["onset"][0])
-    assert np.linalg.norm(found.spot(impacts[0]) - knee_at) == pytest.approx(0.5 * ARC, rel=1e-2)
+    np.testing.assert_allclose(found.spot(impacts[0]), knee_at, atol=0.01)  # the ring is at the joint
 
 
 def test_texts_name_the_joint_and_the_unit():

@@ -19,23 +19,21 @@ from chain_impact.pictures.impact_numbers import (
     listed_or_counted,
     numbers_text,
 )
+from chain_impact.pictures.joint_forces import draw_loads, name_loads
 from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import marked_peaks
 from chain_impact.pictures.moving import draw_moving
 from chain_impact.pictures.rest import shown_time
-from chain_impact.pictures.room import BAND, View, draw_walls, is_flat, seen_size, view_of
+from chain_impact.pictures.room import BAND, draw_walls, is_flat, seen_size, view_of
 from chain_impact.pictures.style import (
     INK,
-    LOAD,
     PEAK_COLOUR,
     TIME_COLOURS,
-    force_text,
     give_ticks,
     scale_numbers,
     tells_peak,
 )
-from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
@@ -68,11 +66,6 @@ PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest for
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a slider sticks
 # [1] distance within which impacts at the same wall or stop share a ring, relative to the view's larger side
 RING_DISTANCE = 0.03
-# the length of the arrow for the largest force in a joint, relative to the smaller side of the view
-LONGEST_LOAD = 0.3
-# SHORTEST_LOAD: if arrows would leave the view, all become shorter; but the arrow for the largest force keeps
-# at least this part of LONGEST_LOAD, so that an arrow near the edge may still leave the view
-SHORTEST_LOAD = 0.4
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
@@ -110,7 +103,9 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
     if recording.stops:
-        lines = list(range_lines(recording.points[-1], recording.stops))
+        hit = next((row for row in by_speed(recording).tolist() if recording.at_stops[row]), None)
+        pose = recording.points[-1] if hit is None else recording.pose_at(recording.impacts["onset"][hit])
+        lines = list(range_lines(pose, recording.stops))
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
     draw_rings(axes, recording)
     draw_sticking(axes, recording)
@@ -282,55 +277,10 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
         axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks at the end")
 
 
-def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
-    """Draw the largest force in each joint as an arrow, where the joint was at that time.
-
-    Direction and position of an arrow come from the row with the largest force in the joint; its length shows
-    the largest force, also if it lies between rows. If an arrow would leave the view, all arrows become
-    shorter, as far as SHORTEST_LOAD allows.
-    """
-    arrows = []
-    for joint, peak, _ in joint_peaks(recording):
-        force = recording.loads.get(joint, np.zeros((1, 2)))
-        sizes = np.hypot(*force.T)
-        row = sizes.argmax()
-        if sizes[row] > 0.0:
-            arrows.append((*recording.points[row, joint - 1], *(peak / sizes[row] * force[row])))
-    if arrows:
-        x, y, along, up = np.transpose(arrows)
-        most = np.hypot(along, up).max()
-        longest = LONGEST_LOAD * min(np.ptp(view_of(recording).corners, axis=0))
-        ways = longest / most * np.stack([along, up], axis=-1)
-        longest *= max(SHORTEST_LOAD, part_in_view(np.stack([x, y], axis=-1), ways, view.corners))
-        axes.quiver(
-            *(x, y, along, up),
-            angles="xy",
-            scale_units="xy",
-            scale=most / longest,
-            color=LOAD,
-            zorder=6,
-            clip_on=False,
-            in_layout=False,
-        )
-        key_style: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
-        axes.plot([], [], **key_style, label=f"joint forces\n≤ {force_text(most, 'N')}")
-
-
-def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
-    """Return the largest factor, at most 1, on the lengths of arrows with which all of them end in a view.
-
-    ``places`` has the feet of the arrows, ``ways`` the vectors from there to their heads, shape (A, 2);
-    ``corners`` are the lower left and the upper right corner of the view.
-    """
-    room = np.where(ways > 0.0, corners[1], corners[0]) - places
-    parts = np.divide(room, ways, out=np.ones_like(ways), where=ways != 0.0)
-    return float(parts.min(initial=1.0))
-
-
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts beyond the walls, beside their rings, where ``ink`` is free.
 
-    The fastest impacts come first, and last the largest force in a joint, if it is known. Returns the numbers
+    The fastest impacts come first, and last the largest forces in joints, if known. Returns the numbers
     without room as text, or how many they are; "" if all have room.
     """
     hits_at, labels = rings(axes, recording), []
@@ -340,11 +290,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
         whole = numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY)
         labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
-    if (loads := joint_peaks(recording)) and loads[0].force > 0.0:
-        joint, force, time = loads[0]
-        value, place = force_text(force, "N"), tuple(recording.pose_at(time)[joint - 1].tolist())
-        named = Label(f"joint {joint}: {value}", place, short=value)
-        place_labels(axes, [named], ink, lines=True, fontsize="small", color=LOAD)
+    name_loads(axes, recording, ink)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
     return listed_or_counted([hit + 1 for hits in missing for hit in hits], len(recording.impacts))
 

@@ -15,7 +15,7 @@ import numpy as np
 from chain_impact.recording.bodies import site_radii
 from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import NO_IMPACTS
-from chain_impact.recording.joint_stops import JointRange, is_stop, touching_place
+from chain_impact.recording.joint_stops import JointRange, is_stop
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, Touch
 from chain_impact.recording.tables import save_impacts
@@ -314,12 +314,11 @@ class Recording:
     def spot(self, impact: np.void) -> np.ndarray:
         """Return the position [m] at which an impact is drawn.
 
-        At a wall, this is the impact's point, projected onto the wall. At a stop of a joint, it is where the
-        link crosses the arc of the joint's range. At a stop of a slider, it is where the stop is drawn: half
-        a carriage beyond the base.
+        At a wall, this is the impact's point, projected onto the wall. At a stop of a joint, it is the
+        joint. At a stop of a slider, it is where the stop is drawn: half a carriage beyond the base.
         """
         if self.is_stop(impact["wall"]):
-            return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]
+            return np.asarray(self.pose_at(impact["onset"])[impact["point"] - 1])
         position, wall = self.point_at(impact["point"], impact["onset"]), self.wall_of(impact)
         return np.asarray(position - wall.clearance(*position) * np.array(wall.normal))
 
