@@ -95,8 +95,8 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
         style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
-        # The chain at the end would cover the chain at the start, so that this gets a wider copy behind it,
-        # which is seen as a rim.
+        # The chain at the end would cover the chain at the start. So a wider copy of the latter is drawn
+        # behind it, which is seen as a rim.
         if row == 0 and is_covered(recording):
             rim = {"linewidth": (3.0 + RIM_WIDTH) * thick, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
             draw_chain(axes, recording.points[row], **style | rim)

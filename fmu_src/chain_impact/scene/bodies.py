@@ -1,4 +1,4 @@
-"""The shapes that drawings show: outlines of links with points, and the line along which a base slides."""
+"""The shapes that drawings show: outlines of links that have points besides their ends; a slider's rail."""
 
 from __future__ import annotations
 

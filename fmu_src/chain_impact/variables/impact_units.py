@@ -36,5 +36,5 @@ def impact_units(*, stop: bool) -> Mapping[str, str]:
 
 
 def unit_at(quantity: str, *, stop: bool) -> str:
-    """Return the unit of a quantity of an impact as readers see it, N·m; ``stop``: at a stop of a joint."""
+    """Return the unit of a quantity of an impact as readers see it, as N·m; ``stop``: at a joint's stop."""
     return unit_text(impact_units(stop=stop)[quantity])

@@ -89,9 +89,9 @@ def factorize_contacts(d, slot, impedance):
 
 
 def joints_loaded(d):
-    """Return whether any joint has an impedance D: by an armature, an active stop or sticking friction.
+    """Return whether any joint adds a term to M + Jᵀ D J: its armature, an active stop or sticking friction.
 
-    D is that of M + Jᵀ D J in the module's docstring. The sticking friction of a slider counts, too.
+    The sticking friction of a slider counts, too.
     """
     return d.chain.has_armatures != 0 or d.touch.joint_stop_count + d.friction.stuck_joints > 0
 
