@@ -75,9 +75,9 @@ class Source:
             return record_scene(self.scene(), {}, advance, sensitivities or None)
 
     def with_rows(self, recording: Recording) -> Recording:
-        """Return ``recording`` or, if its rows are too few for a picture, a second run with enough rows.
+        """Return ``recording`` or, if it has too few rows for a picture, that of a new run with more.
 
-        An FMU is not simulated a second time; a message says that its rows are too few.
+        An FMU is not simulated again: ``recording`` is returned, and a message says that it has few rows.
         """
         rows = len(recording.time)
         if rows >= LEAST_ROWS:

@@ -30,7 +30,7 @@ WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in row 0, later ones lower
 DOT = 24.0  # [square points] the size of a dot
-RUN_MARK = 4.5  # [points] the size of the diamond at the change in a second run
+RUN_MARK = 4.5  # [points] the size of the diamonds, see ``Bars.marks``
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # If the axes of all blocks of bars have the same label, they have one scale, provided that the longest bar of
 # each block is at most ONE_SCALE times as long as the longest bar of any other block.

@@ -29,8 +29,8 @@ EXPONENTS = ("contact.exponent", "stop.exponent")
 """The parameters that change the unit, and so the meaning, of a stiffness."""
 # [1] an effect that is larger, relative to the quantity, holds for smaller changes only: the text says so
 LARGE_SHARE = 0.2
-# [1] largest difference between an effect to first order and the change in a second run, relative to the
-# larger one; with a larger difference, the text gives both
+# [1] largest difference between an effect to first order and the change in a run with the new value, relative
+# to the larger of both; with a larger difference, the text gives both
 FIRST_ORDER = 0.25
 # [1] an effect that is at most this, relative to ``RankedQuantity.size``, is round-off and counts as none
 LEAST_EFFECT = 1e-12
@@ -50,8 +50,8 @@ class Effect(NamedTuple):
         step: the change of the parameter in words: "1 %", or "0.01 N·m" if its value is 0.
         change: the change of the quantity by this step, to first order, in the unit of the quantity.
         derivative: the derivative of the quantity with respect to the parameter.
-        simulated: the change of the quantity in a second run with this step; NaN if the quantity does not
-            exist in that run, such as an impact that is missing; None without a second run.
+        simulated: the change of the quantity in a run with the parameter changed by this step; NaN if the
+            quantity does not exist in that run, as for a missing impact; None without such a run.
     """
 
     parameter: str
@@ -66,7 +66,7 @@ class Effect(NamedTuple):
     def differs(self) -> bool:
         """Whether ``simulated`` and ``change`` differ by more than FIRST_ORDER, or ``simulated`` is NaN.
 
-        Without a second run, this is False.
+        If ``simulated`` is None, this is False.
         """
         if self.simulated is None:
             return False

@@ -39,7 +39,7 @@ export class TimeChart extends Chart {
     return [this.recording.start, this.recording.end];
   }
 
-  /** Show rows of values for the curves; a curve that turns so often that it fills an area is pale, as its entry in the list is. */
+  /** Show rows of values for the curves; a curve that turns so often that it fills an area is pale, as its entry in the legend is. */
   setData(data) {
     const { clientWidth: width, clientHeight: height } = this.element;
     const pixel = largestIn(data.slice(1)) / height; // turns of less than this, such as those of round-off, are not seen

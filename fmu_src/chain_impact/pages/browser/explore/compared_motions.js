@@ -42,7 +42,7 @@ export class ComparedMotions {
     return this.pinned.map(({ recording }) => recording);
   }
 
-  /** Pin the shown motion, unless it is pinned already, and list it: words for its changes are its name in the list. */
+  /** Pin the shown motion, unless it is pinned already, and show it in the table, where words for its changes are its name. */
   pin() {
     const { recording } = this.player;
     if (this.pinned.some((motion) => motion.recording === recording)) return;
