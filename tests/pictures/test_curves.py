@@ -171,6 +171,18 @@ def test_a_picture_of_an_impact_tells_its_own_and_the_largest_forces(arm, result
     assert f"{1e-3 * result.impacts['peak_force'][1]:.3g} kN in impact 2: " in told.replace("\u00a0", " ")
 
 
+def test_amounts_of_forces_are_drawn_beside_their_components(arm):
+    names = ["joint[1].force.*", "point[2].x"]
+    upper, lower = arm.plot(curves=names, around=1).axes
+    lines = {line.get_label(): line for line in upper.lines}
+    sizes = np.hypot(*(lines[f"joint[1].force.{axis}"].get_ydata() for axis in "xy"))
+    np.testing.assert_allclose(lines["|joint[1].force|"].get_ydata(), sizes)
+    shown = [
+        any(tick.label1.get_visible() for tick in axes.xaxis.get_major_ticks()) for axes in (upper, lower)
+    ]
+    assert shown == [False, True]  # the numbers of the shared time stand once
+
+
 def test_the_largest_force_is_the_largest_finite_one():
     time = np.arange(4.0)
     drawn = [np.array([np.nan, 3.0, -5.0, np.inf]), np.full(4, np.nan), np.zeros(4), np.full(4, -np.inf)]

@@ -132,7 +132,6 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     found = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
-        axes.tick_params(labelbottom=True)
         if axes is not grid[-1]:
             axes.set_xlabel("")
     figure.align_ylabels()
@@ -180,15 +179,23 @@ def largest_vectors(curves: Curves) -> str:
     """
     start, factor, unit = (0.0, 1.0, "s") if curves.onset is None else (curves.onset, 1e3, "ms")
     told: dict[str, list[str]] = {}
-    for name in (name for names in curves.panels for name in names):
-        owner = name.removesuffix(".force.x")
-        if owner != name and (beside := f"{owner}.force.y") in curves.values:
-            sizes = np.hypot(curves.values[name], curves.values[beside])
-            if (row := largest_row(sizes)) is not None:
-                when = f"{factor * (curves.time[row] - start):.3g} {unit}"
-                told.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
+    for owner, sizes in amounts(curves, [name for names in curves.panels for name in names]).items():
+        if (row := largest_row(sizes)) is not None:
+            when = f"{factor * (curves.time[row] - start):.3g} {unit}"
+            told.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
     parts = [f"{' and '.join(each)} at {when}" for when, each in told.items()]
     return f"largest |force|: {', '.join(parts)}" if parts else ""
+
+
+def amounts(curves: Curves, names: Sequence[str]) -> dict[str, np.ndarray]:
+    """Return the amounts of the forces whose components x and y are both in ``names``: owner → amounts [N]."""
+    ends = (".force.x", ".force.y")
+    pairs = {name.removesuffix(ends[0]): name for name in names if name.endswith(ends[0])}
+    return {
+        owner: np.hypot(curves.values[name], curves.values[owner + ends[1]])
+        for owner, name in pairs.items()
+        if owner + ends[1] in names
+    }
 
 
 def in_view(recording: Recording, curves: Curves) -> str:
@@ -265,6 +272,9 @@ def draw_all(
         plot_curves(
             axes, time, [(scale * values, style) for values, style in zip(drawn, styles, strict=True)]
         )
+        for owner, sizes in amounts(curves, names).items():
+            colour = styles[names.index(f"{owner}.force.x")]["color"]
+            axes.plot(time, scale * sizes, ":", color=colour, linewidth=1.2, label=f"|{owner}.force|")
         found.append(extremes(time[seen], [values[seen] for values in drawn], own, scale, styles))
         quantity = shared_part(names) or QUANTITIES.get(own) or vector_of(names)
         is_alone = len(names) == 1 and len(names[0]) <= WIDEST
