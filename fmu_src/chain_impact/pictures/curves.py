@@ -188,7 +188,7 @@ def largest_vectors(curves: Curves) -> str:
 
 
 def amounts(curves: Curves, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return the amounts of the forces whose components x and y are both in ``names``: owner → amounts [N]."""
+    """Return the amounts of the forces with both components in ``names``: owner → amounts [N]."""
     ends = (".force.x", ".force.y")
     pairs = {name.removesuffix(ends[0]): name for name in names if name.endswith(ends[0])}
     return {

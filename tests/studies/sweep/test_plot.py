@@ -154,9 +154,7 @@ def test_maps_are_the_columns_with_ordered_axes():
     vary = {"contact.stiffness": "1e9,5e8,1e8,1e7", "contact.restitution": "0.4,0.0,0.8,0.6"}
     found = sweep(SCENE, vary)
     panel = drawn(found).axes[0]
-    mesh, *lines = panel.collections
-    values = [float(text.get_text()) for text in panel.texts]
-    assert [line.levels.tolist() for line in lines] == [[value] for value in values] != []
+    (mesh,) = panel.collections
     shown = mesh.get_array()
     assert panel.get_xscale() == "linear"
     force = 1e-3 * found["peak_force"].reshape(4, 4)
@@ -309,6 +307,31 @@ def test_the_value_of_the_scene_is_marked(count):
     assert mark.get_xdata()[0] == SCENE.values["contact.restitution" if count == 2 else "contact.stiffness"]
     told = " ".join(text.get_text().replace("\n", " ") for text in page.texts)
     assert f"{number(mark.get_xdata()[0])} in the scene (+)" in told
+
+
+def test_the_value_of_the_scene_is_marked_on_the_line():
+    found = sweep(SCENE, {"contact.restitution": "0.4,0.6,0.8"})
+    axes = drawn(found).axes[0]
+    (mark,) = (line for line in axes.lines if line.get_marker() == "P")
+    ((x, y),) = mark.get_xydata()
+    at = found["contact.restitution"]
+    assert y == pytest.approx(np.interp(x, at, 1e-3 * found["peak_force"]), rel=1e-9)
+
+
+def test_a_fine_map_has_lines_with_their_values():
+    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:8:log", "contact.restitution": "0.4:0.8:4"})
+    panel = drawn(found).axes[0]
+    values = [float(text.get_text()) for text in panel.texts]
+    assert [line.levels.tolist() for line in panel.collections[1:]] == [[value] for value in values] != []
+
+
+def test_a_coarse_map_has_the_values_of_its_cells_and_ends_at_limits():
+    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:4:log", "contact.restitution": "0.2:0.98:4"})
+    axes = drawn(found).axes[0]
+    told = sorted(float(text.get_text()) for text in axes.texts)
+    assert told == pytest.approx(sorted(1e-3 * found["peak_force"]), rel=5e-3)
+    ends = axes.get_xlim() if "restitution" in axes.get_xlabel() else axes.get_ylim()
+    assert ends[1] == 1.0
 
 
 def test_samples_of_one_number_are_points():

@@ -48,6 +48,8 @@ def draw_curves(
 ) -> None:
     """Draw each quantity over a parameter in a panel, with a cross at the foot for each failed run.
 
+    The mark of the scene's value is on the line if there is a single one, else at the foot.
+
     ``across``: the parameter, a number. ``choice``: a second parameter, each choice or number of which has a
     line.
     """
@@ -77,10 +79,11 @@ def draw_curves(
             axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
         axes.set_xscale("log" if is_logarithmic(across) else "linear")
         axes.set_xlabel(label_of(runs, across))
-        if (own := own_value(runs, across)) is not None:
-            axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
         give_ticks(axes)
         _dress(axes, quantity, shown)
+        if (own := own_value(runs, across)) is not None:
+            is_line = choice is None and runs.design.samples is None
+            _mark_own(axes, own, curves[0] if is_line else np.full((2, 1), np.nan), quantity)
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
         figure = panels[0].get_figure(root=True)
@@ -97,6 +100,22 @@ def looks_of(lines: Iterable[str], choice: Variation | None) -> list[dict[str, A
     if choice is not None and choice.name == "contact.model":
         return [law_look(text.partition(" = ")[0]) for text in lines]
     return [{"color": colour} for colour in COLOURS]
+
+
+def _mark_own(axes: Axes, own: float, curve: np.ndarray, quantity: Quantity) -> None:
+    """Draw the mark of the scene's value on a drawn line, or at the foot where there is no line.
+
+    ``curve`` has the positions, ascending, and the values, shape (2, S). A count has steps between its
+    values.
+    """
+    scale = axes.transScale
+    across, up = scale.transform(curve.T).T
+    at = scale.transform((own, 1.0))[0]
+    height = up[np.abs(across - at).argmin()] if quantity.is_count else np.interp(at, across, up)
+    if np.isfinite(height):
+        axes.plot([own], [scale.inverted().transform((at, height))[1]], **SCENE_MARK)
+    else:
+        axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
 
 
 def lines_of(runs: Runs, across: Variation, choice: Variation | None = None) -> dict[str, np.ndarray]:

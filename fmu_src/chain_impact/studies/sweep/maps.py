@@ -18,8 +18,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 
 from chain_impact.pictures.legends import legend_at_foot
-from chain_impact.pictures.style import raised
+from chain_impact.pictures.style import is_narrow, raised
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
+from chain_impact.recording.text import number
 from chain_impact.scene.unit_text import in_brackets, of_scene
 from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
@@ -37,6 +38,9 @@ FEW_TICKS = (2.0, 5.0)
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
 """The mark of the scene's own value, with matplotlib's names."""
+# FEW_CELLS: a map with fewer cells on each axis has their values as numbers, and no contours; WIDE_CELLS:
+# with more columns in a narrow figure the numbers have fewer digits
+FEW_CELLS, WIDE_CELLS = 8, 4
 # CONTOURS: the places in the range of the colours near which a map has a line with its value; MOST_PIECES:
 # the largest number of pieces of such a line; LEAST_CELLS: the least number of cells on each axis; LIGHT: the
 # place from which on colours are so light that a line is black
@@ -57,6 +61,7 @@ def draw_maps(
     """
     first, second = over
     x, y = axis_of(first), axis_of(second)
+    own = [own_value(runs, first), own_value(runs, second)]
     grey, failed = "", int(runs.failed.sum())
     indices = [list(runs.varied).index(variation.name) for variation in (second, first)]
     for axes, quantity in zip(panels, quantities, strict=True):
@@ -66,7 +71,9 @@ def draw_maps(
         shown = np.ma.masked_invalid(shown[np.ix_(y.order, x.order)])
         axes.set_facecolor(FAILED_COLOUR)
         if shown.count():
-            _draw_map(figure, axes, (x, y), quantity, shown)
+            mesh = _draw_map(figure, axes, (x, y), quantity, shown)
+            if max(shown.shape) < FEW_CELLS:
+                _write_values(axes, (x, y), shown, mesh, own)
         else:
             axes.set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
         axes.set_xscale("log" if x.logarithmic else "linear")
@@ -74,9 +81,8 @@ def draw_maps(
         for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):
             if scale.names:
                 axis.set_ticks(range(len(scale.names)), scale.names)
-        across, up = own_value(runs, first), own_value(runs, second)
-        if across is not None and up is not None:
-            axes.plot([across], [up], **SCENE_MARK)
+        if None not in own:
+            axes.plot(*np.array(own, float)[:, None], **SCENE_MARK)
         axes.set(xlabel=label_of(runs, first), ylabel=label_of(runs, second))
         if x.names:
             axes.tick_params(axis="x", rotation=90)
@@ -89,8 +95,8 @@ def draw_maps(
 
 def _draw_map(
     figure: Figure, axes: Axes, scales: tuple[Scale, Scale], quantity: Quantity, shown: Any
-) -> None:
-    """Draw the coloured cells of one map, and the bar that explains the colours.
+) -> QuadMesh:
+    """Draw the coloured cells of one map, and the bar that explains the colours; return the cells.
 
     ``scales``: the horizontal and the vertical axis; ``shown``: the values, masked where a run has none, with
     a row for each cell of the vertical axis.
@@ -123,12 +129,37 @@ def _draw_map(
         number_few_decades(axis)
         # when a bar gets new colours, as for a dark ground, matplotlib sets its axis again from these two
         bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
-    if not quantity.is_count and not x.names and not y.names:
+    if max(shown.shape) >= FEW_CELLS and not quantity.is_count and not x.names and not y.names:
         levels = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if few_decades else [])]
         _contours(axes, scales, shown, [level for level in levels if ends[0] < level < ends[1]], mesh)
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
         bar.ax.tick_params(which="both", length=0)
+    return mesh
+
+
+def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: QuadMesh, own: Any) -> None:
+    """Write its value into each cell: in the middle, or below it in the cell with the mark of the scene.
+
+    ``own``: the scene's values, None where it has none.
+    """
+    places = np.asarray(mesh.norm(shown)) / (
+        mesh.norm.Ncmap - 1 if isinstance(mesh.norm, BoundaryNorm) else 1
+    )
+    figure = axes.get_figure(root=True)
+    digits = 2 if figure is not None and is_narrow(figure) and shown.shape[1] > WIDE_CELLS else 3
+    marked = (
+        [None, None]
+        if None in own
+        else [np.abs(s.middles - v).argmin() for s, v in zip(scales, own, strict=True)]
+    )
+    for row, column in np.argwhere(~np.ma.getmaskarray(shown)).tolist():
+        at = (scales[0].middles[column], scales[1].middles[row])
+        down, va = (-4.0, "top") if [column, row] == marked else (0.0, "center")
+        ink = "black" if places[row, column] > LIGHT else "white"
+        text = number(shown[row, column], digits)
+        look: dict[str, Any] = {"va": va, "ha": "center", "color": ink, "fontsize": "x-small"}
+        axes.annotate(text, at, (0.0, down), textcoords="offset points", **look)
 
 
 def _contours(
@@ -206,7 +237,10 @@ def axis_of(variation: Variation) -> Scale:
     at = np.log(variation.values[order]) if logarithmic else variation.values[order]
     middles = 0.5 * (at[1:] + at[:-1])
     edges = np.array([2 * at[0] - middles[0], *middles, 2 * at[-1] - middles[-1]])
-    return Scale(order, np.exp(edges) if logarithmic else edges, logarithmic, [], variation.values[order])
+    edges = np.clip(
+        np.exp(edges) if logarithmic else edges, variation.variable.minimum, variation.variable.maximum
+    )
+    return Scale(order, edges, logarithmic, [], variation.values[order])
 
 
 def is_logarithmic(variation: Variation) -> bool:
