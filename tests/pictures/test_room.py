@@ -132,7 +132,10 @@ def test_a_flat_motion_has_the_height_of_its_axes():
     motion = motion_of(recording)
     reach = np.ptp(recording.points[..., 1])
     assert 0.5 * np.ptp(motion.get_ylim()) < reach < np.ptp(motion.get_ylim())
-    assert "enlarged" in motion.get_ylabel()
+    box = motion.get_window_extent()
+    zoom = box.height / np.ptp(motion.get_ylim()) / (box.width / np.ptp(motion.get_xlim()))
+    told = float(motion.get_ylabel().partition("enlarged ")[2].removesuffix(" times"))
+    assert told == pytest.approx(zoom, rel=0.1)
     (low, high), ticks = motion.get_ylim(), motion.yaxis.get_major_ticks()
     told = [(tick.get_loc(), tick.label1.get_text().replace("−", "-")) for tick in ticks]
     assert "[mm]" in motion.get_ylabel()

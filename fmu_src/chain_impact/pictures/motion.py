@@ -118,7 +118,9 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
         largest = float(np.abs(axes.get_ylim()).max())
         factor, unit = prefixed(largest, "m") if largest < SHORT_LENGTH else (1.0, "m")
         scale_numbers(axes.yaxis, factor)
-        axes.set_ylabel(f"y [{unit}], enlarged")
+        box = axes.get_window_extent()
+        zoom = box.height / box.width * np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
+        axes.set_ylabel(f"y [{unit}], enlarged {zoom:#.2g} times".replace(". times", " times"))
     legend_above(axes)
 
 
