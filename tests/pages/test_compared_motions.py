@@ -97,6 +97,7 @@ def test_letters_of_pins_at_one_place_are_beside_each_other(show):
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
         until_told(page, impacts_of({"contact.restitution": value}))
+    until(page, "document.getElementById('stage').ariaBusy === 'false'")
     page.locator("#scrub").fill("0")
     until(page, "document.getElementById('time').textContent === '0.00000 s'")
     dots = [one.bounding_box() for one in page.locator(".compared-tip:not(.before), #scene .tip").all()]

@@ -47,7 +47,7 @@ def server(tmp_path):
 def test_a_run_that_fails_says_why_and_shows_what_came_before(show):
     page = show()
     page.evaluate("chainImpact.show({'solver.work_limit': 2000})")
-    status = page.get_by_role("alert")
+    status = page.locator("#status")
     status.wait_for()
     told = r"The simulation stopped at t = 1\.6215\d* s: a second of simulated time takes more"
     assert re.search(told, status.inner_text())
@@ -80,7 +80,7 @@ def test_a_change_that_cannot_start_is_undone_alone_and_nothing_plays(show):
     page.keyboard.press("Space")
     assert page.locator("#play").get_attribute("aria-label") == "Play"
     assert page.locator("footer").evaluate("footer => footer.inert")
-    page.get_by_role("button", name="Undo the change of Initial y").click()
+    page.get_by_role("button", name="Undo the change of Initial height").click()
     until(page, "document.getElementById('status').hidden")
     assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.4"
     assert page.evaluate("chainImpact.parameters['initial.y']") != "-3"

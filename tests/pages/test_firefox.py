@@ -121,11 +121,11 @@ def test_firefox_drags_a_joint_moves_it_by_keys_and_draws_a_map(firefox, tmp_pat
     pointer = firefox.driver.actions.sequence("pointer", "mouse", {"pointerType": "mouse"})
     pointer.pointer_move(3, 3, origin=firefox.find("#map-canvas")).perform()
     said = re.search(
-        r"Restitution = ([\d.]+), Initial angle of link 1 = ([\d.]+)\s?rad \(.*\): "
+        r"Restitution = ([\d.]+), Initial angle of link 1 = ([\d.]+)\s?°: "
         r"Largest force at a wall = ([\d.]+)\s?kN",
         firefox.find("#map-text").text,
     )
-    values = {"contact.restitution": float(said[1]), "initial.angle[1]": float(said[2])}
+    values = {"contact.restitution": float(said[1]), "initial.angle[1]": np.deg2rad(float(said[2]))}
     peaks = simulate(scene.with_values(values)).impacts["peak_force"]
     assert 1e3 * float(said[3]) == pytest.approx(peaks.max(), rel=1e-3)
 

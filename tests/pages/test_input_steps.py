@@ -95,7 +95,10 @@ def test_command_file_and_pin_have_all_changed_inputs(show, tmp_path):
     changes = "joint[1].target_velocity=2&joint[2].target_angle=1&joint[1].target_angle@=0.1:0.5"
     page = show("ur5e", {"inputs.joint_targets": True}, hash_=f"#simulation.stop_time=0.3&{changes}")
     page.get_by_role("button", name="Pin").click()
-    assert "Target angle of joint 1 = 0.5 from 0.1 s" in page.locator("#pins tbody tr").last.inner_text()
+    assert (
+        "Target angle of joint 1 = 28.648\u202f° from 0.1 s"
+        in page.locator("#pins tbody tr").last.inner_text()
+    )
     page.get_by_role("button", name="Export…").click()
     path, found = tmp_path / "held.toml", []
     path.write_text(saved(page, "Scene file").read_text(encoding="utf-8"), encoding="utf-8")

@@ -5,6 +5,6 @@ export const longList = (count) => {
   const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
   const element = document.body.appendChild(document.createElement("div"));
   const impacts = Array.from({ length: count }, (_, k) => impact(k));
-  new ImpactList(element, () => {}).show({ impacts });
+  new ImpactList(element, () => {}).show({ impacts, frameAt: () => 0, pointAt: () => [0, 0] });
   return [element.querySelectorAll("tbody tr").length, element.lastChild.textContent];
 };
