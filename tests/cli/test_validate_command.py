@@ -79,6 +79,8 @@ def test_several_fmus_are_all_checked(run, here, fmu):
         "",
         ["half.fmu", str(fmu), str(fmu)],
     )
+    assert run("validate", fmu, "nowhere.fmu")[:2] == (2, "")
+    assert len(json.loads(run("validate", "half.fmu", "half.fmu", "--json")[1])) == 2
     code, said, errors = run("validate", "half.fmu", fmu, "--json")
     assert (code, errors) == (1, "")
     assert [(one["fmu"], len(one["findings"])) for one in json.loads(said)] == [

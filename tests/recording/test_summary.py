@@ -5,10 +5,12 @@
 import re
 
 import numpy as np
+import pytest
 from rich.table import Table
 
 from chain_impact import load_scene, simulate
 from chain_impact.cli import screen
+from chain_impact.recording.joint_peaks import BY_ROW, SAMPLED, joint_peaks
 from chain_impact.recording.summary import LISTED_IMPACTS, LISTED_IN_SHORT, energy_lines
 from chain_impact.recording.text import plural
 from tests.helpers.scenes.problems import dropped_ball
@@ -74,6 +76,18 @@ def test_the_largest_force_in_a_joint_says_when():
         joint, told = re.search(r"joint\[(\d)\], at ([\d.]+) s, during impact 1$", line).groups()
         time = fine.time[np.hypot(*fine.loads[int(joint)].T).argmax()]
         assert abs(float(told) - time) <= 1e-5
+
+
+def test_a_largest_force_whose_time_is_unknown_has_the_row_by_which_it_occurred():
+    scene = load_scene("pinned_arm").with_values({"outputs.loads": True})
+    for output in (["joint[*].peak_force"], ["joint[*].peak_force", "joint[*].force.*"]):
+        first, _ = joint_peaks(result := simulate(scene, 0.6, 0.02, output=output))
+        assert (first.joint, first.time, first.kind) == (2, pytest.approx(0.5), BY_ROW)
+        assert first.force == pytest.approx(669.895, abs=1e-3)
+        assert "at most 669.895 N in joint[2], by 0.5 s" in repr(result)
+    sampled = simulate(scene, 0.6, 0.02, output=["joint[*].force.*"])
+    assert {peak.kind for peak in joint_peaks(sampled)} == {SAMPLED}
+    assert not [line for line in repr(sampled).splitlines() if line.startswith("loads")]
 
 
 def test_a_largest_force_in_a_joint_without_an_impact_names_none():

@@ -189,6 +189,12 @@ def test_a_second_run_has_the_same_quantity(result, quantity):
     assert ranking.value_in(result) == ranking.value
 
 
+def test_round_off_of_a_position_on_a_wall_is_not_ranked():
+    names = ["gravity.y", "link[2].mass", "box.y_min", "contact.restitution"]
+    found = simulate("four_link_box", 0.6, sensitivities=names).ranking("impact[2].y")
+    assert [effect.parameter for effect in found.effects] == ["box.y_min"]
+
+
 def test_a_share_is_written_with_two_digits():
     assert [signed(share) for share in (0.4, -4.0, 12.0, 0.084, 520.0)] == [
         "+0.40",

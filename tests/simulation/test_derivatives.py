@@ -79,6 +79,22 @@ def test_a_contact_that_lasts_at_a_stop_is_differentiated_as_an_angle():
     assert np.isnan(lasting.impact_slopes["end"][0]).all()
 
 
+@pytest.mark.parametrize(
+    ("model", "parameter"), [("ramp", "contact.radius"), ("pinned_arm", "link[2].length")]
+)
+def test_positions_of_impacts_have_the_derivatives_of_differences(model, parameter):
+    scene = load_scene(model).with_values({"solver.tolerance": 1e-11})
+    value = scene.values[parameter]
+    found = simulate(scene, sensitivities=[parameter])
+    for field in ("x", "y"):
+
+        def changed(number, field=field):
+            return simulate(scene.with_values({parameter: number})).impacts[field][:2]
+
+        right = slope(changed, value, 1e-5 * value)
+        assert found.impact_sensitivity(field, parameter)[:2] == pytest.approx(right, rel=1e-5, abs=1e-8)
+
+
 def test_contacts_that_last_together_have_derivatives_of_their_own():
     """A rod lies on the floor, with two lasting contacts."""
     scene, names, values = load_scene("rod_drop"), ["contact.stiffness", "link[1].mass"], [1e8, 0.5]

@@ -55,7 +55,7 @@ def test_the_reach_of_an_impact_that_is_not_free_is_told_over_stiffness():
     free = [abs(row.lossless - 1.0) for row in found.reached]
     assert free == sorted(free, reverse=True)
     near, reach = advice(found).splitlines()
-    assert near.endswith(": newton_impact, as in any scene; lee_wang, in this scene only")
+    assert near.endswith(": newton_impact, as in any scene; lee_wang, in this scene, not in any")
     assert "0.15 at K = 1e+07 (0.70 lossless)" in reach
 
 

@@ -45,7 +45,8 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"--timeout {options.timeout} must be a finite number > 0 [s]")
     for path in options.fmus:
         _refuse_scene(path)
-    checked = {path: checked_fmu(path, options.timeout, report=not options.json) for path in options.fmus}
+        path.open("rb").close()  # a file that cannot be read ends the command before any check
+    checked = [(path, checked_fmu(path, options.timeout, report=not options.json)) for path in options.fmus]
     if options.json:
         texts = [
             {
@@ -53,10 +54,10 @@ def run(options: argparse.Namespace) -> int:
                 "findings": [asdict(finding) for finding in result.findings],
                 "notes": list(result.notes),
             }
-            for path, result in checked.items()
+            for path, result in checked
         ]
         say(json.dumps(texts if len(texts) > 1 else texts[0], indent=2))
-    return 1 if any(result.findings for result in checked.values()) else 0
+    return 1 if any(result.findings for _, result in checked) else 0
 
 
 def _refuse_scene(path: Path) -> None:

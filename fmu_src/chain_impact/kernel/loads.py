@@ -28,6 +28,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, at_center_of
 from chain_impact.kernel.cost import counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
+from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, time_within
 from chain_impact.kernel.ode.folds import refine_rate
@@ -272,7 +273,11 @@ def search_step(d):
         least = min(least, d.touch.joint_square[d.touch.active_index[k]])
     for i in range(d.links):
         transmitted.largest_square[i] = min(transmitted.peak[i], least)
+        transmitted.largest_time[i] = d.step.start
     search_peaks(d, d.step.end)
+    for i in range(d.links):
+        if transmitted.largest_time[i] == d.step.end:
+            transmitted.largest_time[i] = time_of_peak(d, fraction(d, d.step.end))
 
 
 def search_peaks(d, time):
@@ -285,7 +290,7 @@ def search_peaks(d, time):
     for m in range(intervals + 1):
         theta = first + (end - first) * m / intervals
         load_joints_at(d, theta)
-        sampled_at = time_within(d, theta)
+        sampled_at = time if m == intervals else time_of_peak(d, theta)
         for i in range(d.links):
             transmitted.after[i] = square_of_force(d, i)
         for i in range(d.links):
@@ -295,7 +300,17 @@ def search_peaks(d, time):
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
                 largest, place = largest_square(d, i, middle, reach, end)
-                raise_largest(d, i, largest, time_within(d, place))
+                raise_largest(d, i, largest, time_of_peak(d, place))
+
+
+@has_dual_rule
+def time_of_peak(d, theta):
+    """Return the time [s] of a peak at the fraction θ of the last step.
+
+    In a tangent instance, its derivatives are those of an event at θ or of a parabola's maximum there. At any
+    other θ they are NaN: the force is largest at a sample, whose θ is fixed, although the peak shifts.
+    """
+    return time_within(d, theta)
 
 
 def raise_largest(d, i, square, time):

@@ -27,18 +27,18 @@ MOST_VALUES = 3  # the largest number of joints whose forces are written
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
     """Draw the largest force in each joint as an arrow, where the joint was at that time.
 
-    Direction and position of an arrow come from the row with the largest force in the joint; its length shows
-    the largest force, also if it lies between rows. The chain at the time of the largest of these forces has
-    the colour of the arrows. If an arrow would leave the view, all arrows become
-    shorter, as far as SHORTEST_LOAD allows.
+    Direction and position of an arrow come from the row nearest to the largest force in the joint; its length
+    shows the largest force, also if it lies between rows. The chain at the time of the largest of these
+    forces has the colour of the arrows. If an arrow would leave the view, all arrows become shorter, as far
+    as SHORTEST_LOAD allows.
     """
     arrows, loads = [], joint_peaks(recording)
-    for joint, peak, _ in loads:
-        force = recording.loads.get(joint, np.zeros((1, 2)))
-        sizes = np.hypot(*force.T)
-        row = sizes.argmax()
-        if sizes[row] > 0.0:
-            arrows.append((*recording.points[row, joint - 1], *(peak / sizes[row] * force[row])))
+    for peak in loads:
+        if peak.joint in recording.loads:
+            row = recording.row_at(peak.time)
+            force = recording.loads[peak.joint][row]
+            if size := np.hypot(*force):
+                arrows.append((*recording.points[row, peak.joint - 1], *(peak.force / size * force)))
     if arrows:
         # the pose at the end may cover the pose to which the arrows belong
         pose = recording.pose_at(loads[0].time)

@@ -13,7 +13,7 @@ from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.names import brief_hit, what_touches
 from chain_impact.pictures.style import INK, LOAD, PEAK_COLOUR, force_text, headline, is_narrow, raised
 from chain_impact.recording.impacts import lasts
-from chain_impact.recording.joint_peaks import joint_peaks
+from chain_impact.recording.joint_peaks import BY_ROW, joint_peaks
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import number, plural, prefixed, speed_unit
 from chain_impact.scene.names import name_parts
@@ -258,7 +258,7 @@ def load_text(recording: Recording) -> str:
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
     return (
         f"joint {largest.joint} bears up to {force_text(largest.force, 'N')}, "
-        f"at {factor * largest.time:.5g} {unit}"
+        f"{'by' if largest.kind == BY_ROW else 'at'} {factor * largest.time:.5g} {unit}"
     )
 
 

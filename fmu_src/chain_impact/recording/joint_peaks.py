@@ -10,24 +10,41 @@ from chain_impact.recording.recording import Recording
 
 
 class JointPeak(NamedTuple):
-    """The largest force in a joint: the joint's number, the force [N] and its time [s]."""
+    """The largest force in a joint.
+
+    Attributes:
+        joint: the number of the joint.
+        force: the force [N].
+        time: its time [s], or the time of the first row at which it has occurred.
+        kind: how much is known: EXACT, force and time also between rows; BY_ROW, the force also between rows,
+            and the time of a row; SAMPLED, force and time of a row.
+    """
 
     joint: int
     force: float
     time: float
+    kind: str
+
+
+EXACT, BY_ROW, SAMPLED = "exact", "by row", "sampled"
+# forces that differ by less than this, relatively, are equal
+ROUND_OFF = 1e-9
 
 
 def joint_peaks(recording: Recording) -> list[JointPeak]:
     """Return the largest force in each joint whose force is known, in descending order of the forces.
 
-    Force and time are the last values of ``joint[i].peak_force`` and ``joint[i].peak_time``, which include
-    the times between rows. If one of them is unknown, both come from the rows of ``joint[i].force``.
+    Force and time are those of ``joint[i].peak_force`` and ``joint[i].peak_time``, as far as these are known.
     """
     found = []
-    for (joint, _), values in recording.columns_of("joint").items():
-        if values.keys() >= {"peak_force", "peak_time"} and len(recording.time):
-            found.append(JointPeak(joint, float(values["peak_force"][-1]), float(values["peak_time"][-1])))
-        elif joint in recording.loads and len(recording.time):
+    for (joint, _), values in recording.columns_of("joint").items() if len(recording.time) else ():
+        if "peak_force" in values:
+            peaks, times = values["peak_force"], values.get("peak_time")
+            first = recording.time[(peaks >= (1.0 - ROUND_OFF) * peaks[-1]).argmax()]
+            time, kind = (first, BY_ROW) if times is None else (times[-1], EXACT)
+            found.append(JointPeak(joint, float(peaks[-1]), float(time), kind))
+        elif joint in recording.loads:
             sizes = np.hypot(*recording.loads[joint].T)
-            found.append(JointPeak(joint, float(sizes.max()), float(recording.time[sizes.argmax()])))
+            row = sizes.argmax()
+            found.append(JointPeak(joint, float(sizes[row]), float(recording.time[row]), SAMPLED))
     return sorted(found, key=lambda peak: -peak.force)

@@ -147,7 +147,7 @@ class Sensitivities:
             outputs = {output.name for output in self.prepared.outputs}
             stepwise = name in outputs - {output.name for output in self.prepared.motion}
             what = "an output without derivatives" if stepwise else "not an output of this result"
-            hint = "impact_sensitivity(…) has those of impacts" if stepwise else None
+            hint = "impact_sensitivity(…) has those of impacts" if name.startswith("impact[") else None
             raise UnknownNameError(self.source, name, self.columns, what, hint)
         return name
 

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.recording.impacts import lasts
-from chain_impact.recording.joint_peaks import joint_peaks
+from chain_impact.recording.joint_peaks import EXACT, SAMPLED, joint_peaks
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
@@ -154,15 +154,21 @@ def digits(value: float) -> str:
 def load_lines(result: Recording) -> Iterator[str]:
     """Yield lines with the largest force in each joint, in descending order, if the scene asks for loads.
 
-    Each line has the time of this force, and the numbers of the impacts that last at this time. If there are
-    more than JOINTS joints, the last line tells the number of those with smaller forces.
+    Each line has the time of this force, and the numbers of the impacts that last at this time. If only a row
+    is known by which the force has occurred, it has the time of this row. A force that is known in rows alone
+    has no line. If there are more than JOINTS joints, the last line tells the number of those with smaller
+    forces.
     """
-    peaks = joint_peaks(result)
-    for row, (joint, force, time) in enumerate(peaks[:JOINTS]):
+    peaks = [peak for peak in joint_peaks(result) if peak.kind != SAMPLED]
+    for row, (joint, force, time, kind) in enumerate(peaks[:JOINTS]):
+        begin = f"{'' if row else 'loads':8} at most {force:.6g} N in joint[{joint}]"
+        if kind != EXACT:
+            yield f"{begin}, by {time:g} s"
+            continue
         onset, end = result.impacts["onset"], np.where(lasts(result.impacts), np.inf, result.impacts["end"])
         numbers = [str(n + 1) for n in ((onset <= time) & (time <= end) & (onset < end)).nonzero()[0]]
         during = f", during impact{'s' * (len(numbers) > 1)} {few(numbers, NAMED_IMPACTS)}" if numbers else ""
-        yield f"{'' if row else 'loads':8} at most {force:.6g} N in joint[{joint}], at {time:.6f} s{during}"
+        yield f"{begin}, at {time:.6f} s{during}"
     if len(peaks) > JOINTS:
         yield f"{'':8} less in {plural(len(peaks) - JOINTS, 'more joint')}"
 

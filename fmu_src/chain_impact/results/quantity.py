@@ -117,7 +117,11 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
     again = partial(_impact_in, number=number, field=field)
-    return RankedQuantity(float(value), units[field], where, slope[number - 1], abs(float(value)), again)
+    # a position on a wall through the origin is 0 up to round-off, so its size is at least that of the chain
+    links = sensitivities.prepared.scene.chain.links
+    least = sum(link.length for link in links) if field in ("x", "y") else 0.0
+    size = max(abs(float(value)), least)
+    return RankedQuantity(float(value), units[field], where, slope[number - 1], size, again)
 
 
 def _impact_in(recording: Recording, number: int, field: str) -> float:

@@ -112,7 +112,7 @@ def advice(comparison: LawRuns) -> str:
     sure = [law for law in near if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
     here = [law for law in near if law not in sure]
     parts = [f"{', '.join(sure)}, as in any scene"] * bool(sure)
-    parts += [f"{_few(here)}, in this scene only"] * bool(here)
+    parts += [f"{_few(here)}, in this scene, not in any"] * bool(here)
     return f"{within}{'; '.join(parts) or 'none of these laws'}\n{_reach(comparison)}"
 
 

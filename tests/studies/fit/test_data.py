@@ -88,6 +88,7 @@ def test_the_table_of_impacts_of_a_result_is_one():
     assert "joint" in table
     every = read({name: table[name].tolist() for name in table.columns})
     assert {"impulse", "onset", "end"} <= {*every.quantity}
+    assert {"x", "y"} & {*every.quantity} == set()
     assert "duration" not in every.quantity  # onset and end determine it
     assert "joint_force" not in every.quantity  # unknown without loads
 

@@ -5,6 +5,9 @@ derivatives. A value that it returns is the same up to round-off; only ``has_eff
 and ``contact_resistance`` can return others, which the derivatives need.
 """
 
+import math
+
+from chain_impact.kernel import loads
 from chain_impact.kernel.chain import drives, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes, saturation, segments
@@ -13,7 +16,14 @@ from chain_impact.kernel.mathematics import angles, exponentials, logarithms, po
 from chain_impact.kernel.ode import dense
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows import constraints
-from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, reciprocal, value
+from chain_impact.kernel.tangent.duals import (
+    DIRECTIONS,
+    dual_with_slope,
+    has_slope,
+    reciprocal,
+    value,
+    with_slope,
+)
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
@@ -208,6 +218,15 @@ def force_after_change(argument, by, at):
     )
 
 
+def time_of_peak(t, theta):
+    """Return the time [s] of a peak at a fraction of the last step, with NaN as derivatives if θ has none."""
+    time = dense.time_within(t, theta)
+    if not has_slope(theta):
+        for k in range(DIRECTIONS):
+            time = with_slope(time, k, math.nan)
+    return time
+
+
 RULES = {
     holding.contact_resistance: contact_resistance,
     constraints.iterated_enough: iterated_enough,
@@ -222,6 +241,7 @@ RULES = {
     saturation.choose_saturation: choose_saturation,
     dense.fraction: fraction,
     dense.event_fraction: event_fraction,
+    loads.time_of_peak: time_of_peak,
     segments.shift_start: shift_start,
     angles.direction: direction,
     kinematics.set_polar: set_polar,

@@ -25,7 +25,10 @@ TIME, IMPACT, POINT, WALL, JOINT = "time", "impact", "point", "wall", "joint"
 ONSET, DURATION = "onset", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
-MEASURED_OF_IMPACT = (*IMPACT_QUANTITIES, DURATION)
+POSITION = ("x", "y")
+"""The fields of ``Result.impacts`` that no fit uses, because a wall determines the position across it: the
+error of this position would be estimated as almost 0."""
+MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the time from onset to end."""
 # the hint for a column of times in a list of impacts
 CALL_ONSET = "; call the column {} onset, if it has the onsets of impacts in seconds"
@@ -395,5 +398,10 @@ def _meant(table: Table, over_time: Set[str]) -> tuple[str, str]:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns with measured values or inputs: all but time, WHICH, joint and sigma(…)."""
-    return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not is_sigma(name)]
+    """Return the columns with measured values or inputs: all but time, WHICH, joint and sigma(…).
+
+    In a list of impacts, POSITION is left out, too.
+    """
+    is_list = bool({*WHICH, ONSET} & {*table.names})
+    others = (TIME, *WHICH, JOINT, *(POSITION if is_list else ()))
+    return [name for name in table.names if name not in others and not is_sigma(name)]
