@@ -78,7 +78,7 @@ def test_the_largest_force_in_a_joint_says_when():
         assert abs(float(told) - time) <= 1e-5
 
 
-def test_a_largest_force_whose_time_is_unknown_has_the_row_by_which_it_occurred():
+def test_a_largest_force_without_its_time_has_a_row():
     scene = load_scene("pinned_arm").with_values({"outputs.loads": True})
     for output in (["joint[*].peak_force"], ["joint[*].peak_force", "joint[*].force.*"]):
         first, _ = joint_peaks(result := simulate(scene, 0.6, 0.02, output=output))

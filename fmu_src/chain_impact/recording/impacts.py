@@ -64,7 +64,8 @@ COLUMNS = {
     "impulse": "impulse",
 }
 """Column of the table of impacts → last part of the name of the FMU's variable."""
-UNSHOWN = ("effective_mass", "joint_force", "x", "y")
+POSITION = ("x", "y")
+UNSHOWN = ("effective_mass", "joint_force", *POSITION)
 """The columns that are NaN in a table from an FMU's outputs, because the FMU has no outputs for them."""
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from chain_impact.recording.impacts import POSITION
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, slopes_of_impacts
 from chain_impact.recording.text import plural
@@ -119,7 +120,7 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
     again = partial(_impact_in, number=number, field=field)
     # a position on a wall through the origin is 0 up to round-off, so its size is at least that of the chain
     links = sensitivities.prepared.scene.chain.links
-    least = sum(link.length for link in links) if field in ("x", "y") else 0.0
+    least = sum(link.length for link in links) if field in POSITION else 0.0
     size = max(abs(float(value)), least)
     return RankedQuantity(float(value), units[field], where, slope[number - 1], size, again)
 

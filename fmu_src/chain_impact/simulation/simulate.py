@@ -16,7 +16,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.laws.law_file import LawError, parse_law, source_of
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import in_order
-from chain_impact.recording.joint_peaks import JointPeak
+from chain_impact.recording.joint_peaks import EXACT, JointPeak
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
 from chain_impact.recording.summary import hints, smallest_body
@@ -273,7 +273,7 @@ class Rerun:
         joints = [of.n for of in parts if of.owner == "joint" and of.quantity == "peak_force"]
         ends = Rerun(prepared, self.course)(self.course.times[-1:]) if joints else ()
         found = [
-            JointPeak(joint, float(load["peak"][joint - 1]), float(load["peak_time"][joint - 1]))
+            JointPeak(joint, float(load["peak"][joint - 1]), float(load["peak_time"][joint - 1]), EXACT)
             for load in (end["load"] for end in ends)
             for joint in joints
         ]

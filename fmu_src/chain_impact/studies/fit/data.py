@@ -10,6 +10,7 @@ from typing import cast
 
 import numpy as np
 
+from chain_impact.recording.impacts import POSITION
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.reading import SceneError, names_matching, value_text
 from chain_impact.scene.scene import Scene
@@ -25,11 +26,8 @@ TIME, IMPACT, POINT, WALL, JOINT = "time", "impact", "point", "wall", "joint"
 ONSET, DURATION = "onset", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
-POSITION = ("x", "y")
-"""The fields of ``Result.impacts`` that no fit uses, because a wall determines the position across it: the
-error of this position would be estimated as almost 0."""
 MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
-"""The measurable quantities of an impact: fields of ``Result.impacts``, and the time from onset to end."""
+"""The measurable quantities of an impact, without POSITION: across a wall it would have hardly any error."""
 # the hint for a column of times in a list of impacts
 CALL_ONSET = "; call the column {} onset, if it has the onsets of impacts in seconds"
 # If impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
@@ -241,10 +239,7 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """Return two lists of chosen columns of a table: those over time, and the quantities of impacts.
-
-        The columns over time are outputs and inputs.
-        """
+        """Return the chosen columns over time, which are outputs and inputs, and those of impacts."""
         measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured if name in chosen]
         needed, likely = _meant(table, over_time)
@@ -398,10 +393,6 @@ def _meant(table: Table, over_time: Set[str]) -> tuple[str, str]:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns with measured values or inputs: all but time, WHICH, joint and sigma(…).
-
-    In a list of impacts, POSITION is left out, too.
-    """
-    is_list = bool({*WHICH, ONSET} & {*table.names})
-    others = (TIME, *WHICH, JOINT, *(POSITION if is_list else ()))
+    """Return the columns with values: all but time, WHICH, joint, sigma(…), and POSITION of impacts."""
+    others = (TIME, *WHICH, JOINT, *(POSITION if {*WHICH, ONSET} & {*table.names} else ()))
     return [name for name in table.names if name not in others and not is_sigma(name)]
