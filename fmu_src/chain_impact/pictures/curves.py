@@ -132,6 +132,8 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     found = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
+        # in a narrow figure these numbers give the labels of the largest values their room
+        axes.tick_params(labelbottom=axes is grid[-1] or is_narrow(figure))
         if axes is not grid[-1]:
             axes.set_xlabel("")
     figure.align_ylabels()
@@ -272,7 +274,7 @@ def draw_all(
         plot_curves(
             axes, time, [(scale * values, style) for values, style in zip(drawn, styles, strict=True)]
         )
-        for owner, sizes in amounts(curves, names).items():
+        for owner, sizes in amounts(curves, names if wide else []).items():
             colour = styles[names.index(f"{owner}.force.x")]["color"]
             axes.plot(time, scale * sizes, ":", color=colour, linewidth=1.2, label=f"|{owner}.force|")
         found.append(extremes(time[seen], [values[seen] for values in drawn], own, scale, styles))
