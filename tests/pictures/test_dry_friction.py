@@ -85,10 +85,10 @@ def test_a_square_stands_where_something_sticks_at_the_end():
 
 def test_energies_have_that_of_friction_as_a_part(recording):
     (energy,) = recording.plot(panels="energy").axes
-    (line,) = [line for line in energy.lines if line.get_label() == "dissipated by friction"]
+    (line,) = [line for line in energy.lines if line.get_label() == "friction loss"]
     assert line.get_linestyle() == "--"
     np.testing.assert_array_equal(line.get_ydata(), recording.columns["energy.friction"])
-    assert "dissipated by friction" not in [look["label"] for _, look in energy_curves(recorded("rod_drop"))]
+    assert "friction loss" not in [look["label"] for _, look in energy_curves(recorded("rod_drop"))]
 
 
 def test_the_conditions_tell_the_coefficients(recording):

@@ -42,7 +42,7 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
     if arrows:
         # the pose at the end may cover the pose to which the arrows belong
         pose = recording.pose_at(loads[0].time)
-        axes.plot(*pose.T, color=LOAD, linewidth=POSE_WIDTH, zorder=POSE_LAYER, solid_joinstyle="round")
+        axes.plot(*pose.T, ".-", color=LOAD, linewidth=POSE_WIDTH, zorder=POSE_LAYER)
         x, y, along, up = np.transpose(arrows)
         most = np.hypot(along, up).max()
         longest = LONGEST_LOAD * min(np.ptp(view_of(recording).corners, axis=0))
