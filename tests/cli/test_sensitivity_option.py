@@ -120,7 +120,7 @@ def test_rank_orders_all_parameters_and_draws_bars(run, here):
 
 def test_rank_tells_which_effects_a_run_with_the_new_value_refutes(run):
     said = run("simulate", "four_link_box", "--stop-time", "0.52", "--rank", "peak_force")[1]
-    assert "confirm 16 effects" in said
+    assert "confirm 16 of " in said
     late = run("simulate", "four_link_box", "--rank", "point[4].x", "--sensitivity", "initial.*")[1]
     refuted = late.partition("effects that differ in a run")[2].splitlines()[2:]
     assert "differ by more than" in late.partition("effect   of 1 %")[0]  # the news stands at the top

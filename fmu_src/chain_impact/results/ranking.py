@@ -184,6 +184,8 @@ class Ranking:
     def verdict(self, checked: Sequence[Effect]) -> str:
         """Return a sentence on the effects that are checked by runs with the new values of parameters."""
         found, limit = plural(len(checked), "effect"), f"{100.0 * FIRST_ORDER:g} %"
+        if len(checked) < len(self.effects):
+            found = f"{len(checked)} of {plural(len(self.effects), 'effect')}"
         count = sum(effect.differs for effect in checked)
         if not count:
             return f"runs with the new values confirm {found} within {limit}"
