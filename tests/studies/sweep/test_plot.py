@@ -257,11 +257,11 @@ def test_the_colours_differ_and_can_be_seen_on_white():
 
 
 @pytest.mark.full("takes long")
-def test_at_most_ten_colours():
+def test_ten_laws_have_ten_looks_and_more_laws_a_map():
     assert len(set(COLOURS)) == len(COLOURS) == 10
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})
-    colours = {line.get_color() for line in drawn(found).axes[0].lines if line.get_label()[:1] != "_"}
-    assert len(colours) == 10
+    lines = [line for line in drawn(found).axes[0].lines if line.get_label()[:1] != "_"]
+    assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == len(lines) == 10
     more = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": list(CONTACT_LAWS)})
     assert drawn(more).axes[0].collections  # a map
 
