@@ -2,8 +2,8 @@
 
 numba lowers the kernel once (lower.py), without sizes; a prelude of LLVM code adds the sizes. zig compiles
 the kernel and links it with the C interface of native FMUs (c_interface/), which is the same for every scene,
-and with the functions that the kernel declares but does not define: the hooks, which carry derivatives or do
-nothing, and a user's contact law or a substitute.
+and with the functions that the kernel declares but does not define: the hooks (kernel/hooks.py), which
+carry derivatives or do nothing, and a user's contact law or a substitute.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from chain_impact.system import HOST, PLATFORMS, X86
 PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest x86 processor on which the code runs
 BAD_LAW = 3  # exit code of lower.py for a faulty law, whose fault is then on standard error
 KERNEL, DERIVATIVES = "kernel", "derivatives"
-"""The two parts of a kernel, which are lowered and compiled separately: the kernel itself, and the hooks that
-carry derivatives. As the kind of a library, KERNEL means a library of the first part, without derivatives;
-DERIVATIVES means a library of both parts."""
+"""The two parts of a kernel, which are lowered and compiled separately: the kernel itself, and the
+functions that replace those of kernel/hooks.py and carry derivatives. As the kind of a library, KERNEL
+means a library of the first part, without derivatives; DERIVATIVES means a library of both parts."""
 # No fused multiply-add: ARM's instruction rounds once, the two instructions of x86 round twice, so results
 # would differ in their bits. No loop strength reduction: without it linking takes less time, and kernels are
 # no slower.
@@ -202,10 +202,11 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
     """Link the compiled parts of a kernel to a shared library, with the C interface of FMUs.
 
     Args:
-        parts: the compiled kernel and, for a library that carries derivatives, the compiled hooks.
+        parts: the compiled kernel and, for a library that carries derivatives, the compiled functions that
+            replace those of kernel/hooks.py.
         library: the library to write; temporary files are in the same folder.
         platform: a key of ``PLATFORMS``.
-        law: the file with a user's law in LLVM's language, or None.
+        law: the file with a user's law in LLVM's intermediate language, or None.
 
     Raises:
         LawError: when the law calls a function that only numba provides.

@@ -73,7 +73,7 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 
 
 def hook_entries() -> Entries:
-    """Return the hooks that carry derivatives, as C functions."""
+    """Return the functions that replace those of kernel/hooks.py and carry derivatives, as C functions."""
     return {hook.__name__: (kind, _HOOKS[hook]) for hook, kind in HOOK_SIGNATURES.items()}
 
 

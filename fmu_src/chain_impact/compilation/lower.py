@@ -1,8 +1,8 @@
 """Lowers a part of a kernel to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
 
-WHAT is `kernel`; `derivatives`, the hooks that carry derivatives along with a run; or `law`, a user's law in
-the file LAW. FINGERPRINT is that of the sources at the caller's start: if they have changed, the program
-stops.
+WHAT is `kernel`; `derivatives`, the hooks (kernel/hooks.py) that carry derivatives along with a run; or
+`law`, a user's law in the file LAW. FINGERPRINT is that of the sources at the caller's start: if they have
+changed, the program stops.
 
 It is a separate process, because it changes how numba compiles, and because numba reads the target processor
 when it is imported.

@@ -267,7 +267,9 @@ def rate_of(variable: Variable) -> DataPath | None:
 
 
 def nominal_values(scene: Scene) -> dict[str, float]:
-    """Return usual magnitudes of outputs, for FMI's attribute ``nominal``, by the names that kinds use.
+    """Return name of a magnitude → its usual value, for FMI's attribute ``nominal`` of outputs.
+
+    The names are those in ``Kind.nominal``, such as "energy".
 
     Let L be the length of the longest link, M the mass of all links, and v = L / 1 s. The motion has the
     magnitudes L, v, the energy M v², the momentum M v, the angular momentum M v L, the inertial force M v / 1

@@ -55,7 +55,7 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
 
 
 def slave_source() -> bytes:
-    """Return the text of slave.py, from the installed package or from the repository."""
+    """Return the text of slave.py, from the installed chain_impact or from the repository."""
     return included("fmu/slave.py", "fmu_src/slave.py").read_bytes()
 
 

@@ -45,5 +45,5 @@ def indices_valid(_d):
 
 
 def words_behind(_d):
-    """Return how many words of 8 bytes of tangent instances follow the instance's record: here none."""
+    """Return 0: the number of words (8 bytes each) of tangent instances after the instance's record."""
     return 0

@@ -41,9 +41,9 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def observe(d):
-    """Fill the outputs with the values at ``step.time``, and call the hook ``on_observe``.
+    """Fill the outputs with the values at ``step.time``, and call ``on_observe`` (kernel/hooks.py).
 
-    In a kernel with tangent instances, this hook sets the derivatives of the outputs.
+    In a kernel with tangent instances, this function sets the derivatives of the outputs.
     """
     fill_outputs(d)
     hooks.on_observe(d)

@@ -27,7 +27,7 @@ NO_LOSS = 1e-12
 SAME_PEAK = 1e-3
 # an energy of drives and inputs up to this, relative to the dissipated energy, is not told
 LITTLE_SUPPLIED = 0.01
-# the largest number of evaluations of the equations of motion in a run that is repeated for the joint forces
+# a run with more evaluations of the equations of motion than this is not repeated to get its joint forces
 MOST_EVALUATIONS = 300_000
 SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
 

@@ -235,7 +235,8 @@ def over_all_time(axes: Axes, recording: Recording) -> None:
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """Draw phases of dry friction: bars where a contact, joint or slider sticks, lines where it slides.
 
-    If there are many of these, only the MOST_ROWS with the largest sums of durations are drawn.
+    Of these contacts, joints and sliders, only the MOST_ROWS are drawn whose phases have the largest sum of
+    durations.
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):

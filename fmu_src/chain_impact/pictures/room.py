@@ -118,7 +118,8 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
             met[at] = wall
             along = int(np.abs(normal).argmax())
             # Only the enlarged view reaches this wall. If the wall is parallel to an edge of the view, the
-            # view ends at most ``band`` × ``width`` beyond it.
+            # view is cut to end at most ``band`` × ``width`` beyond it; ``width`` is the longer side that the
+            # view had before margins.
             if abs(normal[along]) > STRAIGHT:
                 inwards = max(0.0, beyond - band * width)
                 view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * inwards

@@ -30,11 +30,12 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
     Args:
         path: the file. It has the column ``time`` [s] and columns for outputs of the FMU, at least for the
             positions of the points 0 and 1.
-        scene: the scene, which gives walls and stops; the file has none.
+        scene: the scene, which gives walls, stops, names of points and parameters of bodies; the file has
+            none of these.
 
     Returns:
         The recording, with the name of the file. It has impacts only if a scene is given and the file has the
-        columns ``impact.*``.
+        column ``impact.count``.
 
     Raises:
         SceneError: when the file is not such a table, or has a contact with a wall that the scene lacks.

@@ -46,7 +46,8 @@ _cache: list[Common] = []
 entry."""
 MOST_CACHED = 16
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
-"""The tables of a scene whose numbers can be written to a record again without the other tables."""
+"""The tables of a scene with numbers that can be written again, into a copy of a record, without the other
+tables: all numbers except those that decide the layout of the record or which variables exist."""
 _others = attrgetter(
     *(
         entry.name

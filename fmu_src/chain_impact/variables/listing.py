@@ -79,7 +79,9 @@ def all_outputs(scene: Scene) -> dict[str, Variable]:
 
 @lru_cache(KEPT_STRUCTURES)
 def outputs_of(structure: Structure) -> dict[str, Variable]:
-    """Return name → output for the outputs, which all scenes of a structure have, without derivatives.
+    """Return name → output for all outputs of a scene with this structure.
+
+    Outputs that are derivatives are left out.
 
     The outputs of the KEPT_STRUCTURES structures used last are cached, because making them takes as long as a
     short simulation.
@@ -163,7 +165,10 @@ def _owned_kinds(
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:
-    """Return the choices of FMU enumerations: contact laws, a user's law last, and methods of the solver."""
+    """Return the choices of the FMU's two enumerations: contact laws and methods of the solver.
+
+    The last contact law is the one in the file ``contact.law_file``, if the scene has one.
+    """
     laws = [Item(law.id, law.source) for law in CONTACT_LAWS.values()]
     if scene.contact.law_file:
         law = read_law(Path(scene.contact.law_file))

@@ -135,7 +135,7 @@ class Written(NamedTuple):
     Attributes:
         path: the path of the number in the record.
         number: the rule for the number.
-        over: the list each member of which has such a number, or a rule for how many such numbers there are.
+        over: the list each member of which has such a number, or a rule for the count of such numbers.
         at: the rule for the member's index in the record's array.
     """
 

@@ -239,12 +239,12 @@ def solve(d, link_vectors, space, slot, change):
         link_vectors: as for ``factorize``.
         space: record with the result of ``factorize``, and with ``load``. The load has the impulses ``x, y``
             on each point 0…N [N·s], the impulses μ_i in the joints, ``joint``, shape (N,) [N·m·s], and the
-            angular impulses τ_i on the links, ``link`` [N·m·s]. τ_i is read only if ``has_link_moments`` is
-            true. ``move_site_loads`` must have replaced the loads at sites. If the load has forces and
-            moments, Δ has accelerations.
+            angular impulses τ_i on the links, ``link`` [N·m·s]. μ_i is read only if ``factorize`` has set
+            the slot with ``coupled`` true, τ_i only if ``has_link_moments`` is true. ``move_site_loads``
+            must have replaced the loads at sites. If the load has forces and moments, Δ has accelerations.
         slot: the slot of ``factors`` that ``factorize`` has set.
         change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
-            angular velocities [rad/s]. Further entries of the array stay as they are.
+            links' angular velocities [rad/s]. Further entries of the array stay as they are.
     """
     n, middle, load, coupled = d.links, d.chain.meeting_joint, space.load, space.factors.coupled[slot] != 0
     bx, by, t = 0.0, 0.0, 0.0

@@ -133,7 +133,7 @@ def update_to_output_time(d):
 
 
 def update_own_to_output_time(d):
-    """Do what ``update_to_output_time`` does, but do not call the hook ``on_truncate``.
+    """Do what ``update_to_output_time`` does, but do not call ``on_truncate`` (kernel/hooks.py).
 
     The cost does not count: the caller, not the motion, demands this cut.
     """

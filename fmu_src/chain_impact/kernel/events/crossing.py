@@ -184,11 +184,11 @@ def check_candidate(d, c, a, b):
         or not sag >= CROSSING_RESOLUTION * d.chain.longest_link
         or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
-        # A point without contact whose clearance φ begins at −`harmless` or above, and ends below, has an
-        # onset, even if φ does not fall at the end: at a loose tolerance the interpolant can put a point deep
-        # inside a wall although the point does not move inward. A point in contact has an event only if φ
-        # falls: a point that moves inward has not left the wall, even where the interpolant of a stiff step
-        # puts it outside.
+        # A point without contact has an onset if its clearance φ begins at −`harmless` or above and ends
+        # below −`harmless`, even if φ does not fall at the end: at a loose tolerance the interpolant can
+        # put a point deep inside a wall although the point does not move inward. A point in contact has an
+        # event only if φ, here its penetration, falls: a point that moves inward has not left the wall,
+        # even where the interpolant of a stiff step puts it outside.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
@@ -227,8 +227,8 @@ def locate_crossing(d, a, b):
         mark_contact_event(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # `first` is the earliest event so far, where the clearance or penetration φ of all suspects is known:
-        # a candidate with φ ≥ 0 there has its event later
+        # `first` is the earliest event so far; φ of all suspects (set_clearance) is known there, and a
+        # candidate with φ ≥ 0 there has its event later
         if d.touch.event[c] and d.search.phi_end[c] < 0.0:
             first = find_root(d, c, a, first)
             located = c
@@ -236,7 +236,7 @@ def locate_crossing(d, a, b):
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         # The candidate `located` stays marked in any case: if its point is slow, round-off alone may put its
-        # clearance or penetration φ above the limit.
+        # φ above the limit.
         if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
             mark_contact_event(d, c, NONE)
     return first
@@ -245,8 +245,8 @@ def locate_crossing(d, a, b):
 def find_root(d, c, a, b):
     """Return θ in [a, b] at which φ of candidate c falls through zero; φ must be negative at b.
 
-    φ is the clearance or, in contact, the penetration. The points must be located at b. The function also
-    sets φ of all suspects at the resulting θ.
+    φ is the clearance; in contact the penetration, or u of the regularized contact. The points must be
+    located at b. The function also sets φ of all suspects at the resulting θ.
 
     θ is found by Newton's method inside a shrinking interval around the root. If φ ≤ 0 at a, two cases need
     no iteration. If φ does not rise at a, the result is a. If φ rises at a and is linear in [a, b] up to
@@ -380,7 +380,7 @@ def measure_clearances(d, theta):
 def measure_located(d):
     """Set φ and φ′ of every suspect, a candidate that the search examines, at the located points.
 
-    φ is the clearance or, in contact, the penetration, φ′ its rate in the step's integration variable.
+    ``set_clearance`` describes φ; φ′ is its rate in the step's integration variable.
     ``locate_at`` must have located the points.
     """
     u, slope = sundman_u_now(d, d.scratch.y)

@@ -32,8 +32,8 @@ RELATCH_RATIO = 2.0
 NEARLY_FAST = 0.75
 
 
-# values of `search.known`, which tell what is known at the end of the last step. NOTHING: no clearances;
-# VALUES: the clearances φ and their rates φ′; WITH_CURVES: also φ″; FAR: only that every candidate without
+# values of `search.known`, which tell what is known at the end of the last step. NOTHING: no φ; VALUES: φ
+# (set_clearance) and φ′ of the candidates; WITH_CURVES: also φ″; FAR: only that every candidate without
 # contact has at least the clearance `search.safe_distance`
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
@@ -226,9 +226,9 @@ def stays_in_contact(d, c, error):
 def measure_all(d, y):
     """Set φ and its derivatives φ′ and φ″ of every candidate for the state y, and ``search.safe_distance``.
 
-    φ is the clearance or, in contact, the penetration; φ′ and φ″ are derivatives in the step's integration
-    variable. ``search.safe_distance`` is the least clearance of the candidates without contact. The points
-    must be located and accelerated.
+    ``set_clearance`` describes φ; φ′ and φ″ are its derivatives in the step's integration variable.
+    ``search.safe_distance`` is the least clearance of the candidates without contact. The points must be
+    located and accelerated.
     """
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]
@@ -278,17 +278,18 @@ def sundman_u_now(d, y):
 
 
 def set_clearance(d, c, u, slope):
-    """Set φ and φ′ of candidate c for the located points: its clearance, or its penetration in contact.
+    """Set φ and φ′ of candidate c for the located points.
 
-    For the regularized contact φ is ``u``, and φ′ is ``slope`` = u′ (``sundman_u_now``). For a held candidate
-    φ is infinite.
+    φ is the clearance of a candidate without contact, and the penetration of one in contact, with two
+    exceptions: for the regularized contact φ is ``u``, and φ′ is ``slope`` = u′ (``sundman_u_now``); for a
+    contact at a rigid wall φ is infinite, and φ′ is 0. φ′ is the rate in the step's integration variable.
     """
     if c == d.step.regularized:
         d.search.phi_end[c], d.search.phi_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.law.impulsive[c]:
-        # the clearance φ of a held candidate must not fall to zero in the search, because its point is
-        # already at the wall; marks.RELEASE ends its contact
+        # φ of a held candidate must not fall to zero in the search, because its point is already at the
+        # wall; marks.RELEASE ends its contact
         d.search.phi_end[c], d.search.phi_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)

@@ -125,8 +125,9 @@ def widen_slack(d, e):
 def first_mode(d, e, jumped):
     """Return the mode of element e that follows from its speed; mark e as undecided if it is at rest.
 
-    An undecided element keeps its mode at first; if its mode ends, it gets the other mode, and if its contact
-    begins, it sticks. Later ``choose_modes`` decides. ``jumped``: whether speeds may have jumped.
+    At rest means that the speed is 0 up to a tolerance. An undecided element keeps its mode at first; if
+    its mode ends, it gets the other mode, and if its contact begins, it sticks. Later ``choose_modes``
+    decides. ``jumped``: whether speeds may have jumped.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]

@@ -167,7 +167,7 @@ def starts_clear(d, lasted):
         if d.touch.event[c] in (ONSET, END) and c != d.step.regularized:
             sign = -1.0 if d.touch.active[c] else 1.0
             gap, gap_rate = clearance(d, c)
-            # the change of the clearance φ: φ̇ t + ½ φ̈ t²
+            # the change of the clearance g, also of a candidate in contact: ġ t + ½ g̈ t²
             move = lasted * (gap_rate + 0.5 * lasted * gap_acceleration(d, c))
             clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
     locate_points(d, d.scratch.y)

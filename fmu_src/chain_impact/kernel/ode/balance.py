@@ -72,9 +72,9 @@ from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
-# STEP_CHANGE × tolerance × S is the change of the energy balance at which a step is rejected; S [J] is the
-# scale above. In 1500 random scenes, the largest change of a run, relative to tolerance × S, had a median of
-# 0.0015, and exceeded 1 in 1 % of the scenes.
+# A step is rejected if it changes the energy balance, up or down, by more than STEP_CHANGE × tolerance × S
+# and round-off; S [J] is the scale above. In 1500 random scenes, the largest change of a run, relative to
+# tolerance × S, had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
 STEP_CHANGE = 3.0
 # WINDOW_CHANGE × tolerance × S is the change of the energy balance in a window of time at which a run ends
 # with a fault. The errors of steps have a common sign only where a point rests: there the ratios of change to

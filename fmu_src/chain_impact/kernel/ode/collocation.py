@@ -148,7 +148,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 
 
 def prepare(d, h):
-    """Prepare a step; return its size [s]: h, or less if an end of a contact or a fast motion requires it."""
+    """Prepare a step; return its size [s]: h, or less if ends of contacts or a fast motion require it."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)
@@ -168,7 +168,7 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return a step size [s] ≤ h: PAST_END × the time to an end of a contact, if this is less than h."""
+    """Return h [s] or, if less, PAST_END × the time to the first end of a contact after FORCELESS_PART h."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
         # near its end a contact has hardly any force, so the rate ġ of its clearance g hardly changes, and

@@ -28,7 +28,7 @@ FAST_GUESSES = 20
 # The largest number of guesses for a root: 64 halvings make an interval of length 1 shorter than any
 # resolution, or leave no floating-point number inside it.
 MOST_GUESSES = FAST_GUESSES + 64
-FRACTION_RESOLUTION = 1e-15  # the accuracy of the fraction θ at which a step reaches a given time
+FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularized step reaches a time
 
 
 def next_guess(low, high, guess, tries):

@@ -340,7 +340,7 @@ def _interpolant(step, stages, count, h):
     """
     for j in range(count):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆)))))), with the
-        # fraction θ of the step and the coefficients F_m, which are the rows m of ``dense``
+        # fraction θ of the step in its integration variable and the coefficients F_m, the rows m of ``dense``
         change = step.state_end[j] - step.state[j]
         step.dense[0, j] = change
         step.dense[1, j] = h * stages[0, j] - change

@@ -188,7 +188,7 @@ def transmitted_dtype(loads: int) -> np.dtype:
         # was
         ("searched_breaks", INTEGER),
         ("searched_end", REAL),  # s, value of `step.end` when a whole step was last searched
-        ("x", REAL, (loads,)),  # N, forces in the joints at the time that the search samples
+        ("x", REAL, (loads,)),  # N, x and y of the joint forces at a sampled time (loads.py)
         ("y", REAL, (loads,)),
         # N², ``before``, ``middle``, ``after``: squares of the joint forces at three successive sampled times
         ("before", REAL, (loads,)),

@@ -49,8 +49,8 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("frequency_rate", FINITE, (signals,)),  # Hz/s, rate of change of the sine's frequency
         ("phase", FINITE, (signals,)),  # rad, phase of the sine at its start
         ("start", REAL, (signals,)),  # s, start of the sine or the ramp
-        # s, time after the start in which a sine's amplitude rises from 0; 0: the full amplitude from the
-        # start on
+        # s, duration of the rise of a sine's amplitude from 0, which begins at ``start``; 0: the sine has
+        # its full amplitude from ``start`` on
         ("rise", NOT_NEGATIVE, (signals,)),
         ("initial", REAL, (signals,)),
         ("final", REAL, (signals,)),

@@ -216,9 +216,9 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
-    """Return a text with each varied parameter: its range, or how many choices vary.
+    """Return a text with each varied parameter: its range, or the number of different choices in the runs.
 
-    After the range stands the value in the scene, if it lies in the range; (+) tells that it is marked.
+    After a range stands the value in the scene, if it lies in the range; (+) tells that it is marked.
     """
     parts, shown = [], with_marks(runs, varying)
     for variation in varying:

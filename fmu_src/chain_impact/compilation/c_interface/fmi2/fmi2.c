@@ -105,7 +105,7 @@ FUNCTION(fmi2SerializeFMUstate, serialize(c, __func__, state, bytes, size), fmi2
 FUNCTION(fmi2DeSerializeFMUstate, deserialize(c, __func__, bytes, size, handle), fmi2Component c,
          const fmi2Byte bytes[], size_t size, fmi2FMUstate *handle)
 
-/* --- steps: sections 4.2.2 and 4.2.3 of FMI 2.0 --- */
+/* --- steps and their status: sections 4.2.2 and 4.2.3 of FMI 2.0 --- */
 
 FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real size, fmi2Boolean never_back) {
     (void)never_back;

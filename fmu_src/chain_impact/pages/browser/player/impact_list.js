@@ -71,7 +71,7 @@ export class ImpactList {
     this.more.hidden = isWhole || !(this.rows?.length > FIRST);
   }
 
-  /** List the impacts of a recording. */
+  /** Fill the list with the impacts of a recording, at most the first LONGEST_LIST; a line tells the number of the others. */
   show(recording) {
     const { element } = this;
     this.current = this.rows = this.reached = undefined;

@@ -32,7 +32,7 @@ function outlineOf(discs) {
 
 /**
  * Return [number, corners of the outline] of each link that has points besides its ends; the corners [m] are along the link and to its
- * left. A link end that is not in `touching` has the radius 0.
+ * left. A link end in `touching` has the radius `contact.radius`, any other end the radius 0.
  */
 export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
   const links = [...new Set(sites.map(({ link }) => link))];
