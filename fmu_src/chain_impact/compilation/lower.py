@@ -33,7 +33,7 @@ FRAME = 2**20
 
 
 def lowered(entries: Entries) -> str:
-    """Return the text of a module with C functions and all that they call, without target or sizes."""
+    """Return the LLVM code of C functions and of all that they call, without target processor or sizes."""
     libraries: dict[Library, None] = {}
     names = {}
     for name, (signature, function) in entries.items():

@@ -27,7 +27,7 @@ TICK = 3.0  # [points] half of the length of a mark on the ruler
 
 
 class ArrowScale:
-    """The function from forces [N] to lengths [m] of arrows: it is proportional to the force's cube root."""
+    """The function from forces [N] to lengths [m] of arrows, by the cube root of the force (``length``)."""
 
     def __init__(self, peak: float, side: float) -> None:
         """Store the largest force [N], and the smaller side of the view [m]."""

@@ -83,7 +83,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
 
 
 def impact_list(result: Recording, most: int) -> Iterator[str | TextTable]:
-    """Yield the first ``most`` impacts as a table, and a line that tells how many more there are."""
+    """Yield the first ``most`` impacts as a table, and a line with the number of the others, if any."""
     impacts = enumerate(result.impacts[:most], start=1)
     rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
     if rows:

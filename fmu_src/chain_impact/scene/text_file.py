@@ -78,7 +78,7 @@ def comma_separated(text: str) -> str:
     """
     # a separator in a name in quotes does not separate cells, nor does a tab beside a comma
     head = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", text.partition("\n")[0]))
-    alone = SEPARATORS[0] if head.strip() and "," not in head else None  # for a table of one column
+    alone = SEPARATORS[0] if head.strip() and "," not in head else None  # table of one column
     mark = next((mark for mark in SEPARATORS if mark in head and head.count(mark) >= head.count(",")), alone)
     if mark is None:
         return text

@@ -325,7 +325,7 @@ def record_given(d, j, now):
     speeds, ignored = lasted * (abs(before) + abs(v)), UNEXPLAINED_DISPLACEMENT * d.chain.longest_link
     if not unexplained > UNEXPLAINED_PART * speeds + ignored:
         return True
-    of_base = d.chain.base_moves and j < 2  # the first two channels belong to the base
+    of_base = d.chain.base_moves and j < 2  # a moving base has the first two channels
     if not of_base and unexplained > speeds + ignored:
         moved.contradiction, moved.distance, moved.lasted, moved.speed = j + 1, displacement, lasted, v
         return False

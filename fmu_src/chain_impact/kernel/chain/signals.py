@@ -232,7 +232,7 @@ def next_segment(d, j):
 
 
 def set_segment(d, j, k, lap):
-    """Let signal j use the segment of knot k; ``lap`` is how often its table has begun again."""
+    """Let signal j use the segment of knot k, after its table has begun again ``lap`` times."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 

@@ -205,7 +205,7 @@ def rate_of_force(d, c):
 
 
 def force_at(d, c, theta):
-    """Return the force [N] of candidate c at the fraction θ of the last step."""
+    """Return the normal force [N] of candidate c at the fraction θ of the last step."""
     gap, gap_rate = clearance_at(d, c, theta)
     return contact_force(d, c, gap, gap_rate)
 

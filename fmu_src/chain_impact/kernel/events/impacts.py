@@ -134,7 +134,7 @@ def handle_impact(d):
 
 
 def rigid_onset(d):
-    """Return whether a point arrives at a rigid wall."""
+    """Return whether an onset is marked at a rigid wall or a rigid stop."""
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET and d.law.impulsive[c]:
             return True

@@ -298,7 +298,7 @@ IMPULSIVE = tuple(int(law.impulsive) for law in _LAWS)
 
 
 def damping_factor(law, restitution):
-    """Return f(e) of the law with the number ``law``, counted from 1."""
+    """Return the factor f(e) of the damping for the restitution e, in law number ``law``, from 1."""
     return _factor(law - 1, restitution)
 
 

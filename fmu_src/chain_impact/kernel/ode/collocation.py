@@ -129,7 +129,7 @@ def set_residual(d, i, j, residual):
 
 
 def can_extrapolate(d):
-    """Return whether the last step predicts the stages: it was implicit, and no list of contacts followed."""
+    """Return whether the last step, an implicit one with the same list of contacts, predicts the stages."""
     return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 

@@ -57,7 +57,7 @@ def regularize(d, y, time_rate, rate):
 
 
 def to_fictitious_time(d, y, rate):
-    """Convert ``rate`` from dy/dt to dy/ds in state y, for the located points."""
+    """Convert ``rate`` from dy/dt to dy/ds in state y, s the fictitious time; points must be located."""
     u = y[sundman_u_at(d.links)]
     p = time_rate(u)
     for j in range(len(rate)):
