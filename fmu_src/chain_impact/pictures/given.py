@@ -14,7 +14,7 @@ from chain_impact.pictures.figures import break_labels
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
-TIMES = 3  # how often axes are made smaller: the new size can change the space that texts need
+TIMES = 3  # number of passes that make axes smaller: a new size can change the space that texts need
 # One step makes axes smaller at most to this part of their width and height; if texts need more space than
 # that, the axes keep their size, and texts stay cut off.
 LEAST_PART = 0.2

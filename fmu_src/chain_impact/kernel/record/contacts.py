@@ -362,7 +362,7 @@ def element_dtype(elements: int) -> np.dtype:
         ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
         # the event of an element at `step.end` that the next step will apply, see kernel/events/marks.py
         ("event", INTEGER, (elements,)),
-        ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes
+        ("before", INTEGER, (elements,)),  # mode before the last choice; 2 if contact began
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
         # 1: the element is at rest, so its speed leaves the mode undecided, and the forces have determined
         # it; 0: the element moves, and its motion has determined the mode; in a tangent instance also
