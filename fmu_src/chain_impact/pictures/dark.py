@@ -46,7 +46,8 @@ COLOURED = 0.3  # a colour with less saturation counts as a grey
 SPREAD = 0.8
 # [points] the width of the outline of a text; a line behind the text is not seen in the spaces between words
 TEXT_OUTLINE = 4.0
-# the name of the colour map for time; on a dark ground its colours change, because lines are drawn in them
+# The name of the colour map for time. Lines are drawn in its colours, so they change on a dark ground. Of
+# other maps only the colour for missing values changes.
 TIME = "time"
 ON_COLOUR = "on colour"  # the matplotlib identifier (gid) of a text on a coloured area, whose colour stays
 Colour = tuple[float, float, float, float]

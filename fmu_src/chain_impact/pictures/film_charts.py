@@ -19,7 +19,7 @@ from chain_impact.scene.names import STOPS
 FORCE = "#d9480f"  # the colour of wall forces in a film
 CHARTS = (0.69, 0.12, 0.29, 0.6)
 """The room for the charts: left, bottom, width and height, relative to the size of the figure."""
-STRIP, ABOVE_STRIP = 0.13, 0.075  # the height of the chart of forces and of the space above it, in this unit
+STRIP, ABOVE_STRIP = 0.13, 0.075  # heights of the chart of forces and of the space above it, as in CHARTS
 
 
 def draw_charts(figure: Figure, recording: Recording, top: float) -> list[Line2D]:

@@ -221,7 +221,7 @@ def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
 
 
 def part_look(name: str, offset: float = 0.0) -> dict[str, Any]:
-    """Return ``energy_look``, but an energy in ENERGY_PARTS, dashed, has the label for a part of another."""
+    """Return ``energy_look``; an energy in ENERGY_PARTS gets dashes, and the label of a part of another."""
     part = {"label": PART_LABEL.format(name), "linestyle": "--"} if name in ENERGY_PARTS else {}
     return energy_look(name, offset) | part
 

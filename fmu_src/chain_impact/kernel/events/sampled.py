@@ -306,7 +306,7 @@ def element_error(d, e):
 
 
 def rest_speed(d):
-    """Return the tangential speed [m/s] up to which a sliding element counts as at rest."""
+    """Return the tangential speed [m/s] up to which an element without slack counts as at rest."""
     return REST_SPEED * d.chain.longest_link
 
 

@@ -103,9 +103,9 @@ D: tuple[dict[int, float], ...] = (
 STAGES = len(A)
 # index of the stage at the end of a step; its rate is the first stage of the next step
 END_STAGE = STEP_STAGES
-# Near the end of a contact, a step is PAST_END times as long as the predicted time to this end, if it then
-# exceeds the size that the errors allow by a factor of at most LARGEST_STRETCH. Otherwise it covers at most
-# half of this time, so that the following step is not tiny.
+# Near the first predicted end of a contact, a step is PAST_END times as long as the way to this end, in the
+# step's integration variable, if this is less than LARGEST_STRETCH times the size that the errors allow.
+# Otherwise it covers at most half of this way, so that the following step is not tiny.
 LARGEST_STRETCH = 1.2
 # A contact whose predicted end is nearer than this part of the next step's size has practically no force
 # left: its penetration may be round-off. The step then ignores this end, and the search for events finds the

@@ -238,8 +238,8 @@ def fastest_contact(d):
 def prepare(d, h):
     """Prepare a step of the current method at the step's start; return the size that is to be tried first.
 
-    h is the size that the errors allow. The result also suits the end of a contact and, in an implicit step,
-    a fast motion.
+    h is the size that the errors allow. The result also suits the predicted ends of contacts with force laws
+    (``size_toward_end``) and, in an implicit step, a fast motion.
     """
     if d.step.method == IMPLICIT:
         return collocation.prepare(d, h)

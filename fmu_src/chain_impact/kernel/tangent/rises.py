@@ -27,7 +27,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_s
 # ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the rise acts like a jump that is
 # late by this part of the rise time
 LACKING = 0.5
-# a sine or cosine of a phase below this is round-off of 0
+# a sine or cosine of a phase whose absolute value is below this is round-off of 0
 PHASE_ROUND_OFF = 1e-12
 
 
