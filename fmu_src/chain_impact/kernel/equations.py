@@ -232,7 +232,7 @@ def add_place_moments(d):
 
 
 def add_spring_moments(d, y):
-    """Add the moments of the springs of passive drives in the joints to both links of each joint."""
+    """Add the moments of the springs of passive drives in joints to the links that the joints connect."""
     for i in range(d.links):
         add_joint_moment(d, i, -passive_spring_force(d, y, i))
 

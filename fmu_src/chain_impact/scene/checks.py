@@ -258,7 +258,11 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def length_hints(scene: Contents) -> list[str]:
-    """Return questions on the first link whose length is probably in mm, and on the first such point."""
+    """Return at most two questions, whether a length is in mm: on the first link, and on the first point.
+
+    The first link is the first one that is long for its mass, the first point the first one that is far from
+    the proximal joint of its link.
+    """
     links, whole = scene.chain.links, sum(link.length for link in scene.chain.links)
     long = [
         f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
