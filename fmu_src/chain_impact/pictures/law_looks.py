@@ -39,8 +39,8 @@ LAW_LOOKS: dict[str, dict[str, Any]] = {
     "hu_guo": {"color": PLUM, "linestyle": "--"},
     "kuwabara_kono": {"color": VIOLET, "linestyle": "--"},
 }
-"""Law → properties of its lines, with matplotlib's names. Lines are solid for
-the laws that are used most, dotted for newton_impact and dashed for all other laws."""
+"""Law → properties of its lines, with matplotlib's names. Lines are solid for the
+laws that are used most, dotted for newton_impact and dashed for all other laws."""
 USER_LAW: dict[str, Any] = {"color": BROWN}
 
 

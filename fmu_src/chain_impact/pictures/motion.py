@@ -282,8 +282,8 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts beyond the walls, beside their rings, where ``ink`` is free.
 
-    The fastest impacts come first, and last the largest forces in joints, if known. Returns a
-    text with the numbers that had no room, or with the count of these numbers; "" if all have room.
+    The fastest impacts come first, and last the largest forces in joints, if known. Returns a text
+    with the numbers that had no room, or with the count of these numbers; "" if all have room.
     """
     hits_at, labels = rings(axes, recording), []
     for spot, hits in hits_at.items():

@@ -46,7 +46,9 @@ from chain_impact.studies.sweep.variation import Variation
 # [inch] NAMES_WIDTH: the width left of the panels for the names of a parameter's choices, one at each row of
 # dots; DOTS_WIDTH: the least width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
-MOST_SPLIT = 3  # a varied number with at most this number of values can have a line for each value
+# two varied numbers are drawn as curves, not as maps, if one of them has at most MOST_SPLIT values, each with
+# a line
+MOST_SPLIT = 3
 MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
 # exactly this number of panels stands in one row if the figure is wide enough; of another number, two are in
