@@ -237,7 +237,7 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
 
     That module finds, by iterations, constraint forces within the limits of friction.
     """
-    # at least the number of constraints, because every candidate is an element; 0 in a scene without friction
+    # at least ``constraint_count``, because every candidate is an element; 0 in a scene without friction
     count = 2 * elements
     return record(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
