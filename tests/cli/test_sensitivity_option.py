@@ -74,7 +74,7 @@ def test_picture_and_table(run, here):
     code, said, _ = run("simulate", "rod_drop", *asked)
     assert (code, said.splitlines()[:2]) == (0, ["results  rod.csv", "picture  rod.svg"])
     picture = (here / "rod.svg").read_text(encoding="utf-8")
-    assert "Δ impact speed" in re.sub(r"<!-- | -->", "", picture)
+    assert "change of peak force [%]" in re.sub(r"<!-- | -->", "", picture)
     with (here / "rod.csv").open(newline="") as file:
         head, *rows = csv.reader(file)
     found = np.array([float(row[head.index("sensitivity.gravity.y.point[1].y")]) for row in rows])

@@ -149,7 +149,7 @@ def test_a_second_run_checks_each_effect_of_the_picture(result):
         else:
             assert effect.simulated == pytest.approx(effect.change, rel=0.1)
             assert effect.simulated != effect.change
-    assert "confirm 2 effects" in repr(checked)
+    assert "confirm 2 of 3 effects" in repr(checked)
     assert "no run is possible with the new values of contact.stiffness" in repr(checked)
 
 
