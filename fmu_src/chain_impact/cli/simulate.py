@@ -65,7 +65,10 @@ class Canvas:
         return bool(self.path or self.window)
 
     def draw(self, plot: Callable[..., object], fill: Callable[[Figure], object]) -> None:
-        """Draw into the file by ``plot(path, size=size)``, and into the window by ``fill(window)``."""
+        """Draw into the file by ``plot(path, size=size)``, and into the window by ``fill(window)``.
+
+        If there is no file or no window, its function is not called. ``path`` and ``size`` are attributes.
+        """
         write_picture(self.path, self.size, plot)
         if self.window:
             # imported here, because the import takes a second

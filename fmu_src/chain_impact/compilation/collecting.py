@@ -81,7 +81,10 @@ class Convention(callconv.MinimalCallConv):
     """
 
     def decorate_function(self, fn: Any, args: Any, fe_argtypes: Any, noalias: bool = False) -> None:
-        """Tell LLVM that no other pointer points to the result, so that LLVM can optimise more."""
+        """Tell LLVM two facts about the pointer to the result, so that LLVM can optimise more.
+
+        No other pointer points to the result, and the function keeps no copy of the pointer.
+        """
         super().decorate_function(fn, args, fe_argtypes, noalias)
         for attribute in ("captures(none)", "noalias"):
             fn.args[0].add_attribute(attribute)

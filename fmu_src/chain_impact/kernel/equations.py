@@ -82,7 +82,9 @@ def mechanical_energy(d, y):
     kinetic, potential = 0.0, 0.0
     for i in range(n):
         m, ratio, omega = d.chain.mass[i], d.chain.center_of_mass_ratio[i], y[omega_at(n) + i]
-        # the centre of mass, at r_C from the proximal joint: p_C = p_i + r_C, v_C = v_i + ω r_C⊥
+        # r_C = (cx, cy) leads from the proximal joint to the centre of mass: p_C = p_i + r_C,
+        # v_C = v_i + ω r_C⊥. The next line sets its part along the link's line; if the centre may lie beside
+        # this line, the other part is added below
         cx, cy = ratio * d.scratch.link.x[i], ratio * d.scratch.link.y[i]
         if d.skewed:
             beside = d.chain.offset_ratio[i]

@@ -91,7 +91,7 @@ def refill_motion(d):
 def fill_motion(d, theta):
     """Fill the outputs of motion, forces and energies at the fraction θ of the last step.
 
-    If loads are requested, these include the loads of joints and walls, but no impulses and no peaks.
+    If loads are requested, the loads of joints and walls are filled, too, but not their impulses and peaks.
     """
     n, out, scratch, y, rate = d.links, d.output, d.scratch, d.scratch.y, d.scratch.rate
     fill_state(d, theta)

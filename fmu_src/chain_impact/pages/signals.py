@@ -43,5 +43,8 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
 
 
 def _packed(numbers: np.ndarray) -> str:
-    """Return numbers as text, with all their bits, so that the page computes with the same numbers."""
+    """Return the bytes of numbers in base64, so that the page computes with exactly the same numbers.
+
+    Each number has 8 bytes, the least significant byte first.
+    """
     return encoded(numbers.astype("<f8").tobytes())

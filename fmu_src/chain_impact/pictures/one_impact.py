@@ -22,7 +22,9 @@ AFTER_PEAK = 4.0
 # A contact is long if it lasts more than MUCH_LONGER times as long as its impact. Then only the impact is
 # shown; ``shown_contact`` tells how long it takes.
 MUCH_LONGER = 2.0
-LEAST_ROWS = 20  # the least number of rows within a contact whose force is drawn from the rows
+# If a run cannot be repeated, the force of a contact is drawn from the recording's rows within the contact,
+# but only if there are at least LEAST_ROWS of them.
+LEAST_ROWS = 20
 OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
 
 

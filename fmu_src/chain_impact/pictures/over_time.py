@@ -131,10 +131,10 @@ def energy_curves(
 ) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """Return a curve for each energy to draw: values, shape (T,), and properties with matplotlib's names.
 
-    The values are those of ``recording.detailed_energies``.
-    The curve of the total energy is wide and behind the others. With ``tells_zero`` the labels of potential
-    and total energy tell the number that is added to them. Another curve is dashed if it would hide an
-    earlier curve, or if its energy is in ENERGY_PARTS.
+    The values are those of ``recording.detailed_energies``, but ``without_gap`` may have added a number [J]
+    to the potential and the total energy. If so, and with ``tells_zero``, the labels of these two energies
+    tell the number. The curve of the total energy is wide and behind the others. Another curve is dashed if
+    it would hide an earlier curve, or if its energy is in ENERGY_PARTS.
     """
     shown, offset = shown_energies(recording)
     if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):

@@ -106,11 +106,14 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
 
 
 def _numbers(names: list[str], text: list[str]) -> np.ndarray:
-    """Return the numbers in the lines below the head line, shape (rows, cells).
+    """Return the numbers in ``text``, the lines below the head line, shape (rows, cells).
+
+    If the number of cells is the same in all lines, it may still differ from that of ``names``; the caller
+    checks this.
 
     Raises:
-        ValueError: when a cell is not a number, or a line has too few or too many cells; the message names
-            the line.
+        ValueError: when a cell is not a number, or the lines differ in their numbers of cells; the message
+            names the line.
     """
     try:
         return np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))

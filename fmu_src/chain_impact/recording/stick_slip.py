@@ -79,7 +79,7 @@ def element_label(phase: np.void, walls: Sequence[str], names: Mapping[int, str]
 def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
     """Return a phase of dry friction as texts: start and end [s], its place (``element_label``), its mode.
 
-    The end is "" if the phase lasts to the end of the run.
+    The mode is one of the words in MODES. The end is "" if the phase lasts to the end of the run.
     """
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
     return f"{phase['start']:.6f}", end, element_label(phase, walls, names), MODES[int(phase["mode"])]

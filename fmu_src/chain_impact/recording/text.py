@@ -58,7 +58,10 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
 
 
 LOAD_UNITS = ("N", "N.m", "N.s", "N.m.s", "J", "W")
-"""Units that get a prefix in pictures, as kN, so that large and small values have few digits."""
+"""Units of forces, moments, impulses, energies and powers, which get a prefix for large and small values.
+
+An example is kN. With a prefix these values have few digits.
+"""
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:

@@ -234,11 +234,12 @@ class Result(Pictured):
 
         The fields are kinetic, potential, elastic, dissipated, supplied, total and friction. The field total
         is the sum kinetic + potential + elastic; total + dissipated − supplied is constant. The field
-        friction is the part of dissipated that is due to dry friction. This part is NaN if the run does not
-        compute it: the run computes integrals over time only if the scene asks for an output that needs them.
+        friction is the part of dissipated that is due to dry friction. Only this field can be unknown, and is
+        then NaN: a run computes integrals over time only if the scene asks for an output that needs them, and
+        a result with some of the outputs may lack this one.
 
         Raises:
-            UnknownNameError: when the result lacks one of the outputs.
+            UnknownNameError: when the result lacks the output of another field.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
         known = self.prepared.structure.known

@@ -211,7 +211,10 @@ class SceneFacts(dict[str, Any]):
 
 
 def friction_joints(scene: Contents) -> tuple[int, ...]:
-    """Return the numbers, from 1, of the existing joints whose ``joint_friction`` is given, even as 0."""
+    """Return the numbers, from 1, of the joints whose ``joint_friction`` is given, even as 0.
+
+    With a free base joint 1 does not exist, and its number is not returned.
+    """
     return tuple(n for n, link in enumerate(SceneFacts(scene)["links"], 1) if link["has_friction"])
 
 

@@ -59,7 +59,8 @@ def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
     """Return the path of the table whose head has the keys ``steps``.
 
     A head has no indices. If one of its keys, except the last one, names a list, the head belongs to the last
-    entry of this list so far, whose index in ``counts`` follows the key in the path.
+    entry of this list so far. The index of this entry, from 0, follows the key in the returned path;
+    ``counts`` has it for the path of each list.
     """
     path: DataPath = ()
     for step in steps[:-1]:

@@ -110,7 +110,8 @@ class Follower:
         # worst
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        # [s] length of the last interval for which a polynomial failed or, by ``_is_vain``, was not tried
+        # [s] length of the last interval for which a polynomial failed or, by ``_is_vain``, was not tried; ∞:
+        # there was no such interval yet
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
         # _again: binary exponent of a length → number of found pieces at which this length is tried again;

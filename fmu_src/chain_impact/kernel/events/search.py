@@ -179,11 +179,13 @@ def onset_fraction(d):
 
     θ differs from 1 only by the error of the interpolant with which the onsets were found. Two Newton
     iterations find θ, which may be slightly above 1. The result is −1, which stands for the end of the step,
-    if there is no onset, or if the step is not much longer than the resolution of time.
+    if there is no onset, or if the step is so short (SIMULTANEOUS_TIME, TIME_RESOLUTION) that it cannot be
+    rejected.
 
-    The step is rejected in three cases: a point is deep inside a wall at θ; a point is far from its onset at
-    θ; or friction modes are marked to end, but the step halves the margin of none of them
-    (``margin_is_halved``).
+    A longer step is rejected in three cases. A point with an onset is deep inside its wall at θ. Such a point
+    is far from its onset, or does not approach its wall, at the end of the step or at θ. Friction modes are
+    marked to end, but the step halves the margin of none of them (``margin_is_halved``). If the step is
+    rejected, the result has no meaning.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0

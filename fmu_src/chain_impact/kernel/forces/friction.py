@@ -34,7 +34,8 @@ from chain_impact.kernel.rows.geometry import (
 
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
 # The largest distance of a sticking element from its anchor after a projection that counts as round-off,
-# relative to the largest coordinate. If a projection leaves more, it has failed for this anchor.
+# relative to ``largest_coordinate``, the largest |x| or |y| of any place, but at least the longest link. If a
+# projection leaves a larger distance, it has failed for this anchor.
 ANCHOR_ROUND_OFF = 1e-13
 
 

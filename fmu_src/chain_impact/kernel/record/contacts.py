@@ -11,8 +11,8 @@ from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, ta
 
 # number of changes of the friction mode, per element, for which the log has room until a caller collects them
 CHANGES_OF_EACH = 4
-# Number of ended contacts in a full log. ``trajectory`` then returns, ``run_each`` clears the log, others
-# overwrite the oldest. Each candidate has one more row, because all contacts may end in one step.
+# Number of ended contacts, not yet collected, in a full log. ``trajectory`` then returns; in other functions
+# new entries overwrite the oldest. Each candidate has one more row, because all contacts may end in one step.
 LOG_SIZE = 32
 LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
 
@@ -329,7 +329,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
         ("tried", REAL, (count,)),  # values of the quadratures at the end of the tried step
         # coefficients of the quadratures' dense output in the last step
         ("dense", REAL, (DENSE_COEFFICIENTS, count)),
-        # rates dq/ds of the quadratures at the stages, in the step's variable s
+        # derivatives dq/ds of the quadratures q by the step's integration variable s, at the stages
         ("stage", REAL, (STAGES, count)),
     )
 

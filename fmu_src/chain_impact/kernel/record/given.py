@@ -286,7 +286,8 @@ def motion_dtype(channels: int) -> np.dtype:
         ("position", REAL, (channels,)),  # m, given position of each channel; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s, given velocity of each channel
         ("acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel; 0 for a belt
-        # m, polynomial coefficients (rows) of each channel's position in the next piece of the inputs
+        # m, polynomial coefficients (rows) of each channel's position in the next piece of the inputs, which
+        # follows the piece in use; the coefficients of the piece in use are in `moved.piece`
         ("piece", REAL, (DEGREE + 1, channels)),
     )
 

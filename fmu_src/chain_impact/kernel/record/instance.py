@@ -167,7 +167,10 @@ def load_output_dtype(loads: int) -> np.dtype:
 
 @written_by("loads.py")
 def transmitted_dtype(loads: int) -> np.dtype:
-    """Return the layout of the data from which loads follow; the rows are those of the outputs of loads."""
+    """Return the layout of the data from which loads follow.
+
+    An array of shape (loads,) has the rows of ``load_output_dtype``: the joints, then the walls.
+    """
     return record(
         ("start_time", REAL),  # s, time at which the run started
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start

@@ -44,8 +44,9 @@ TRUST = np.dtype(
         # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider; without
         # meaning if ``point`` is −1
         ("wall", np.int64),
-        # sum of the neglected derivatives of changes of positions: changes by a speed that friction stops
-        # soon; each derivative is relative to the largest derivative of a position (tangent/friction.py)
+        # sum over the changes of positions whose derivatives are neglected: changes by a speed that friction
+        # stops soon. Each change adds the largest ratio of its |derivative| to the largest |derivative| of
+        # any position by the same parameter (``negligible`` in tangent/friction.py)
         ("neglected", np.float64),
         (
             "split",

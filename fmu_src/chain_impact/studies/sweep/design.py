@@ -26,9 +26,10 @@ MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence with its 30 bits
 MOST_SEEDS = 2**32
 # The table of a sweep has at least this number of columns with results. If a table of all runs with these
-# columns and the varied values fits into memory, all runs are samples of one Latin hypercube.
+# columns and the varied values has at most MOST_NUMBERS cells, all runs are samples of one Latin hypercube.
 FEWEST_RESULTS = 16
-CUBE = 2**16  # number of runs in each Latin hypercube if a table of all runs does not fit into memory
+# number of runs in each of several Latin hypercubes, if the table has more cells; the last may have fewer
+CUBE = 2**16
 _own = threading.local()
 
 
@@ -72,10 +73,12 @@ class Design:
     def _cubes(self, first: int, end: int) -> np.ndarray:
         """Return samples first … end − 1 in the unit cube, shape (end − first, K), by Latin hypercubes.
 
-        There is one hypercube of all runs if their table fits into memory. Otherwise there are successive
-        ones of ``CUBE`` runs, the last with the runs that are left. Hypercube number k, from 0, has the same
-        bits as one by SciPy's LatinHypercube whose random generator is child k of the generator
-        with ``seed``.
+        There is one hypercube of all runs if a table with a row for each run, and with columns for the varied
+        values and FEWEST_RESULTS results, has at most MOST_NUMBERS cells. Otherwise there are successive ones
+        of CUBE runs, the last with the runs that are left.
+
+        The hypercubes have the same bits as those of successive objects of SciPy's LatinHypercube that all
+        get the same generator, ``default_rng(seed)``: each object spawns the next child of this generator.
         """
         count, varied, parts = self.runs, len(self.variations), []
         size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE

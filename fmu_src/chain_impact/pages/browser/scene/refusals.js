@@ -78,7 +78,10 @@ function tablesOfLaws({ chain, contact, stops }, valueAt) {
   ];
 }
 
-/** Refuse the value at a path that should name a wall and names none; `value`: the first words of the sentence. */
+/**
+ * Throw the error for a `path` whose last key, or whose value, should be the name of one of `walls`, but is not; the caller has found this.
+ * If it is the value, `value` has the first words of the sentence, such as "= 'roof' ".
+ */
 export function refuseWall(path, walls, value = "") {
   if (!walls.length) refuse(path, "no_walls");
   refuse(path, "no_wall", { value, walls: walls.join(", ") });

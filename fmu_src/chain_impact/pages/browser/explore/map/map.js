@@ -263,7 +263,10 @@ export class GridMap {
     this.#showState();
   }
 
-  /** Store the outputs of a row of runs from the `result` of its study, or the reason for a run that failed or is refused. */
+  /**
+   * Store the outputs of the runs in a row of the map, from the `result` of the study of this row. A run that failed, or whose values the
+   * scene refuses, has no outputs; the reason is stored.
+   */
   #store(result, row) {
     const { outputs, runs, faults, points, began } = this.shown;
     for (let column = 0; column < points; column += 1) {

@@ -10,7 +10,7 @@ const MARK_RIM = 2; // [pixels] width of the mark around a run
 const BLACK_FROM = 0.45; // fraction of the scale of colours from which on a number is black
 const [LABEL_SIGN, LABEL_PAD] = [7, 5]; // [pixels] width of a sign in the label of a run, and the label's free space at both sides
 
-/** Return an output in the unit of the map as short text. */
+/** Return an output as short text: the name of a place, or a number in the unit of the map, without this unit. */
 function outputText(value, { output, scale }) {
   if (output.places) return output.places[value];
   const shown = scaledTo(output, scale).factor * value;

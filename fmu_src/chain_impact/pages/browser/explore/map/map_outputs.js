@@ -11,8 +11,10 @@ export function wordsOfRun({ layout }, outputs) {
 }
 
 /**
- * Return run `number` from a study's results (worker.js) for `wordsOfRun`: its status, and name → value; null for a value of an impact that
- * the run does not have.
+ * Return run `number`, from 0, of a study: its status, and the name of each of the `outputs` → its value. `rows` and `firsts` are the
+ * results of the study (worker.js) for the words that `wordsOfRun` returned for the same `outputs`. An output with several words has the
+ * largest of their values. An output without words is one of the first impact; it is null if the run has no impact, or if the impact has
+ * no such value.
  */
 export function runIn(outputs, { rows, firsts }, number) {
   const first = (number * rows.length) / firsts.length;
