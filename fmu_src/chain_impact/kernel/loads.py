@@ -25,12 +25,13 @@ import math
 
 from chain_impact.kernel.chain.drives import first_joint, transmitted_moment
 from chain_impact.kernel.chain.kinematics import accelerate_points, at_center_of_mass, locate_points
+from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.cost import counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.control import IMPLICIT
-from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, time_within
+from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.ode.maximum import maximum_of
@@ -229,7 +230,7 @@ def fill_load_peaks(d):
         raise_largest(d, i, out.x[i] * out.x[i] + out.y[i] * out.y[i], d.step.time)
         rises = rises or transmitted.searched_square[i] > transmitted.largest_square[i]
     if rises:
-        search_peaks(d, d.step.time)
+        search_peaks(d, d.step.time, d.step.time)
     for i in range(d.links):
         out.peak[i] = math.sqrt(transmitted.largest_square[i]) if transmitted.largest_square[i] > 0.0 else 0.0
         out.peak_time[i] = transmitted.largest_time[i]
@@ -273,24 +274,21 @@ def search_step(d):
         least = min(least, d.touch.joint_square[d.touch.active_index[k]])
     for i in range(d.links):
         transmitted.largest_square[i] = min(transmitted.peak[i], least)
-        transmitted.largest_time[i] = d.step.start
-    search_peaks(d, d.step.end)
-    for i in range(d.links):
-        if transmitted.largest_time[i] == d.step.end:
-            transmitted.largest_time[i] = time_of_peak(d, fraction(d, d.step.end))
+    search_peaks(d, d.step.end, time_of_peak(d, d.step.end, d.step.end))
 
 
-def search_peaks(d, time):
+def search_peaks(d, time, peak_at_end):
     """Raise ``transmitted.largest_square`` to the largest |f|² [N²] in the last step until ``time`` [s].
 
-    Where it rises, ``transmitted.largest_time`` becomes the time [s] of this |f|².
+    Where it rises, ``transmitted.largest_time`` becomes the time [s] of this |f|², or ``peak_at_end`` if this
+    is the |f|² at ``time``. The two are equal, but may differ in their derivatives.
     """
     transmitted, first, end = d.transmitted, event_fraction(d), fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
         theta = first + (end - first) * m / intervals
         load_joints_at(d, theta)
-        sampled_at = time if m == intervals else time_of_peak(d, theta)
+        sampled_at = peak_at_end if m == intervals else time_of_peak(d, time_of_joint_forces(d), theta)
         for i in range(d.links):
             transmitted.after[i] = square_of_force(d, i)
         for i in range(d.links):
@@ -299,18 +297,24 @@ def search_peaks(d, time):
             raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
-                largest, place = largest_square(d, i, middle, reach, end)
-                raise_largest(d, i, largest, time_of_peak(d, place))
+                # the samples of this search raise the maximum and its time; the last parabola adds round-off
+                largest = largest_square(d, i, middle, reach, end)
+                transmitted.largest_square[i] = max(transmitted.largest_square[i], largest)
 
 
 @has_dual_rule
-def time_of_peak(d, theta):
-    """Return the time [s] of a peak at the fraction θ of the last step.
+def time_of_peak(_d, time, _place):
+    """Return the ``time`` [s] of a peak; its place is a fraction of the last step, or a time.
 
-    In a tangent instance, its derivatives are those of an event at θ or of a parabola's maximum there. At any
-    other θ they are NaN: the force is largest at a sample, whose θ is fixed, although the peak shifts.
+    In a tangent instance, the time has derivatives if the place has: it is an event or a parabola's maximum.
+    Otherwise they are NaN: the force is largest at a sample, whose place is fixed, although the peak shifts.
     """
-    return time_within(d, theta)
+    return time
+
+
+def time_of_joint_forces(d):
+    """Return the time [s] of the forces in ``transmitted.x`` and ``.y``, after ``load_joints_at``."""
+    return d.step.start + d.scratch.y[time_at(d.links)]
 
 
 def raise_largest(d, i, square, time):
@@ -355,9 +359,14 @@ def square_of_force(d, i):
 
 
 def square_at(d, i, theta):
-    """Return |f|² [N²] of the joint in row i at the fraction θ of the last step."""
+    """Return |f|² [N²] of the joint in row i at the fraction θ of the last step.
+
+    If it is larger than ``transmitted.largest_square``, this is raised to it, with its time.
+    """
     load_joints_at(d, theta)
-    return square_of_force(d, i)
+    square = square_of_force(d, i)
+    raise_largest(d, i, square, time_of_peak(d, time_of_joint_forces(d), theta))
+    return square
 
 
 largest_square = maximum_of(square_at)

@@ -156,14 +156,13 @@ def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, la
 @pytest.mark.parametrize("until", [1.0, 0.5])
 def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
     d, _ = pressed(height)
-    found, at = contact_log.largest_penetration(d, 1, 0.5 * until, 0.5 * until, until)
+    found = contact_log.largest_penetration(d, 1, 0.5 * until, 0.5 * until, until)
     tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
     places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
     most, place = max((depth(t, height), t) for t in places)
     # near an end of the step the last parabola does not reach the maximum
     inside = 0.2 < place / until < 0.9
     assert found == pytest.approx(most, rel=2e-8 if inside else 1e-3)
-    assert at == pytest.approx(place, abs=1e-3 if inside else 0.03)
 
 
 @pytest.mark.parametrize("due", [False, True])

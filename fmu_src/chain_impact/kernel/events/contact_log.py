@@ -87,11 +87,9 @@ def find_peaks(d, c, force_rate, time, reader):
     reach = 0.5 * (fraction(d, time) - first) if force_peaked or depth_peaked else 0.0
     middle = first + reach
     if force_peaked:
-        found, _ = largest_force(d, c, middle, reach, middle + reach)
-        peak = max(peak, found)
+        peak = max(peak, largest_force(d, c, middle, reach, middle + reach))
     if depth_peaked:
-        found, _ = largest_penetration(d, c, middle, reach, middle + reach)
-        depth = max(depth, found)
+        depth = max(depth, largest_penetration(d, c, middle, reach, middle + reach))
     return peak, depth, force_peaked or depth_peaked
 
 

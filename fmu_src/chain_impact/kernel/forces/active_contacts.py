@@ -123,12 +123,10 @@ def touching_position(d, c):
     At a wall this is the point or, if it has a radius, the position on its circle that is nearest to the
     wall. At a stop of a joint it is the joint, at a stop of the slider the base.
     """
-    position = d.scratch.position
-    if at_joint_stop(d, c):
-        joint = d.candidate.point[c] - 1
-        return position.x[joint], position.y[joint]
+    position, radius = d.scratch.position, d.candidate.radius[c]  # stops have the radius 0
     place, nx, ny = normal_row(d, c)
-    radius = d.candidate.radius[c]
+    if at_joint_stop(d, c):
+        place = d.candidate.point[c] - 1
     return position.x[place] - radius * nx, position.y[place] - radius * ny
 
 
@@ -141,6 +139,7 @@ def latch_onset(d, c):
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
+    touch.x[c], touch.y[c] = touching_position(d, c)
     # the onset speed is 0 if the point moves outward, because of an integration error or another impact
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
@@ -148,7 +147,6 @@ def latch_onset(d, c):
     set_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
     touch.effective_mass[c] = effective_mass(d, c)
-    touch.x[c], touch.y[c] = touching_position(d, c)
     latch(d, c)
     touch.active[c] = 1
     d.impact.count += 1

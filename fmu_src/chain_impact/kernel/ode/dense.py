@@ -66,14 +66,6 @@ def change_within(step, theta, j):
     return theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
 
 
-def time_within(d, theta):
-    """Return the time [s] at the fraction θ of the last step.
-
-    In a regularized step, θ is the fraction in the step's own variable, so the time is not proportional to θ.
-    """
-    return d.step.start + change_within(d.step, theta, time_at(d.links))
-
-
 @has_dual_rule
 def fraction(d, time):
     """Return the fraction θ of the last step at a time [s]."""

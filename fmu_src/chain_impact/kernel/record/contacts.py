@@ -103,8 +103,6 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("onset_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset
         ("impact_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ ``minimum_impact_speed``
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
-        ("x", REAL, (candidates,)),  # m, position at which the candidate touches at the onset
-        ("y", REAL, (candidates,)),
         # m, expected penetration δ*; at a joint's stop angle × lever arm, at a rigid wall the longest link
         ("depth_scale", REAL, (candidates,)),
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
@@ -132,6 +130,8 @@ def touch_dtype(candidates: int) -> np.dtype:
         # m, errors of the clearances of the active contacts, in the order of ``active_index``; row 0 and row
         # 1 belong to the two error estimates of an explicit step
         ("gap_error", REAL, (2, candidates)),
+        ("x", REAL, (candidates,)),  # m, position at which the candidate touches at the onset
+        ("y", REAL, (candidates,)),
     )
 
 

@@ -218,10 +218,9 @@ def force_after_change(argument, by, at):
     )
 
 
-def time_of_peak(t, theta):
-    """Return the time [s] of a peak at a fraction of the last step, with NaN as derivatives if θ has none."""
-    time = dense.time_within(t, theta)
-    if not has_slope(theta):
+def time_of_peak(_t, time, place):
+    """Return the ``time`` [s] of a peak, with NaN as its derivatives if its place has no derivatives."""
+    if not has_slope(place):
         for k in range(DIRECTIONS):
             time = with_slope(time, k, math.nan)
     return time
