@@ -52,6 +52,15 @@ def test_validate_says_as_json_what_it_says_in_words(run, here, fmu):
     assert "no problems found" not in said
 
 
+def test_quiet_leaves_only_faults(run, here, fmu):
+    assert run("validate", fmu, "--quiet") == (0, "", "")
+    spoiled = odd(fmu, (b'unit="kg"', b'unit="stone"'))
+    _, said, _ = run("validate", spoiled)
+    code, quiet, errors = run("validate", spoiled, "--quiet")
+    assert (code, quiet) == (1, "")
+    assert errors == "".join(f"chain-impact: {line}\n" for line in said.splitlines())
+
+
 def test_a_file_that_is_no_whole_zip_is_a_finding(run, here, fmu):
     (here / "half.fmu").write_bytes(fmu.read_bytes()[:2000])
     code, said, errors = run("validate", "half.fmu", "--json")

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from chain_impact.cli.options import UsageError, Verbs, add_verb
-from chain_impact.cli.progress import say
+from chain_impact.cli.progress import complain, out, say
 from chain_impact.fmu.findings import Finding, finding_lines
 from chain_impact.fmu.validate import TIMEOUT, Validation, validation
 from chain_impact.scene.models import scene_path
@@ -70,12 +70,18 @@ def _refuse_scene(path: Path) -> None:
 
 
 def checked_fmu(path: Path, timeout: float, *, report: bool) -> Validation:
-    """Check an FMU, whose binary may run for ``timeout`` [s]; print the result if ``report`` is true."""
+    """Check an FMU, whose binary may run for ``timeout`` [s]; print the result if ``report`` is true.
+
+    With ``--quiet``, faults are errors, and nothing else is printed.
+    """
     try:
         result = validation(path, timeout)
     except zipfile.BadZipFile as error:
         result = Validation([Finding(f"not a readable FMU: {error}", file="")], [])
     if report:
-        for line in [*(finding_lines(result.findings) or ["no problems found"]), *result.notes]:
+        faults = finding_lines(result.findings)
+        for line in faults if out.quiet else []:
+            complain(f"{path}: {line}")
+        for line in [*(faults or ["no problems found"]), *result.notes]:
             say(f"{path}: {line}")
     return result
