@@ -33,22 +33,23 @@ export function showParameterList(details, changes) {
     nothing.textContent = `No parameter has such a name${near}.`;
   };
   const fill = () => {
-    if (rows || !details.open) return;
+    if (rows) return;
     rows = changes.scene.parameters.map((parameter) => listRow(changes, parameter));
     body.replaceChildren();
     first = undefined;
     refresh();
     filter();
   };
+  details.firstElementChild.addEventListener("click", fill); // before the list opens: the event "toggle" comes later
   details.addEventListener("toggle", () => {
-    fill();
+    if (details.open) fill();
     refresh();
     if (details.open) details.firstElementChild.scrollIntoView(); // the list opens below the visible part of the page
   });
   search.addEventListener("input", filter);
   changes.onOpen(() => {
     rows = undefined;
-    fill();
+    if (details.open) fill();
   });
   changes.onChange(refresh);
 }
