@@ -3,6 +3,8 @@
 # Tests: pages/browser/explore/compared_motions.js, pages/browser/recording/partners.js
 
 import itertools
+import operator
+import re
 
 import matplotlib as mpl
 import numpy as np
@@ -19,7 +21,8 @@ LETTERS = function_of("compared_motions", "letters")
 """The letters that are written into each chart when it has another width."""
 AXES = (("x", "width"), ("y", "height"))
 LISTED = 40
-"""Largest number of impacts in a row of the table."""
+"""The table has the first impacts of each motion, up to this number."""
+FIRST = operator.itemgetter(0)
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied")
 
 
@@ -75,20 +78,40 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
     largest = [f"{peak / 1e3:.1f}\u202fkN" for peak in peaks]
     told = [row.locator("td").first.inner_text() for row in rows]
     assert told[0] == largest[0]
-    force, change = told[1].rsplit("\u202f", 1)[0].rsplit("kN", 1)
-    assert f"{force}kN" == largest[1]
+    force, change = told[1].rsplit("\u202f", 1)[0].rsplit("A → now ", 1)
+    assert force == largest[1]
     percent = float(change.replace("\u2212", "-"))
-    assert percent == pytest.approx(100 * (peaks[1] / peaks[0] - 1), abs=0.5)
+    assert percent == pytest.approx(100 * (peaks[0] / peaks[1] - 1), abs=0.5)
     present, pinned = (run.impacts for run in runs)
     expected = partners(present, pinned)
     assert any(k is None for k in expected)
     assert any(k not in (None, n) for n, k in enumerate(expected))
     cells = rows[1].locator("td").all_inner_texts()[1:]
-    others = [k for k in range(len(pinned)) if k not in expected]
-    for cell, k in zip(cells, [*expected[:LISTED], *others], strict=True):
+    columns = [(present["onset"][n], n, k) for n, k in enumerate(expected)]
+    columns += [(pinned["onset"][k], None, k) for k in range(len(pinned)) if k not in expected]
+    shown = sorted((one for one in columns if min(k for k in one[1:] if k is not None) < LISTED), key=FIRST)
+    heads = page.locator("#pins thead th").all_inner_texts()[2 : 2 + len(shown)]
+    assert heads == ["only A" if n is None else str(n + 1) for _, n, _ in shown]
+    for cell, (*_, k) in zip(cells, shown, strict=True):
         assert cell.startswith("–") if k is None else f"{pinned['onset'][k]:.4f}" in cell
     counts = f"{len(pinned)} → {len(present)}"
     assert page.inner_text("#impacts-before") == f"{counts}, largest {largest[1]} → {largest[0]}"
+
+
+def test_each_impact_of_each_pin_has_one_cell(show):
+    page = show(hash_="#contact.restitution=0.7")
+    for value in (0.8, 0.6, 0.75):
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate(LATER)
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
+    for value, row in zip((0.75, 0.7, 0.8, 0.6), page.locator("#pins tbody tr").all(), strict=True):
+        run = simulate(load_scene("four_link_box").with_values({"contact.restitution": value}))
+        found = [text for text in row.locator("td").all_inner_texts()[1:] if not text.startswith("–")]
+        told = [re.search(r"(\d\.\d{4})\u202fs", text)[1] for text in found]
+        assert sorted(told) == [f"{onset:.4f}" for onset in run.impacts["onset"][:LISTED]]
+    heads = page.locator("#pins thead th").all_inner_texts()
+    assert {"only A, B", "only A, C", "only B, C"} & set(heads), "partners of two pins share a column"
 
 
 def test_letters_of_pins_at_one_place_are_beside_each_other(show):

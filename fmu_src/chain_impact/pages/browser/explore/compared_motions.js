@@ -10,7 +10,7 @@ import { onGesture } from "./gestures.js";
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
 const [TIP, TIPS_APART] = [15, 16]; // TIP: [pixels] diameter of the dot of a letter; TIPS_APART: least distance between two of them
-const LISTED = 40; // largest number of impacts in the table that compares motions
+const LISTED = 40; // the table that compares motions has the first of each, up to this number
 
 export class ComparedMotions {
   constructor(player, panel, table) {
@@ -123,18 +123,19 @@ export class ComparedMotions {
     document.body.classList.toggle("with-pins", !panel.hidden);
     document.body.style.setProperty("--pins", 2 + pinned.length); // number of rows of the table
     if (panel.hidden) return;
-    const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
+    const listed = pinned.map((motion, k) =>
+      ({ ...motion, letter: lines[k].letter, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
     const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
     const all = [{ recording: player.recording, text }, ...listed];
     table.replaceChildren(...comparisonTable(all.map((motion) => ({ ...motion, title: this.#title(motion) }))));
   }
 
   #title(motion) {
-    const { text, colour, recording, unpin } = motion;
+    const { text, colour, letter = "", recording, unpin } = motion;
     const count = `${recording.impacts.length} impact${recording.impacts.length === 1 ? "" : "s"}`;
     const title = make("span", { className: "pin-title" });
     const kind = colour ? `pin-${colour}` : "present";
-    title.append(make("span", { className: `dot ${kind}`, textContent: colour ? LETTERS[colour - 1] : "" }));
+    title.append(make("span", { className: `dot ${kind}`, textContent: letter }));
     title.append(make("span", { className: "pin-text", textContent: text }));
     if (colour) {
       title.prepend(make("span", { className: `dashes ${kind}`, title: "In the charts" }));
@@ -171,30 +172,40 @@ function besideOthers([x, y], others) {
 }
 
 /**
- * Return the parts of the table that compares motions, the present one first: each has a `recording` and a `title`. A column for each
- * impact of the present motion, of which the first LISTED are shown, has its partner in each other motion; the impacts without a partner
- * follow.
+ * Return the parts of the table that compares motions, the present one first: each has a `recording`, a `title` and, if it is pinned, a
+ * `letter`. Its columns are in the order of time. A column is shown if it has one of the first LISTED impacts of a motion.
  */
 function comparisonTable(motions) {
-  const present = motions[0].recording.impacts;
-  const rows = motions.map(({ recording: { impacts } }) => {
-    const partners = present.map((impact) => (impacts === present ? impact : partnerOf(impact, present, impacts)));
-    const others = impacts.filter((impact) => !partners.includes(impact));
-    return { partners: partners.slice(0, LISTED), others: others.slice(0, LISTED), more: impacts.length > LISTED };
-  });
-  const most = Math.max(...rows.map(({ others }) => others.length));
-  const heads = ["Impact", "largest", ...present.slice(0, LISTED).map(({ number }) => `${number}`)];
+  const columns = alignedImpacts(motions.map(({ recording: { impacts } }) => impacts))
+    .filter((column) => column.some((impact) => impact?.number <= LISTED));
+  const lettersOf = (column) => motions.filter((_, k) => column[k]).map(({ letter }) => letter).join(", ");
+  const headOf = (column) => (column[0] ? `${column[0].number}` : `only ${lettersOf(column)}`);
+  const heads = ["Impact", "largest", ...columns.map(headOf)];
+  if (motions.some(({ recording: { impacts } }) => impacts.length > LISTED)) heads.push(`the first ${LISTED} of each motion are listed`);
   const head = make("tr", {}, ...heads.map((textContent) => make("th", { scope: "col", textContent })));
-  if (most) head.append(make("th", { scope: "colgroup", colSpan: most, textContent: "without a partner in the present motion" }));
-  if (rows.some(({ more }) => more)) head.append(make("th", { scope: "col", textContent: `up to ${LISTED} are listed` }));
-  const body = rows.map(({ partners, others }, k) => {
-    const { title, recording } = motions[k];
-    const change = k ? percentText(recording, motions[0].recording) : "";
+  const body = motions.map(({ title, recording, letter }, k) => {
+    const change = k ? percentText(motions[0].recording, recording) : "";
     const largest = make("td", { textContent: largestText(recording) });
-    if (change) largest.append(make("small", { textContent: change, title: "Against the present motion" }));
-    return make("tr", {}, title, largest, ...[...partners, ...others].map((impact, column) => cellOf(impact, column + 1)));
+    if (change) largest.append(make("small", { textContent: `${letter} → now ${change}`, title: "From this motion to the present one" }));
+    return make("tr", {}, title, largest, ...columns.map((column) => cellOf(column[k], column[0]?.number)));
   });
   return [make("thead", {}, head), make("tbody", {}, ...body)];
+}
+
+/**
+ * Return columns of impacts that belong together, in the order of their first onsets. A column has for each list of `all` its impact or
+ * undefined, and each impact is in one column: that of its partner in the first list that has one.
+ */
+function alignedImpacts(all) {
+  const used = new Set();
+  const columns = all.flatMap((impacts, k) => impacts.filter((impact) => !used.has(impact)).map((first) => {
+    const partners = all.map((others, n) => (n > k ? partnerOf(first, impacts, others) : undefined));
+    const column = partners.map((partner, n) => (n === k ? first : used.has(partner) ? undefined : partner));
+    column.forEach((impact) => used.add(impact));
+    return column;
+  }));
+  const onsetOf = (column) => column.find(Boolean).onset;
+  return columns.toSorted((one, other) => onsetOf(one) - onsetOf(other));
 }
 
 /**
@@ -242,15 +253,15 @@ function differenceText(before, present) {
 
 /**
  * Return a table's cell for an impact: time, peak force or impulse, and place, with a tooltip that tells the duration; a dash without
- * impact. The cell tells the impact's own number if it differs from that of the column.
+ * impact. The cell tells the impact's own number if it differs from the `number` of the column's impact of the present motion.
  */
-function cellOf(impact, column) {
+function cellOf(impact, number) {
   if (!impact) return make("td", { textContent: "–", title: "No impact of this point and wall is near" });
   const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
   const until = `until ${durationText(impact.end - impact.onset)} later`;
   const cell = make("td", { title: `Impact ${impact.number}: ${placeText(impact)}, ${until}` });
   const place = make("small", { className: "place", textContent: `${toucherText(impact)} ${wallText(impact)}` });
-  if (impact.number !== column) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
+  if (impact.number !== number) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
   cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }), place);
   return cell;
 }
