@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import DESK, PHONE, PIXELS, ROWS, packed_module, page_contents, until, until_told
+from tests.pages.in_pages import (
+    DESK,
+    PHONE,
+    PIXELS,
+    ROWS,
+    impacts_of,
+    packed_module,
+    page_contents,
+    until,
+    until_told,
+)
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -281,6 +291,30 @@ def test_a_curve_is_as_strong_as_its_entry_in_the_list(show, model, faint):
     opacity = line.evaluate("term => Number(getComputedStyle(term, '::before').opacity)")
     assert (opacity < 1.0) is faint
     assert (page.evaluate(PIXELS, ["energy", "total"]) < 100) is faint
+
+
+def test_a_chart_of_outputs_has_the_values_of_pins_at_the_pointer(show, result):
+    page = show(hash_="#curves=point[4].y")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.4})")
+    until_told(page, impacts_of({"contact.restitution": 0.4}))
+    box = page.locator("#outputs-over-time .u-over").bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    letter, value = page.locator("#outputs-over-time dd small").inner_text().split()
+    height = np.interp(1.0, result.time, result["point[4].y"])
+    assert (letter, float(value)) == ("A", pytest.approx(height, abs=0.02))
+
+
+def test_the_chosen_impact_stays_when_a_chart_is_added(show):
+    """The impact before it lasts while the chosen one has its largest force."""
+    flat = {"contact.stiffness": 3e3, "initial.angle[1]": 0.02, "initial.y": 0.01, "initial.vy": -2.0}
+    page = show("rod_drop", {**flat, "simulation.stop_time": 0.08})
+    for number in (1, 2):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        page.evaluate(f"location.hash = '#curves=point[{number - 1}].y'")
+        until(page, f"{SHOWN}.join() === 'point[{number - 1}].y'")
+        page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        assert page.text_content("#contact-name").startswith(f"impact {number}: ")
 
 
 def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):

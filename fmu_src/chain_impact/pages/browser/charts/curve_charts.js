@@ -81,14 +81,23 @@ class UnitChart extends TimeChart {
     }
     this.mark(present);
     const now = this.reading ?? present;
-    const row = Math.min(lastBefore(this.time, now), this.time.length - 2);
-    const share = Math.min(Math.max((now - this.time[row]) / (this.time[row + 1] - this.time[row]), 0), 1);
-    this.values.forEach(([, value], k) => {
-      const { values, isStepped } = this.curves[k];
-      const number = isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
-      value.textContent = [this.writers[k](number), this.unit.textContent].filter((text) => text !== "").join("\u202f");
+    this.values.forEach(([name, value], k) => {
+      const own = this.writers[k](valueAt(this.time, this.curves[k], now));
+      value.replaceChildren([own, this.unit.textContent].filter((text) => text !== "").join("\u202f"));
+      for (const { recording, letter } of this.compared) {
+        const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
+        const curve = curves.find((one) => one.name === name);
+        if (curve) value.append(make("small", { textContent: `${letter} ${this.writers[k](this.factor * valueAt(time, curve, now))}` }));
+      }
     });
   }
+}
+
+/** Return the value of a curve at the time `now` [s], between its rows at the times `time` [s]. */
+function valueAt(time, { values, isStepped }, now) {
+  const row = Math.min(lastBefore(time, now), time.length - 2);
+  const share = Math.min(Math.max((now - time[row]) / (time[row + 1] - time[row]), 0), 1);
+  return isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
 }
 
 export class CurveCharts {

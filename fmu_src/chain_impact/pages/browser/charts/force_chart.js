@@ -9,6 +9,7 @@ import {
 
 const AROUND = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
 const MARGIN = 1.08; // upper end of the axis of forces, relative to the largest force of the curves
+const [PEAK_ROOM, PEAK_TOP] = [18, 4]; // [pixels] height above all curves for the number of the peak, and distance of its top from the edge
 const NO_FORCE = 1e-9; // [N] a contact whose forces are all smaller has no curve
 
 /** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis up to it has a length. */
@@ -86,21 +87,19 @@ export class ForceChart extends Chart {
     });
   }
 
-  /** Write the largest force of the shown contact beside its place on the curve. */
+  /** Write the largest force of the shown contact beside its time, and above all curves. */
   #writePeak({ ctx, bbox, valToPos, data }) {
     const peak = this.shown?.peak;
     const [along, up] = this.loop ?? data;
     const top = up.indexOf(highest(up));
     if (!peak || top < 0) return;
-    const [x, y] = [valToPos(along[top], "x", true), valToPos(peak, "y", true)];
-    const isAtLeft = x > bbox.left + 0.6 * bbox.width;
+    const x = valToPos(along[top], "x", true);
+    const isAtLeft = x > bbox.left + 0.6 * bbox.width; // beside the line at the time of the peak
     ctx.save();
-    Object.assign(ctx, { textAlign: isAtLeft ? "right" : "left", textBaseline: "top", lineWidth: 3 * devicePixelRatio, lineJoin: "round" });
-    Object.assign(ctx, { font: `600 ${11 * devicePixelRatio}px system-ui, sans-serif`, strokeStyle: styleColour("panel") });
+    Object.assign(ctx, { textAlign: isAtLeft ? "right" : "left", textBaseline: "top" });
+    ctx.font = `600 ${11 * devicePixelRatio}px system-ui, sans-serif`;
     ctx.fillStyle = styleColour("force");
-    const place = [forceText(peak, 3, this.unit.force), x + (isAtLeft ? -8 : 8) * devicePixelRatio, y];
-    ctx.strokeText(...place);
-    ctx.fillText(...place);
+    ctx.fillText(forceText(peak, 3, this.unit.force), x + (isAtLeft ? -8 : 8) * devicePixelRatio, bbox.top + PEAK_TOP * devicePixelRatio);
     ctx.restore();
   }
 
@@ -161,8 +160,9 @@ export class ForceChart extends Chart {
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
       const high = highest(contact.peak === null ? inside : [contact.peak], friction, ...this.curves.map(({ points: [, y] }) => y));
+      const room = PEAK_ROOM / this.plot.over.clientHeight;
       // the limits contain the margin, because uPlot applies the function `range` of an axis only to limits that it finds itself
-      this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
+      this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: (high > NO_FORCE ? high : 1) / (1 - room) });
     });
     // The chart is hidden if neither the contact nor a compared motion has a curve. An impulse of a rigid wall has none, and neither has a
     // contact between two rows of the recording.

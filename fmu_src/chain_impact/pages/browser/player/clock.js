@@ -18,11 +18,16 @@ export class Clock {
     this.loop = false;
   }
 
-  /** Use another recording. The simulated time stays or, if the recording does not reach it, becomes the nearest time. */
+  /**
+   * Use another recording. The simulated time stays or, if the recording does not reach it, becomes the nearest time. An impact to which
+   * the reader has gone stays the present one if the recording has it, too.
+   */
   show(recording) {
-    const time = this.recording ? this.time : recording.start;
+    const [time, chosen] = [this.recording ? this.time : recording.start, this.#goneTo];
     this.recording = recording;
     this.seek(time);
+    this.#goneTo = recording.impacts.find(({ number, onset }) => number === chosen?.number && onset === chosen.onset) ?? null;
+    if (this.#goneTo) this.set({});
   }
 
   onChange(listener) {
