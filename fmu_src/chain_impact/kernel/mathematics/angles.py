@@ -1,8 +1,8 @@
 """Cosines and sines of angles.
 
-``cosine_and_sine`` has no branches, so the compiler computes several angles at once, three times faster than
-the C library. With the C library, sines would take half the time of an evaluation of ẏ. The errors are below
-2e-16, see tests/kernel/mathematics/test_angles.py.
+``cosine_and_sine`` has no branches, so its compiled code computes several angles at once, about three times
+faster than the C library; with this library, sines would take half the time of an evaluation of ẏ. The errors
+are below 2e-16, see tests/kernel/mathematics/test_angles.py.
 """
 
 import math
@@ -12,24 +12,24 @@ import numpy as np
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits_of, double_of_bits
 
-# [rad] The largest angle that ``cosine_and_sine`` accepts. A larger angle would lose digits when its quarter
-# turns are subtracted.
+# [rad] the largest |angle| for ``cosine_and_sine``; a larger angle would lose digits when its quarter turns
+# are subtracted
 LARGEST_ANGLE = 1e6
 TWO_OVER_PI = 0.6366197723675814
-# π/2 as a sum of two numbers. The first has 33 bits, so its product with any integer k < 2²⁰ is exact (after
-# Cody & Waite 1980).
+# π/2 as a sum of two numbers. The first has at most 33 bits, so its product with any integer k, |k| < 2²⁰, is
+# exact (after Cody & Waite 1980).
 HALF_PI_1, HALF_PI_2 = 1.5707963267341256, 6.077100506506192e-11
 HALF_PI = 1.5707963267948966
-# coefficients of the best polynomials for |r| ≤ π/4, by Remez's exchange: sin r = r + r³ S(r²), cos r = 1 −
-# r²/2 + r⁴ C(r²)
+# coefficients, from the constant one on, of the best polynomials S and C for |r| ≤ π/4, by Remez's exchange:
+# sin r = r + r³ S(r²), cos r = 1 − r²/2 + r⁴ C(r²)
 # fmt: off
 S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
      2.75573125428654e-06, -2.505059994965131e-08, 1.58885695564513e-10)
 C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
      -2.75573143539534e-07, 2.0875723499343115e-09, -1.1359659812851872e-11)
 # fmt: on
-# GROUP_BITS: the number of bits of 2/π in each of the groups in DIGITS. GROUPS: the number of groups that the
-# reduction of one large angle takes; more groups would not change its result.
+# GROUP_BITS: the number of bits of 2/π in each group, an entry of DIGITS. GROUPS: the number of groups that
+# ``far_reduction`` uses for one angle, enough for every double.
 GROUP_BITS, GROUPS = 24, 6
 # Exponent e of the largest double m 2^e, with an integer m of 53 bits. It determines how many bits of 2/π are
 # stored.
@@ -50,7 +50,7 @@ def _digit_groups():
 
 
 def _fixed_arctangent(n, scale):
-    """Return arctan(1/n) times 2^scale, as an integer, for an integer n > 1."""
+    """Return arctan(1/n) times 2^scale, rounded to an integer near it, for an integer n > 1."""
     term, total, k = (1 << scale) // n, 0, 1
     while term:
         total += term // k if k % 4 == 1 else -(term // k)
@@ -73,12 +73,12 @@ def direction(angle):
 
 
 def cosine(angle):
-    """Return the cosine of any angle [rad]; NaN if it is not finite."""
+    """Return the cosine of any angle [rad]; NaN if the angle is not finite."""
     return direction(angle)[0]
 
 
 def sine(angle):
-    """Return the sine of any angle [rad]; NaN if it is not finite."""
+    """Return the sine of any angle [rad]; NaN if the angle is not finite."""
     return direction(angle)[1]
 
 
@@ -95,7 +95,7 @@ def cosine_and_sine(angle):
 
 @inlined
 def cosine_and_sine_of_parts(turns, r):
-    """Return the cosine and sine of the angle turns π/2 + r, for integers ``turns`` −2 to 2, |r| ≤ π/4."""
+    """Return the cosine and sine of turns π/2 + r, for ``turns`` an integer from −2 to 2, and |r| to π/4."""
     t = r * r
     t2 = t * t
     s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
@@ -108,13 +108,13 @@ def cosine_and_sine_of_parts(turns, r):
 
 
 def far_reduction(angle):
-    """Return the quarter turns, from −2 to 2, and the remainder r [rad] of a large angle.
+    """Return the quarter turns, −2 to 2, and the remainder r [rad] of a large angle, without whole turns.
 
-    The size of the angle is at least LARGEST_ANGLE. Whole turns are left out of the quarter turns, and so are
-    the bits of 2/π that would only add whole turns (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
+    The angle [rad] is finite, with |angle| ≥ LARGEST_ANGLE. The bits of 2/π that would only add whole turns
+    are not used (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """
     pattern = bits_of(abs(angle))
-    # the size of the angle is |φ| = m 2^e with m = a 2²⁷ + b, for integers m, e, a and b
+    # |φ| = m 2^e for the angle φ, with m = a 2²⁷ + b and integers m, e, a and b
     e = (pattern >> FRACTION) - 1075
     m = double_of_bits((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
     a = float(math.floor(m * 2.0**-27))
@@ -128,7 +128,7 @@ def far_reduction(angle):
             # this product, in quarter turns, is exact, and so is its remainder after whole turns are removed
             part = half * (float(DIGITS[i]) * double_of_bits(ONE + (exponent << FRACTION)))
             remainder = part - 4.0 * math.floor(0.25 * part)
-            # the sum of the remainders is stored exactly, as the sum of the doubles ``total`` and ``lost``
+            # ``total`` is the sum of the remainders, and ``lost`` the sum of what rounding loses in ``total``
             before, total = total, total + remainder
             lost += remainder - (total - before) if before > remainder else before - (total - remainder)
     k = math.floor(total + 0.5)

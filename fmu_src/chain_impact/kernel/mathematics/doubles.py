@@ -5,22 +5,21 @@ import numpy as np
 from chain_impact.kernel.functions import inlined
 
 ONE, INFINITY, LEAST_NORMAL = 0x3FF << 52, 0x7FF << 52, 1 << 52
-"""The bits of 1, of infinity, and of the least number that is not subnormal."""
-# number of bits of the fraction of a double, its lowest bits; the bits of the exponent are above them
+"""The bits of 1, of infinity, and of the least positive double that is not subnormal."""
+# number of bits of the fraction of a double, the lowest of all bits; the bits of the exponent are above these
 FRACTION = 52
-# HALF and FRONT round a double to 26 bits: HALF is added to the bits of the double, and FRONT masks the sum.
-# The product of two numbers with 26 bits each is exact.
+# HALF and FRONT round a double to 26 significant bits: HALF is added to the bits of the double, and FRONT
+# masks the sum
 HALF, FRONT = 1 << 26, -(1 << 27)
-# the number of bits after the binary point of integers that stand for reals: tables are computed with such
-# integers
+# tables are computed with integers i that stand for the reals i/2^FIXED
 FIXED = 160
 ROUND = 1.5 * 2.0**52
-"""(x + ROUND) − ROUND is x rounded to an integer, for |x| < 2⁵¹: doubles of this size have no fraction."""
+"""(x + ROUND) − ROUND is x rounded to an integer, for |x| < 2⁵¹: doubles from 2⁵² on are integers."""
 
 
 @inlined
 def bits_of(number):
-    """Return the 64 bits of a double as an integer."""
+    """Return the 64 bits of a double as a signed integer."""
     return int(np.float64(number).view(np.int64))
 
 
@@ -40,7 +39,8 @@ def rounded_to_26_bits(number):
 def product(y, high, low):
     """Return the product y (high + low) as the sum of two doubles, the larger one first.
 
-    ``low`` is far smaller than ``high``. (T. J. Dekker 1971, Numer Math 18:224)
+    |low| is far smaller than |high|. Only the second double is rounded. (T. J. Dekker 1971, Numer Math
+    18:224)
     """
     of_y, of_high = rounded_to_26_bits(y), rounded_to_26_bits(high)
     return of_y * of_high, (y - of_y) * of_high + y * ((high - of_high) + low)
@@ -49,7 +49,8 @@ def product(y, high, low):
 def in_two_doubles(fixed, fraction_bits):
     """Return ``fixed``/2^FIXED, for an integer ``fixed``, as the sum of two doubles, the larger one first.
 
-    The first double is a multiple of 2^−fraction_bits, so that sums of such doubles can be exact.
+    The first double is a multiple of 2^−fraction_bits, so that sums of such doubles can be exact. Only the
+    second double is rounded.
     """
     unit = 1 << (FIXED - fraction_bits)
     first = (fixed + unit // 2) // unit

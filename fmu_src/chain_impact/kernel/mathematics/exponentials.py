@@ -21,29 +21,30 @@ from chain_impact.kernel.mathematics.logarithms import LN_2, PLACES, TINY, log_p
 
 POWER_COUNT_BITS = 7  # the table has 2⁷ powers of 2, with the exponents j/128
 POWER_COUNT = 1 << POWER_COUNT_BITS
-# coefficients of the best approximation on |r| < ln 2/256, by Remez's exchange: e^r = 1 + r + r² P(r)
+# coefficients, from the constant one on, of the best polynomial P for |r| < ln 2/256, by Remez's exchange:
+# e^r = 1 + r + r² P(r)
 EXP_P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.008333335946890487)
 STEP_HIGH, STEP_LOW = in_two_doubles(LN_2 // POWER_COUNT, PLACES)
 STEPS_PER_ONE = (POWER_COUNT << FIXED) / LN_2
 ROUND_BITS = bits_of(ROUND)
 # the bound of |x| for ``exp_of_common``: below it e^x is finite, and not so small that it has fewer digits
 COMMON = 650.0
-# half of the range of binary exponents; for |x| > COMMON, e^x is computed as e^(x ∓ 512 ln 2) times 2^±512,
-# so that the result is rounded only once
+# for |x| ≥ COMMON, e^x is computed as e^(x ∓ HALF_RANGE ln 2) times 2^±HALF_RANGE, so that the first factor
+# is in the range of ``exp_of_common``
 HALF_RANGE = 512
 UP, DOWN = 2.0**HALF_RANGE, 2.0**-HALF_RANGE
 HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two_doubles(HALF_RANGE * LN_2, PLACES)
 OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
-# |x| below which x + x²/2 is e^x − 1 to about eleven digits, enough for one step of Newton's method
+# |x| below which x + x²/2 is e^x − 1 to about eleven digits, which one step of Newton's method doubles
 NEARLY_LINEAR = 1e-5
-# from this x on, 1 is at most a thirtieth of the last digit of e^x, so the rounded e^x minus 1 is accurate
+# from this x on, 1 is at most 1/32 ulp of e^x, so that the rounded e^x, minus 1, is accurate
 STEEP = 40.0
 
 
 def _table():
     """Return two arrays for j from 0 to 127: the bits of 2^(j/128) as a double, and what rounding has lost.
 
-    The lost part is relative to the power.
+    The second array is relative to 2^(j/128).
     """
     patterns, remainders = [], []
     for j in range(POWER_COUNT):
@@ -62,7 +63,7 @@ POWER_BITS, REST = _table()
 
 @inlined
 def exp_of_common(high, low):
-    """Return e^(high + low), for |high| < COMMON and a number ``low`` that is far smaller than ``high``."""
+    """Return e^(high + low), for |high| < COMMON; |low| is 0 or far smaller than |high|."""
     shifted = high * STEPS_PER_ONE + ROUND
     steps = shifted - ROUND
     count = bits_of(shifted) - ROUND_BITS
@@ -74,7 +75,7 @@ def exp_of_common(high, low):
 
 
 def exp_of_sum(high, low):
-    """Return e^(high + low), for any ``high`` but NaN, and a ``low`` that is far smaller than ``high``."""
+    """Return e^(high + low), for any ``high`` but NaN; |low| is 0 or far smaller than |high|."""
     if abs(high) < COMMON:
         return exp_of_common(high, low)
     if high > OVERFLOW:
@@ -88,13 +89,13 @@ def exp_of_sum(high, low):
 
 @has_dual_rule
 def exp(x):
-    """Return e^x."""
+    """Return e^x: ∞ or 0 beyond the range of doubles, and NaN for NaN."""
     return math.nan if math.isnan(x) else exp_of_sum(x, 0.0)
 
 
 @has_dual_rule
 def expm1(x):
-    """Return e^x − 1."""
+    """Return e^x − 1: ∞ beyond the range of doubles, and NaN for NaN."""
     if abs(x) < TINY:
         return 1.0 * x
     if not -1.0 < x < STEEP:

@@ -1,8 +1,8 @@
 """Natural logarithms ln x and ln(1 + x), with errors below 1 ulp (unit in the last place).
 
 With x = 2^k m, the mantissa m between about √½ and √2, and a number c near 1/m from a table, ln x = k ln 2 −
-ln c + ln(1 + r), r = m c − 1 (P. T. P. Tang 1990, ACM Trans Math Softw 16:378). Before it is rounded, the
-logarithm is the sum of two doubles, with a relative error below 2⁻⁶³; powers need this accuracy.
+ln c + ln(1 + r), r = m c − 1 (P. T. P. Tang 1990, ACM Trans Math Softw 16:378). Each logarithm is first
+computed as the sum of two doubles, with a relative error below 2⁻⁶³; powers need this accuracy.
 """
 
 import math
@@ -25,13 +25,15 @@ from chain_impact.kernel.mathematics.doubles import (
 # interval contains 2^WIDTH_BITS doubles.
 MANTISSA_INTERVALS, WIDTH_BITS = 256, 44
 # FIRST: the bits of the start of the first interval of the mantissa, near √½. MIDDLE: the index, from 0, of
-# the interval in which c = 1; it extends as far below 1 as above 1, so that ln x loses no digits near x = 1.
+# the interval in which c = 1; this interval extends as far below 1 as above 1, so that ln x loses no digits
+# near x = 1.
 MIDDLE = 150
 FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
-# number of bits after the binary point in the larger parts of ln 2 and ln c; the sum k ln 2 − ln c of these
-# parts is then exact for |k| < 2¹¹
+# ln 2 and −ln c are sums of two doubles; the first one has this number of bits after the binary point, so
+# that k ln 2 − ln c of the first doubles is exact for |k| < 2¹¹
 PLACES = 42
-# coefficients of the best approximation on |r| < 0.0035, by Remez's exchange: ln(1 + r) = r − r²/2 + r³ P(r)
+# coefficients, from the constant one on, of the best polynomial P for |r| < 0.0035, by Remez's exchange:
+# ln(1 + r) = r − r²/2 + r³ P(r)
 LOG_P = (
     0.33333333333333337,
     -0.24999999999045547,
@@ -43,7 +45,7 @@ TINY = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are equal to x in dou
 
 
 def fixed_logarithm(a, b):
-    """Return ln(a/b) of two positive integers, times 2^FIXED, as an integer."""
+    """Return ln(a/b) of two positive integers, times 2^FIXED, rounded to an integer near it."""
     # ln(a/b) = 2 (z + z³/3 + z⁵/5 + …), z = (a − b)/(a + b)
     term = ((a - b) << FIXED) // (a + b)
     square, total, n = term * term >> FIXED, 0, 1
@@ -88,8 +90,8 @@ def log_parts(pattern):
     u, v = m_front * c - 1.0, (m - m_front) * c
     r = u + v
     base = float(k) * LN_2_HIGH + float(LOG_HIGH[i])
-    # high + rounded = base + r − u²/2: the terms are added from the largest to the smallest, and ``rounded``
-    # collects what rounding loses
+    # high + rounded = base + r − u²/2: ``rounded`` is the sum of what rounding loses in ``first`` and in
+    # ``high``
     first, half_square = base + r, 0.5 * (u * u)
     high = first - half_square
     rounded = ((base - first) + r) + ((first - high) - half_square)
@@ -110,7 +112,7 @@ def log_parts_of_any(x):
 
 @has_dual_rule
 def log(x):
-    """Return ln x; −∞ for x = 0, and NaN for x < 0."""
+    """Return ln x; −∞ for x = 0, and NaN for x < 0 and for NaN."""
     if 0.0 < x < math.inf:
         high, low = log_parts_of_any(x)
         return high + low
@@ -131,7 +133,7 @@ def log_parts_beside_one(x):
 
 @has_dual_rule
 def log1p(x):
-    """Return ln(1 + x)."""
+    """Return ln(1 + x); −∞ for x = −1, and NaN for x < −1 and for NaN."""
     if abs(x) < TINY:
         return 1.0 * x
     if not -1.0 < x < math.inf:

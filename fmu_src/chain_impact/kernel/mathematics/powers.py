@@ -1,6 +1,6 @@
 """Powers, with errors below 1 ulp (unit in the last place).
 
-x^y = e^(y ln x), with y ln x as the sum of two doubles.
+x^y = e^(y ln x) for x > 0, with y ln x as the sum of two doubles.
 """
 
 import math
@@ -11,12 +11,12 @@ from chain_impact.kernel.mathematics.exponentials import COMMON, exp_of_common, 
 from chain_impact.kernel.mathematics.logarithms import log_parts, log_parts_of_any
 
 ALL_EVEN = 2.0**53  # from this number on all doubles are even integers
-HUGE_EXPONENT = 2.0**64  # for |y| from this on, x^y is 0, 1 or infinite for every x
+HUGE_EXPONENT = 2.0**64  # for |y| from this number on, |x|^y is 0, 1 or infinite for every x but NaN
 
 
 @has_dual_rule
 def power(x, y):
-    """Return x^y for any x and y; the first lines are for a positive x and a result of usual size."""
+    """Return x^y for any x and y, as ``any_power`` does; faster for a normal x > 0 and |y ln x| < COMMON."""
     pattern = bits_of(x)
     if LEAST_NORMAL <= pattern < INFINITY:
         high, low = log_parts(pattern)
@@ -27,7 +27,7 @@ def power(x, y):
 
 
 def any_power(x, y):
-    """Return x^y for any x and y; for 0, infinity and NaN with the results of pow() in C."""
+    """Return x^y for any x and y; for 0, infinity, NaN and x < 0 the same as pow() in C."""
     if y == 0.0 or x == 1.0:
         return 1.0
     if math.isnan(x) or math.isnan(y):
@@ -41,7 +41,7 @@ def any_power(x, y):
 
 
 def power_of_size(x, y):
-    """Return |x|^y for |x| = ``x`` ≥ 0 and y ≠ 0; ``any_power`` gives the result its sign."""
+    """Return x^y for x ≥ 0 and y ≠ 0, of which none is NaN; ``any_power`` adds the sign for a base < 0."""
     if x == 1.0:
         return 1.0
     if x == 0.0 or math.isinf(x) or abs(y) >= HUGE_EXPONENT:
