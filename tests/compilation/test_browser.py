@@ -9,6 +9,7 @@ import pytest
 from chain_impact.compilation import browser, ready
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import browser_module
+from chain_impact.pages.assembly import text_of
 from tests.helpers.scenes.law_texts import LAW, SINH
 from tests.tiers import needs_compilers
 
@@ -35,6 +36,11 @@ def sections(content):
         found[kind] = content[at : at + size]
         at += size
     return found
+
+
+def test_the_exports_are_those_that_pages_use():
+    used = re.findall(r"\bexports\.(\w+)", text_of("solver/kernel.js"))
+    assert set(used) == {*browser.EXPORTS, "memory"}
 
 
 @pytest.mark.full("takes long")

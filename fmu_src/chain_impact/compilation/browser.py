@@ -1,6 +1,6 @@
 """The kernel for a web page: a WebAssembly module for any number of links.
 
-The module has the same code as a native library, without the C interface of FMUs. It imports nothing except,
+The module has the part of a native library that pages call. It imports nothing except,
 with a user's law, the functions of the browser's ``Math`` that the law calls.
 """
 
@@ -14,15 +14,8 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.laws.law_syntax import LawError
 
 MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"
-EXPORTS = (
-    "initialize",
-    "advance_awhile",
-    "observe_now",
-    "log_contacts",
-    "trajectory",
-    "run_each",
-    "__heap_base",
-)
+EXPORTS = ("initialize", "log_contacts", "trajectory", "__heap_base")
+"""What pages use of the module besides its memory (pages/browser/solver/kernel.js)."""
 STACK = 1 << 20  # [byte] size of the module's stack, of which the kernel uses a few thousand bytes
 # The target is WebAssembly with addresses of 32 bits, because zig has no headers for 64 bits. A vector
 # (-msimd128) holds two doubles, as in the code for x86 processors.
