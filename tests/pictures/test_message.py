@@ -120,7 +120,7 @@ def test_the_weight_on_a_rigid_wall_is_no_part_of_the_impact(duration):
     assert np.isnan(impact["end"])
     (told,) = peaks(run)
     momentum = sum(link.mass for link in scene.chain.links) * impact["impact_speed"]
-    assert told.words == "impulse"
+    assert told.words == "hit impulse"
     assert float(told.value.removesuffix(" N·s")) == pytest.approx(momentum, rel=5e-3)
     assert "peak" not in message(run)
 
@@ -129,7 +129,8 @@ def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
     run = simulate(load_scene("kneed_leg"))
     short = simulate(load_scene("kneed_leg"), float(run.impacts["onset"][0]) + 1e-6)
     (told,) = peaks(run)
-    assert told.words == "impulse at a stop"
+    assert told.words == "hit impulse at a stop"
+    assert run.impacts["impulse"][0] > 2.0 * short.impacts["impulse"][0]  # the stop then holds the knee
     value = float(told.value.removesuffix(" mN·m·s"))
     assert value == pytest.approx(1e3 * short.impacts["impulse"][0], rel=5e-3)
     page = run.plot(size=(84 / 25.4, None))
@@ -137,6 +138,7 @@ def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
     assert any("joint 3 hits joint_max at 0.3478 s with 7.69 rad/s" in t.get_text() for t in page.texts)
     panel = next(axes for axes in page.axes if axes.get_label() == "impacts")
     assert f"1: {told.value}" in [text.get_text() for text in panel.texts]
+    assert panel.get_ylabel().split() == ["hit", "impulse", "[mN·m·s]"]
 
 
 def test_none_of_equal_impulses_is_singled_out():

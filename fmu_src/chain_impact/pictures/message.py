@@ -29,6 +29,8 @@ SAME_PEAK = 1e-3
 LITTLE_SUPPLIED = 0.01
 # a run with more evaluations of the equations of motion than this is not repeated to get its joint forces
 MOST_EVALUATIONS = 300_000
+# the impulse of a contact; the part that the hit has in it, without the impulse of the force that follows
+IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
 SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
 
 
@@ -143,9 +145,9 @@ def peaks(recording: Recording) -> list[Peak]:
         words, unit, values = strengths(recording, is_stop=is_stop)
         most = float(values.max(initial=0.0))
         if most > 0.0:
-            if words == "impulse":
+            if words in (IMPULSE, HIT_IMPULSE):
                 largest = "largest " if np.count_nonzero(values) > 1 else ""
-                words = f"{largest}impulse{' at a stop' if is_stop else ''}"
+                words = f"{largest}{words}{' at a stop' if is_stop else ''}"
             equal = np.flatnonzero(values >= (1.0 - SAME_PEAK) * most)
             found.append(Peak(words, force_text(most, unit), int(equal[0]), len(equal)))
     return found
@@ -178,10 +180,10 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     """Return how hard impacts are: words, unit, values, shape (I,).
 
     If ``is_stop``, the values are those of the impacts at stops of joints, else those of all other impacts:
-    at walls and at stops of a slider. The words are "peak force", "peak moment" or "impulse". A value is 0 if
-    it is unknown, or if the impact is of the other kind. The impulse of a contact that lasts to the end of
-    the run is 0 while other impacts end, because it also contains their shocks. If all impacts last, the
-    impulses are those of ``impulses_of_hits``.
+    at walls and at stops of a slider. The words are "peak force", "peak moment", IMPULSE or HIT_IMPULSE. A
+    value is 0 if it is unknown, or if the impact is of the other kind. The impulse of a contact that lasts to
+    the end of the run is 0 while other impacts end, because it also contains their shocks. If all impacts
+    last, the values are the hit impulses of ``impulses_of_hits``, not those of the table of impacts.
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
     is_own = recording.at_stops == is_stop
@@ -191,8 +193,8 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
         ended = impulses * ~lasts(impacts)
-        hits = ended if ended.any() else impulses_of_hits(recording) * is_own
-        return "impulse", unit_at("impulse", stop=is_stop), hits
+        words, told = (IMPULSE, ended) if ended.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
+        return words, unit_at("impulse", stop=is_stop), told
     return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
 
 
