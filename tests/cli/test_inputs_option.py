@@ -79,5 +79,5 @@ def test_a_table_that_cannot_drive_a_scene_is_refused(arm, tmp_path, capsys):
         assert command("simulate", scene, "--inputs", table) != 0
         assert message in capsys.readouterr().err
     driven = f'{ARM}[signals.a]\ninput = "{TORQUE}"\nform = "constant"\nvalue = 1.0'
-    with pytest.raises(ValueError, match=r"signal\.a drives it"):
+    with pytest.raises(ValueError, match=r"signals\.a drives it"):
         simulate(parse_scene(driven, "x"), inputs={TORQUE: 1.0})

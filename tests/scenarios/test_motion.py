@@ -182,7 +182,7 @@ def test_a_wall_that_is_given_a_jump_between_steps_is_refused():
 
 
 def test_a_velocity_that_contradicts_its_position_is_warned_of():
-    with pytest.warns(SceneWarning, match=r"wall.y_min.velocity = 0.5 contradicts .* derivative is 0.01"):
+    with pytest.warns(SceneWarning, match=r"wall.y_min.velocity = 0.5 contradicts .* gives 0.01"):
         simulate(room(), inputs={"wall.y_min.displacement": lambda t: 0.01 * t, "wall.y_min.velocity": 0.5})
 
 

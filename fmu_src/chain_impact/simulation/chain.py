@@ -30,15 +30,15 @@ from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import TableRow, Variable
 
-# the head of a saved state: magic number, CRC-32 of the bytes after it, digest of the scene, whether the
-# chain has made a step, number of contacts, number of changes of friction modes
+# the head of a saved state: magic number, CRC-32 of all bytes from CHECKED_FROM on, digest of the scene,
+# whether the chain has made a step, number of contacts that have ended, number of changes of friction modes
 STATE = struct.Struct("<8sQ16sqqq")
 CHECKED_FROM = 16
 MAGIC = b"chainsv2"
 
 
 class _Access(NamedTuple):
-    """Access to a variable: its row of the FMU's table, its choices, its unit, and the kind of its value.
+    """Access to a variable: its row of the FMU's table, the names of its choices, and its unit.
 
     ``whole`` says whether the value is stored as an integer, as are whole numbers, choices and truth values.
     """
@@ -68,8 +68,9 @@ class Chain:
 
     Names and rules are the same as in the FMU: until the first step, all variables except outputs can be set;
     after the first step, inputs and tunable parameters can be set. A value acts from the present time on,
-    until the variable is set again. The size of the steps does not change the solution. A fault raises a
-    ``SimulationError``; then ``restore`` and ``reset`` return to an earlier state.
+    until the variable is set again. The size of the steps changes the solution only if inputs move the base,
+    walls or belts (docs/drive.md). A fault raises a ``SimulationError``; then ``restore`` and ``reset``
+    return to an earlier state.
 
     Attributes:
         scene: the scene.
@@ -83,6 +84,7 @@ class Chain:
                 in its table ``inputs``.
 
         Raises:
+            SceneError: when the scene is invalid.
             SimulationError: when the scene cannot start.
             BuildError: when the kernel cannot be compiled.
         """
@@ -126,8 +128,7 @@ class Chain:
         """
         self._ensure_initialized()
         before = self._reals.copy()
-        # `open_contacts` changes the record: it ends the solver's last step at the present time; the copy
-        # ``before`` undoes this
+        # ``open_contacts`` ends the solver's last step at the present time; the copy ``before`` undoes this
         lasting = self._instance.open_contacts()
         self._reals[:] = before
         return in_order([*self._impacts, lasting], self.scene.wall_names)[1]
@@ -147,7 +148,8 @@ class Chain:
 
         Raises:
             SceneError: when the duration is not a finite number > 0.
-            SimulationError: when the solver cannot go on.
+            SimulationError: when the scene cannot start with the values that were set, or the solver cannot
+                continue.
         """
         if not 0.0 < duration < math.inf:
             raise SceneError(
@@ -160,7 +162,8 @@ class Chain:
 
         Raises:
             SceneError: when the time lies in the past, or is not a finite number.
-            SimulationError: when the solver cannot go on.
+            SimulationError: when the scene cannot start with the values that were set, or the solver cannot
+                continue.
         """
         if not self.time <= time < math.inf:
             needed = f"a finite number >= {self.time!r} [s], the present time"
@@ -181,11 +184,12 @@ class Chain:
             warn(self.scene.name, self._instance.contradictions)
 
     def get(self, names: str | Iterable[str]) -> Any:
-        """Return the present value of a variable, or of several.
+        """Return the present values of variables in SI units; a choice is its number in the FMU.
 
         Args:
-            names: one name gives a number. Several names, or a name with ``*`` for any text, give an array of
-                numbers in the order of the names, shape (M,).
+            names: one name gives a number. Several names, or a name with ``*`` for any text, give an array,
+                shape (M,), with M variables in the order of the names; those that match one name are in the
+                order of the FMU.
 
         Raises:
             UnknownNameError: when no variable has one of the names.
@@ -211,12 +215,12 @@ class Chain:
 
         If one value is refused, no value is set.
 
-        A contact law or a solver method may be given by its name or its number in the FMU, an angle also as
-        "90 deg".
+        Values are in SI units. A contact law or a solver method may be given by its name or its number in the
+        FMU, an angle also as "90 deg".
 
         Raises:
             UnknownNameError: when no variable has the name.
-            SceneError: when a variable cannot be set at this time, or cannot have this value.
+            SceneError: when a variable is an output, is fixed after the first step, or cannot have the value.
         """
         given = {values: value} if isinstance(values, str) else values
         checked = [self._checked_value(name, value) for name, value in given.items()]
@@ -231,9 +235,10 @@ class Chain:
                     self._initialized = False
 
     def save(self) -> bytes:
-        """Return the whole present state.
+        """Return the whole present state; any chain of the same scene continues from this state bit by bit.
 
-        Any chain of the same scene continues from it with the same bits.
+        Raises:
+            SimulationError: when the scene cannot start with the values that were set.
         """
         self._ensure_initialized()
         self._collect()
@@ -287,7 +292,7 @@ class Chain:
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ensure_initialized(self) -> None:
-        """Compute the start again if a value was set before the first step, after the start was computed."""
+        """Compute the start again if ``set`` has changed a value since then; only before the first step."""
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False
@@ -353,8 +358,8 @@ class Chain:
     def _hint(self, name: str) -> str | None:
         """Return a hint for a name that is no variable of the chain; None if no hint is known.
 
-        It tells how a scene would get this variable or, for a value of the scene that cannot change in a run,
-        how to change it.
+        The hint tells how a scene gets this variable or, for a value of the scene that cannot change in a
+        run, how to change this value.
         """
         if input_key(name):
             return how_asked(self.scene, name)
@@ -366,7 +371,7 @@ class Chain:
 
 
 def _restored(scene: Scene, state: bytes) -> Chain:
-    """Return a chain of a scene in the ``state`` that ``save`` returned; ``__reduce__`` uses this."""
+    """Return a chain of a scene in the ``state`` that ``save`` returned; used to unpickle a chain."""
     chain = Chain(scene)
     chain.restore(state)
     return chain

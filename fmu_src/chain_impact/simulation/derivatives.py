@@ -94,7 +94,7 @@ class DifferentiatedInstance(Instance):
     def restart(self, paths: Sequence[DataPath], values: np.ndarray) -> None:
         """Set the instance and its tangent instances to the start, with new values of parameters and inputs.
 
-        Each of ``paths`` leads, in the record, to the value that the entry of ``values`` replaces.
+        ``paths[k]`` leads, in the record, to the number that ``values[k]`` replaces.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -168,8 +168,8 @@ class DifferentiatedInstance(Instance):
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
         """Store the derivatives of the impacts in ``rows``, whose rows in the log are ``slots``.
 
-        A derivative is NaN if the impact is not ``valid``, if the value is not finite or is known only after
-        derivatives can no more be trusted, or if no derivative exists for the parameter (``_missing``).
+        A derivative is NaN if the impact is not ``valid``, if the differentiated quantity is not finite or is
+        known only when derivatives cannot be trusted, or if the parameter has no derivative (``_missing``).
         """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
@@ -197,7 +197,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _one_sided(self) -> list[str]:
-        """The parameters with one-sided derivatives: they shift the time of a knot in ``bends_at_start``."""
+        """The names of parameters that shift a knot in ``bends_at_start``: derivatives are one-sided."""
         driven = self.prepared.structure.signals
         if not driven:
             return []
@@ -247,7 +247,7 @@ class Differentiated:
 
     Attributes:
         values: the W outputs at T times, shape (T, W); NaN after a fault.
-        slopes: the derivatives of the outputs, shape (T, W, P).
+        slopes: the derivatives of the outputs, shape (T, W, P); NaN after a fault.
         impacts: I rows, one for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: quantity of an impact → its derivatives, shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
@@ -288,7 +288,7 @@ class DifferentiatedRun:
 
         Raises:
             UnknownNameError: when a name does not exist.
-            SceneError: when a signal is invalid.
+            SceneError: when the scene or a table of inputs is invalid, or ``parameters`` is empty.
             SimulationError: when the scene cannot start.
         """
         self._prepared = PreparedScene(scene_of(scene))
@@ -310,6 +310,9 @@ class DifferentiatedRun:
             values: the values of the parameters, shape (P,); the value for an input is not used if ``inputs``
                 has a signal for it.
             times: the increasing times of the wanted outputs, shape (T,) [s].
+
+        Raises:
+            SceneError: when an input is invalid.
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)

@@ -2,8 +2,8 @@
 
 A piece is an interval with one polynomial for each function: its Chebyshev series from values at
 Chebyshev–Gauss points. The ends of a piece are not among these points, so the exact value at a jump does not
-matter. A piece whose series does not converge is halved, or divided where the function changes from one
-polynomial to another. A piece around a jump or kink that is shorter than ``SHORTEST`` is dropped.
+matter. An interval in which a series does not converge is halved, or divided where the functions change from
+one polynomial to another. An interval shorter than ``SHORTEST``, around a jump or kink, gets no piece.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
 coefficients bound the error.
@@ -27,14 +27,14 @@ Sampled = Callable[[np.ndarray], np.ndarray]
 # number of equal parts of a run at whose ends each function is called first; a shorter pulse can be missed
 CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function from which the polynomial of a piece is computed
-SHORTEST = 4e-13  # [1] a piece shorter than this, relative to the run, is dropped: it contains a jump or kink
+SHORTEST = 4e-13  # [1] an interval at most this long, relative to the run, is dropped: at a jump or kink
 # [1] two pieces count as equally long if their lengths differ by at most this, relative to the length
 ALIKE = 1e-6
 # an interval longer than 2^FAR times the last piece is halved without trying a polynomial, which would
 # probably fail
 FAR = 2
-# log₂ of the largest number of pieces for which the functions are called at once; if polynomials fail, more
-# pieces would waste more values
+# log₂ of the largest number of pieces for which the functions are called at once; values for more pieces
+# would be wasted if polynomials fail
 TOGETHER = 4
 # if polynomials have failed for intervals of some length, this length is tried again after at most this
 # number of pieces
@@ -46,12 +46,12 @@ FINE = 1 / 65536
 # largest number of times in a run at which the functions are evaluated for short pieces, jumps and kinks;
 # with more, the search gives up with an error
 CALLS = 15_000
-# Each piece of ``held`` in ``with_held`` raises the limit CALLS by CALLS_PER_PIECE, because the functions are
-# followed in each of these pieces apart.
+# Each piece of ``held`` in ``with_held`` raises the limit CALLS by CALLS_PER_PIECE, because the search for
+# polynomials begins anew in each of these pieces.
 CALLS_PER_PIECE = 50
 SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
-# [1] in the first round of ``_break``, a value belongs to the nearer of two polynomials only if its distance
-# from it is at most this times the distance from the other; in the second round it always does
+# [1] in the first round of ``_break``, a value belongs to the nearer of two polynomials only if the smaller
+# distance is at most NEARER times the larger one; in the second round any value belongs to the nearer one
 NEARER = 0.1
 NEWTON_STEPS = 4  # number of Newton steps to find a zero of a polynomial that is close to the first guess
 TINY = 1e-300  # the code divides by the allowed error, so this replaces an error of 0
@@ -127,7 +127,7 @@ class Follower:
     def pieces(self, start: float, end: float) -> list[Piece]:
         """Return pieces of the functions between two times [s].
 
-        Neighbours that one polynomial fits are joined.
+        Neighbours that one polynomial fits are joined, except two that ``_alike`` rules out untried.
 
         Raises:
             NotSmoothError: when a function cannot be approximated.
@@ -145,8 +145,8 @@ class Follower:
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
         """Return the pieces ``held`` of all signals, with polynomials of the functions in their ``columns``.
 
-        In a piece of ``held`` all signals are constant or linear. It is divided where the functions need more
-        than one polynomial.
+        In a piece of ``held`` all signals are constant or linear. This piece is divided where the functions
+        need more than one polynomial.
 
         Raises:
             NotSmoothError: when a function cannot be approximated.
@@ -180,7 +180,10 @@ class Follower:
         )
 
     def _join(self, pieces: list[Piece], piece: Piece) -> None:
-        """Append a piece; if one polynomial fits it and the last piece, replace the last by one over both."""
+        """Append a piece, or replace the last piece by one over both if these meet and one polynomial fits.
+
+        If ``_alike`` says that this would probably fail, it is not tried.
+        """
         meets = bool(pieces) and pieces[-1].end == piece.start
         both = (
             self._fitted(pieces[-1].start, piece.end)
@@ -233,9 +236,9 @@ class Follower:
                 yield from self._parted(*part)
 
     def _is_vain(self, length: int) -> bool:
-        """Return whether no polynomial is tried now for an interval, as those of its length failed before.
+        """Return whether to try no polynomial for an interval, because others of this length failed before.
 
-        ``length`` is the binary exponent of the length.
+        ``length`` is the binary exponent of the interval's length in [s].
         """
         return self._count < self._again.get(length, 0)
 
@@ -311,7 +314,10 @@ class Follower:
         return before, after
 
     def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
-        """Return the values of the functions at times [s]; ``costly``: the times count against CALLS."""
+        """Return the values of the functions at times [s], shape (T, M).
+
+        ``costly``: the times count against CALLS; raise NotSmoothError if this limit is passed.
+        """
         if costly:
             self._calls_left -= len(times)
             if self._calls_left < 0:
@@ -330,9 +336,8 @@ class Follower:
     def _foresee(self, start: float, end: float) -> None:
         """Compute all pieces of an interval in one call of the functions, each as long as the last piece.
 
-        This is done only if the interval will certainly be halved down to this length: FAR excludes all
-        longer pieces but the last few, and ``_is_vain`` must exclude these. There are at most 2^TOGETHER
-        pieces.
+        Nothing is done for more than 2^TOGETHER pieces, or if a longer piece is to be tried first: FAR
+        excludes longer pieces except those of the last FAR lengths, ``_is_vain`` must exclude these.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0

@@ -83,7 +83,10 @@ class InputCourse:
     slips: np.ndarray
 
     def at(self, times: np.ndarray) -> InputCourse:
-        """Return the same inputs with other communication points: ``times`` [s], and the starts of pieces."""
+        """Return the same inputs with other communication points: ``times`` [s], and the starts of pieces.
+
+        Pieces that start after the last of ``times`` are left out.
+        """
         begins = self.times[np.maximum(self.first - 1, 0)]
         merged = np.union1d(times, begins[begins <= times[-1]])
         first = np.searchsorted(merged, begins, side="right")
@@ -93,7 +96,8 @@ class InputCourse:
     def set(self, record: Any, row: int) -> None:
         """Set the inputs in a record to those of a row.
 
-        The solver will re-initialize if an input jumps, or if the acceleration of a followed motion does.
+        The solver will re-initialize if an input, the acceleration of a followed motion, or the speed of a
+        belt jumps.
         """
         if not self.paths:
             return
@@ -115,7 +119,7 @@ class InputCourse:
                 piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
         # steady: with ``hold``, the kernel makes the polynomials of motions from the values at communication
-        # points, and writes their settings itself; all other inputs are constant and need no settings
+        # points, and writes the settings of its polynomials; all other inputs are constant, without settings
         steady = motion["interpolates"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or piece["order"]):
             changed = changed or any(piece[name] != value for name, value in settings.items())
@@ -132,7 +136,7 @@ def input_course(
     """Return the inputs of a simulation over time, with given communication points.
 
     Args:
-        prepared: the scene that the inputs drive, prepared.
+        prepared: the scene that the inputs drive.
         inputs: name of an input of the FMU → its value over time; or a table.
         interpolation: ``follow``, ``hold``, ``linear`` or ``spline``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, also if the
@@ -264,9 +268,9 @@ def by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
 
 
 def _hint(prepared: PreparedScene, name: Any) -> str:
-    """Return a hint for a name that is not an input: what drives it, how to add it, or all inputs."""
+    """Return a hint for a name that is not an input: which signal drives it, how to add it, or all inputs."""
     if name in prepared.signals_by_input:
-        return f"signal.{prepared.signals_by_input[name]} drives it"
+        return f"signals.{prepared.signals_by_input[name]} drives it"
     if isinstance(name, str) and input_key(name):
         return how_asked(prepared.scene, name)
     return inputs_text(variable.name for variable in prepared.inputs)
@@ -278,7 +282,7 @@ def _values_at(called: Callable[[str, float], float], name: str, times: np.ndarr
 
 
 def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Return the points of a grid that are nearest to given times, which lie inside the grid."""
+    """Return the points of a grid [s] that are nearest to given times [s]; none if the grid has one point."""
     after = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
     nearer = times[: len(after)] - grid[after - 1] < grid[after] - times[: len(after)]
     return np.unique(grid[after - nearer])
@@ -316,8 +320,8 @@ def _with_functions(
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
     """Return the communication points together with the times of samples inside the run.
 
-    A sample that is at most ``same`` [s] from a communication point is left out. Of the other samples, one
-    adds no time if it is at most ``same`` after the sample before it, even if that sample adds none, either.
+    A sample that is at most ``same`` [s] from a communication point is left out. So is a sample that is at
+    most ``same`` after the one before, also if that one is left out for this reason.
     """
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]
@@ -340,7 +344,8 @@ def inputs_text(inputs: Iterable[str]) -> str:
 def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
     """Return a signal's values at several times, shape (T,); ``linear`` joins samples, else they are held.
 
-    A held sample acts from ``same`` [s] before its time on, until the next one acts.
+    A held sample acts from ``same`` [s] before its time on, until the next one acts; the first sample also
+    before.
     """
     if callable(signal):
         return np.array([called_at(what, signal, time) for time in times.tolist()])

@@ -29,7 +29,7 @@ from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared
 from chain_impact.variables.variable import Variable
 
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
-# largest number of rows, and of bytes in these rows, that the kernel fills in one call
+# largest number of rows, and of bytes in these rows, that the kernel fills in one call; but at least one row
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
 
 
@@ -89,7 +89,7 @@ class WordRows:
     """
 
     def __init__(self, count: int, words: Sequence[int] | np.ndarray, *, of_state: bool = False) -> None:
-        """Make a buffer for ``count`` rows."""
+        """Make a buffer for ``count`` rows of the W numbers whose indices in the record are ``words``."""
         self.numbers = np.empty((count, len(words)))
         self.spans, self.of_state = spans_of(words), of_state
         self.chunk = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
@@ -147,8 +147,11 @@ class Instance:
     ) -> None:
         """Load or compile the kernel; set the instance to its start, with the first values of the inputs.
 
+        The derivatives are those with respect to ``varied``; None stands for the list of the scene.
+
         Raises:
             SimulationError: when the scene cannot start.
+            BuildError: when the kernel cannot be compiled.
         """
         self.prepared = prepared_scene(source)
         varied = self.prepared.varied if varied is None else varied
@@ -209,15 +212,15 @@ class Instance:
     ) -> int:
         """Advance to each of the times [s] and fill a row at each; return the number of filled rows.
 
-        Fewer rows than times are filled after a fault, if the log of contacts is full, or after a second of
-        computing.
+        Fewer rows than times are filled after a fault, if the log of contacts or that of dry friction is
+        full, or after about a second of computing.
 
         Args:
             times: shape (T,).
             rows: result, T rows of W numbers.
             spans: the indices of a row's numbers in the record, see ``spans_of``; None for all outputs.
-            of_state: whether only outputs in ``STATE_OUTPUTS`` (record/instance.py) have to be
-                computed.
+            of_state: whether all numbers of a row are outputs in ``STATE_OUTPUTS``; the kernel then computes
+                no other outputs.
         """
         spans = spans_of(self.prepared.output_words) if spans is None else spans
         wanted, filled = (spans.ctypes.data, len(spans)), (rows.ctypes.data, rows.strides[0] // WORD)
@@ -231,12 +234,12 @@ class Instance:
     ) -> tuple[int, list[np.ndarray]]:
         """Fill rows at all communication points of a run.
 
-        Returns the number of rows that are filled before a fault, and the contacts that have ended.
+        Returns the number of filled rows, which a fault makes smaller, and the contacts that have ended.
         """
         done, impacts, last = 0, [], len(course.times)
         ends = np.append(course.first[1:], last) if course.paths else None
         while done < last and self.status == OK:
-            # a call of ``rows.fill`` ends with a piece of the inputs, because each piece has other inputs
+            # no call of ``rows.fill`` goes beyond a piece of the inputs, because each piece has other inputs
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
             end = min(done + rows.chunk, until)
             course.set(self.record, done)
@@ -261,8 +264,8 @@ class Instance:
     def _ended(self) -> np.ndarray:
         """The numbers, from 0, of the contacts that have ended since ``collect`` was last called.
 
-        If the log, which also has room for contacts that last, is full, the contacts that ended first are
-        lost.
+        If the log has no room for all of these and for the contacts that last, those that ended first are
+        left out.
         """
         at, number = self._log_at, self._integers.item
         ended = number(at.ended)
@@ -288,14 +291,14 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """Return the contacts that still last, with their peaks so far.
 
-        The call ends the solver's last step at the present time: what was computed beyond it is dropped.
+        The call ends the solver's last step at the present time: motion computed beyond this time is dropped.
         """
         self._kernel.log_contacts(self._address)
         return self._impacts(self._lasting)
 
     @property
     def _lasting(self) -> np.ndarray:
-        """The numbers of the contacts that still last; the log has them after the ended contacts."""
+        """The numbers of the contacts that still last; they follow those of the ended contacts in the log."""
         ended = self._integers.item(self._log_at.ended)
         return np.arange(ended, ended + self._integers.item(self._log_at.active))
 
@@ -363,8 +366,8 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctype
     Args:
         scene: the scene.
         derivatives: whether the kernel carries derivatives.
-        sizes: the scenes that the kernel must run: ``PreparedScene.kernel_size``, the default, or a tuple of
-            all counts of a scene (``sizes_of``).
+        sizes: which scenes the kernel can run: those of ``PreparedScene.kernel_size``, the default, or only
+            those with the counts of a tuple (``sizes_of``).
 
     Raises:
         BuildError: when the kernel cannot be compiled.
@@ -381,9 +384,9 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctype
 
 
 def sizes_of(memory: np.ndarray) -> tuple[int, ...]:
-    """Return the counts and flags at the start of a record, for a kernel that runs only such scenes.
+    """Return the counts and flags at the start of a record, for a kernel that runs only scenes with these.
 
-    The last of these words, the number of tangent instances, is left out.
+    The number of tangent instances, the last word of this start, is left out.
     """
     return tuple(memory.view(np.int64)[: HEAD - 1].tolist())
 

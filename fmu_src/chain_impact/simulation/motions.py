@@ -1,8 +1,8 @@
 """The motions of base, walls and belts over time, from the inputs that give them.
 
 A channel of the kernel (kernel/chain/motion.py) follows a position, and the velocity and acceleration that
-are its derivatives. If inputs give a velocity or an acceleration but no position, the position is its
-integral over time, beginning with the position at the start of the run.
+are its derivatives. If no input gives the position, the position is the integral of the given velocity over
+time, or else the double integral of the given acceleration from rest; it begins with ``Channel.start``.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from chain_impact.variables.prepared import PreparedScene
 
 # arguments ``accuracy`` and ``resolved`` of ``Follower`` for motions
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
-# [1] two pieces that differ more than this at their common end make a jump of the position, the speed or the
-# acceleration, relative to its largest value. The limits are wide, because the time of a kink, and so the
-# speed there, is known only up to the square root of round-off.
+# [1] limits for the position, the speed and the acceleration, relative to the largest value of each: two
+# pieces that differ more than this where they meet make a jump. The limits are wide, because the time of a
+# kink, and so the speed there, is known only up to the square root of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
 # [1] a given velocity, acceleration or start contradicts the motion if the given value and that of the motion
 # differ by more than this: relative to the larger of the two starts, or to the largest velocity or
@@ -46,7 +46,7 @@ class Motion:
 
     Attributes:
         name: the name of the input that gives the motion; "" if no input does.
-        position: function from times [s] to positions [m].
+        position: function from times [s] to positions [m]; of a belt to the path since t = 0 [m].
         breaks: times at which the motion may not be smooth [s].
     """
 
@@ -127,8 +127,8 @@ def as_function(
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
     """Return an input over time as a function of times [s], and the times [s] at which it may not be smooth.
 
-    ``joined`` says how samples are joined: "linear", "held" until the next sample, or by a "spline", as the
-    rows of a table are. ``stop`` is the end of the run [s].
+    ``joined`` says how samples are joined: "linear", "held" until the next sample, or by a "spline". A single
+    sample is held. ``stop`` is the end of the run [s].
     """
     if callable(signal):
         return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)
@@ -197,8 +197,8 @@ def derivatives(pieces: Pieces, order: int) -> np.ndarray:
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
     """Return whether the derivative of one ``order`` of K motions jumps at the start of P pieces.
 
-    The shape is (P, K); it is False for the first piece. ``columns`` are the indices of the motions among the
-    signals of the pieces.
+    The shape is (P, K). No motion jumps at the start of the first piece, and none if the last piece does not
+    end. ``columns`` are the indices of the motions among the signals of the pieces.
     """
     jumping = np.zeros((len(pieces.start), len(columns)), bool)
     if not len(columns) or not math.isfinite(pieces.end[-1]):
@@ -218,7 +218,7 @@ def refuse_jumps(
     """Refuse a motion of base or wall whose position or velocity jumps; the speed of a belt may jump.
 
     Raises:
-        SceneError: when a motion jumps.
+        SceneError: when the position or velocity of a base or wall jumps.
     """
     for order, what in enumerate(("position", "velocity")):
         for k in np.flatnonzero((jumps(pieces, columns, order) & ~belts).any(axis=0)):
@@ -236,9 +236,9 @@ def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
     Only a jump in the speed of a belt stays. Each piece after the first gets the correction
     (1 − r)⁸ (s + (8 s + v) r), where r goes from 0 to 1 in the piece. The correction changes the position at
     the start of the piece by s, and the velocity there by v divided by the piece's duration. It changes
-    neither at the end of the piece.
-    s and v are such that the start then agrees with the end of the piece before. Where the speed of a belt
-    jumps, v is 0. ``columns`` are the indices of the motions among the signals of the pieces.
+    neither at the end of the piece. s and v are such that the start then agrees with the end of the piece
+    before. Where the speed of a belt jumps, v is 0. ``columns`` are the indices of the motions among the
+    signals of the pieces.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))
@@ -264,7 +264,10 @@ def contradictions(
     columns: np.ndarray,
     called: Callable[[str, float], float],
 ) -> list[str]:
-    """Return a sentence for each given velocity, acceleration or start that contradicts the given motion."""
+    """Return a sentence for each input that contradicts the motion of its channel, from another input.
+
+    So does a position of the base whose start is not that of the scene.
+    """
     texts = []
     for channel, column in zip(channels, columns, strict=True):
         names = [name for name in channel.names if name in signals]
@@ -284,7 +287,7 @@ def contradictions(
             if abs(given[k] - followed[k]) > CONTRADICTS * max(np.abs(given).max(), np.abs(followed).max()):
                 at = f"at t = {pieces.start[k]:.9g} s"
                 texts.append(
-                    f"{name} = {given[k]:.9g} contradicts {names[0]} {at}, of which the derivative is "
-                    f"{followed[k]:.9g}, and is not used"
+                    f"{name} = {given[k]:.9g} contradicts {names[0]}, which gives {followed[k]:.9g} {at}, "
+                    "and is not used"
                 )
     return texts

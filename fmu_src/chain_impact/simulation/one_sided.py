@@ -1,4 +1,4 @@
-"""Finds knots of signals at t = 0, the start of the run.
+"""Finds knots of signals at t = 0, the start of the run, at which accelerations of the chain jump.
 
 The derivatives of a motion with respect to the times of such knots are one-sided.
 """
@@ -23,8 +23,8 @@ VALUE, RATE, SECOND = range(3)
 def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
     """Return the indices of knots (starts of polynomials) at t = 0 where a signal makes accelerations jump.
 
-    If such a knot came later, the run would begin with the accelerations before it; if it came earlier, it
-    would not.
+    If such a knot came later, the run would begin with the accelerations before the knot; if the knot came
+    earlier, with those after it.
 
     Args:
         record: an initialized record.
@@ -58,6 +58,6 @@ def _watched(name: str) -> list[int]:
     if is_motion(name):
         return []
     if name.startswith("wall."):
-        return [RATE]  # a signal of a belt's speed is integrated once, so its first derivative is the speed
+        return [RATE]  # the record has the integral of a signal of a belt's speed, so RATE is the speed
     follows = name.endswith((".target_angle", ".target_position"))
     return [VALUE, RATE] if follows else [VALUE]

@@ -103,7 +103,7 @@ class Pieces:
         return used.max(axis=1, initial=0), np.max(rates, axis=0, initial=0.0) + np.zeros(len(used))
 
     def settings(self, at: int) -> dict[str, float]:
-        """Return the fields that the record has of a piece, except the coefficients of its polynomials.
+        """Return the fields of the record for the piece ``at``, except the coefficients of its polynomials.
 
         For a piece in which all signals are constant these are ``order`` and ``change_rate`` only, both 0.
         """
@@ -114,7 +114,7 @@ class Pieces:
             "order": order[at],
             "middle": self.middle[at],
             "scale": self.scale[at],
-            # the record's piece ends a little later, because round-off could let the last step end beyond it
+            # the record's piece ends a little later, because round-off could let a step end after ``end``
             "until": self.end[at] + 4.0 * np.spacing(self.end[at]),
             "change_rate": self.scale[at] * rate[at],
         }
@@ -126,7 +126,7 @@ def joined_points(
     """Return signals from values (T, M) at T times [s], held until the next time or joined by lines.
 
     A single value is held for the whole run. A new piece begins at each of ``breaks``, which are some of the
-    times.
+    times, and where a polynomial is not the constant of the interval before.
     """
     if len(times) == 1:
         times, values = np.append(times, math.inf), values.repeat(2, axis=0)

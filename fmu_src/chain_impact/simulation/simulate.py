@@ -1,4 +1,4 @@
-"""The simulation of a scene in this process, with the compiled kernel that its FMU has, too."""
+"""The simulation of a scene in this process, with the same kernel as in the scene's FMU."""
 
 from __future__ import annotations
 
@@ -85,8 +85,9 @@ def simulate(
         scene: a scene, or an argument of ``load_scene``.
         stop_time: end of the run [s]; by default the scene's stop time.
         output_step: time between the rows of the result [s]; by default the scene's communication step. The
-            output step changes neither the solution nor the cost, except with functions that are not
-            followed. With ``math.inf`` there are two rows, the start and the end.
+            output step changes neither the solution nor the cost, except with functions under ``hold`` or
+            ``linear``, and with motions under ``hold``. With ``math.inf`` there are two rows, the start and
+            the end.
         method: solver method instead of the scene's.
         tolerance: relative tolerance instead of the scene's.
         output: the outputs of the result, by their names in the FMU, in which ``*`` stands for any text:
@@ -94,10 +95,10 @@ def simulate(
             take at most ``MOST_BYTES``. The result always has all impacts.
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] → a
             number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
-            increasing. An input that is not named is zero; a target is then the spring's rest angle or
-            position, and a base stays at its initial position. A table of samples is allowed as well: a CSV
-            or Parquet file, a table of pandas or polars, or columns, with the column ``time`` and one for
-            each input.
+            increasing. Of the inputs that are not named, a target is the spring's rest angle or position, a
+            base stays at its initial position, and any other input is zero. A table of samples is allowed as
+            well: a CSV or Parquet file, a table of pandas or polars, or columns, with the column ``time`` and
+            one for each input.
         interpolation: how inputs act: ``follow``, ``hold``, ``linear`` or ``spline``.
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for
@@ -113,9 +114,9 @@ def simulate(
             seems to lack rows.
 
     Raises:
-        SceneError: when one of the arguments is outside its range, or the result would be too large.
-        SimulationError: when the solver cannot go on; the error holds the result up to this time, or None if
-            the scene cannot start.
+        SceneError: when the scene or an argument is invalid, or the result would be too large.
+        SimulationError: when the solver cannot continue; the error holds the result up to this time, or None
+            if the scene cannot start.
         BuildError: when the kernel cannot be compiled.
     """
     whole = output_step == math.inf
@@ -195,7 +196,7 @@ def _inputs_of_run(
 def _warn(instance: Instance, result: Result) -> None:
     """Warn of a point deeper in a wall than ``Body.deep``, and of positions that contradict velocities."""
     scene = result.scene
-    # ``hints`` takes long, and has nothing to say unless a penetration is this deep, which is rare
+    # ``hints`` takes long, and returns nothing unless a point is deeper in a wall than ``Body.deep``
     if instance.record["peaks"]["penetration"] > smallest_body(scene).deep:
         warn(scene.name, hints(scene, result.impacts))
     if result.prepared.sizes.channels and instance.record["moved"]["contradiction"]:
@@ -251,9 +252,9 @@ class Rerun:
     course: InputCourse
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        """Return the outputs at the increasing ``times`` [s], shape (S,): a structured array, shape (S,).
+        """Return all outputs at the increasing ``times`` [s], shape (S,): a structured array, shape (S,).
 
-        It has fewer rows if the solver cannot continue.
+        The array is shorter if the solver cannot continue.
         """
         course = self.course.at(times)
         instance = Instance(self.prepared, course, ())
@@ -283,7 +284,7 @@ class Rerun:
 class _Stepwise(Mapping[str, np.ndarray]):
     """Name → column for the outputs that change only at events and steps.
 
-    A column is copied from the rows of the run only when it is asked for.
+    A column is taken from the rows of the run only when a caller reads it.
     """
 
     def __init__(
@@ -310,7 +311,7 @@ def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
         scene: a scene, or an argument of ``load_scene``.
         law: a function that returns the force [N], as in a ``contact.law_file``. Python must know its source,
             which is stored as a file in the cache folder; ``Fit.save`` copies this file to the folder of the
-            scene file. The function may use the module ``math`` and no other name from outside.
+            scene file. The function may use its own names, ``math`` and FUNCTIONS (laws/law_syntax.py) only.
 
     Raises:
         SceneError: when the function is not allowed as a law.

@@ -1,4 +1,4 @@
-"""Warnings of targets of drives that change while the drives' dampers brake the motion."""
+"""Warnings of moving targets of drives whose target velocity stays 0, so that dampers brake the motion."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from chain_impact.scene.signals import TARGET_RATE, family
 from chain_impact.simulation.pieces import Pieces
 from chain_impact.variables.prepared import PreparedScene
 
-# [1] largest number of changes of a target that is held between them: a list of positions to go to, one after
-# the other; a target with more changes is a motion, whose velocity is not 0
+# [1] a target that is held between its changes is a list of positions to go to if it changes at most this
+# often; with more changes it is a motion, whose velocity is not 0
 MOST_POSITIONS = 20
 
 
