@@ -1,1 +1,1 @@
-"""Studies that run a scene many times: sweeps, fits, comparisons of laws, animations, accuracy."""
+"""Studies from several runs of a scene: sweeps, fits, comparisons of laws, animations, accuracy."""

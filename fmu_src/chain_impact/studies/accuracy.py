@@ -11,10 +11,10 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import point_label
 
 TIGHTER = 0.1
-"""The solver's tolerance in the second run, divided by its tolerance in the first run.
+"""The solver's tolerance in the second run, divided by the solver's tolerance in the first run.
 
-Closer to 1, the second run would have errors of a similar size as the first run, so the difference of the two
-runs would not be an estimate of the first run's error.
+With a ratio closer to 1, the two runs would have errors of similar size, so their difference would not be an
+estimate of the first run's error.
 """
 
 
@@ -23,15 +23,16 @@ class Differences:
     """The largest differences between two runs, up to the first impact in which the runs differ.
 
     Attributes:
-        impacts: the number of compared impacts: from the first one, as long as both runs have the same
-            impacts.
+        impacts: the number of compared impacts: from the first one on, as long as the impacts with the same
+            number have the same point and wall in both runs.
         onset: the largest difference between the onsets of a compared impact in the two runs [s]; 0 without
-            one.
+            a compared impact.
         position: the largest distance between the positions of a point in the two runs at the same time [m].
         point: the name of the point that has this largest distance.
-        time: the time at which the point has it [s].
+        time: the time at which the point has this largest distance [s].
         end: the time up to which the runs are compared [s].
-        parted: whether the comparison ends early, at the first impact in which the runs differ.
+        parted: whether the runs differ in an impact, so that ``end`` is the earlier onset of this impact in
+            the two runs; otherwise ``end`` is the end of the shorter run.
     """
 
     impacts: int
@@ -44,9 +45,9 @@ class Differences:
 
 
 def differences(run: Recording, tighter: Recording) -> Differences:
-    """Return the differences between a run and a run at a tighter tolerance, in rows and impacts.
+    """Return the differences of two runs of the same scene, the second run at a tighter tolerance.
 
-    The comparison ends at the first impact in which the runs differ: from there on, they are two different
+    The comparison ends at the first impact in which the runs differ: after it, the runs are two different
     motions, whose distance is not an error of the solver.
     """
     rows = min(len(run.time), len(tighter.time))
@@ -58,7 +59,7 @@ def differences(run: Recording, tighter: Recording) -> Differences:
     if parted:
         end = min(later)
     apart = np.linalg.norm(run.all_points[:rows] - tighter.all_points[:rows], axis=-1)
-    # only rows that have the same time in the two runs, and are not after the end of the comparison, count
+    # a row counts only if it has the same time in both runs, and this time is not after ``end``
     apart[~together | (run.time[:rows] > end)] = 0.0
     row, point = np.unravel_index(apart.argmax(), apart.shape)
     onset = np.abs(onsets[0][:same] - onsets[1][:same]).max(initial=0.0)

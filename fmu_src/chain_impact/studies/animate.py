@@ -1,4 +1,4 @@
-"""An animation of a scene, which is simulated with dense rows near impacts to show each impact slowly."""
+"""Animations of recordings and scenes; a scene is simulated with dense rows near impacts for slow motion."""
 
 from __future__ import annotations
 
@@ -40,17 +40,18 @@ def animate(
     """Write an animation, or show it in a notebook.
 
     Args:
-        recording: a recording, such as a result; denser rows give better slow motion. Or a scene, or an
-            argument of ``load_scene``, which ``record_slowly`` simulates.
+        recording: a recording, such as a result, of which denser rows give better slow motion; or a scene or
+            an argument of ``load_scene``, which ``record_slowly`` simulates.
         path: the file, whose suffix determines the kind: ``.html`` is a page for a browser that needs no
             other file, ``.gif`` and ``.mp4`` are films. Without a path the page is returned, for a notebook.
-        speed: simulated seconds in a second on the screen, outside of impacts; 1 by default. Without a given
-            speed, a film with slow motion is slower if a sine that drives an input needs this for 8 frames in
-            a period; it is slowed down only up to 1500 frames.
-        impact_time: duration of each impact on the screen [s] at the speed 1, else divided by the speed; the
-            animation slows down shortly before the impact. With 0 the speed is constant.
+        speed: simulated seconds in a second on the screen, far from impacts; 1 by default. A film with slow
+            motion gets a lower default if a sine that drives an input would otherwise have fewer than 8
+            frames in a period, but the film then has at most about 1500 frames.
+        impact_time: time on the screen [s] of an impact in slow motion at the speed 1; at another speed this
+            time is divided by the speed. An impulse of a rigid wall takes a tenth of this time. With 0 the
+            speed is constant.
         size: width and height of a film [pixels].
-        progress: called with the finished fraction of a film, 0 to 1, if given.
+        progress: called with the finished fraction of the animation, 0 to 1, if given.
 
     Warns:
         SceneWarning: when a sine that drives an input is too fast for the frames of a film.
@@ -77,13 +78,13 @@ def record_slowly(
     inputs: Given | None = None,
     interpolation: Interpolation = "follow",
 ) -> Result:
-    """Return the result of a scene, with dense rows near each impact, so that slow motion shows it.
+    """Return the result of a scene, with dense rows near each impact, as slow motion needs them.
 
     The scene is simulated twice, the first time to find the impacts. The rows do not change the solution.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.
-        impact_time: duration of each impact on the screen [s]; 0 for no slow motion.
+        impact_time: as for ``animate`` [s].
         progress: called with the finished fraction, 0 to 1, if given.
         inputs: as for ``simulate``.
         interpolation: as for ``simulate``.
@@ -99,8 +100,8 @@ def record_slowly(
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     spans, usual = slow_spans(result), frame_rate(result)
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual=usual)
-    # an impact that is too weak for slow motion also gets dense rows; otherwise the rows could miss its peak
-    # force
+    # an impact that is too weak for slow motion gets dense rows, too, because the usual rows could miss the
+    # peak force of this impact
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
     course = input_course(

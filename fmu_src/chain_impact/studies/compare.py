@@ -46,10 +46,10 @@ if TYPE_CHECKING:
 
 
 STIFFER = (10.0, 100.0)
-"""Factors on the scene's stiffness K, for an impact that is not free.
+"""Factors on the stiffness K of the scene's contacts.
 
-In an impact that is not free, other forces than those of the contact act. The comparison then also computes
-which restitution such an impact reaches at K times each factor.
+If the first impact is not free (``LawRuns.is_free``), the comparison also computes the restitutions that this
+impact reaches at K times each factor.
 """
 
 
@@ -61,12 +61,11 @@ class Comparison(LawRuns):
 
     Attributes:
         scene: the scene.
-        reference: id of the law with whose impacts the impacts of every other law are compared.
-        runs: one run for each law, in the order of the registry, with a user's own law after it; a law that
-            ``compare`` itself has added comes last.
+        reference: id of the reference law: the impacts of every run are compared with those under this law.
+        runs: one run for each law, in the order of the registry; a user's own law comes after these, and the
+            scene's law last, if ``compare`` has added it to the given laws.
         reached: the restitutions that the first impact reaches without losses and with the exact law, at the
-            scene's stiffness; if other forces than contact forces act in the impact, at larger stiffnesses,
-            too.
+            scene's stiffness; if this impact is not free (``is_free``), at larger stiffnesses, too.
     """
 
     def __repr__(self) -> str:
@@ -93,14 +92,16 @@ class Comparison(LawRuns):
         size: Size | None = None,
         ax: Any = None,
     ) -> Any:
-        """Draw force over penetration of each law in the first impact, a loop, and the energy over time.
+        """Draw two panels: force over penetration in the first impact (a loop), and energy over time.
+
+        Each panel has a line for each law; lines of laws that are not told apart share a grey band.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
             size: width and height [inches]; with the height None, the contents determine the height. In a
                 picture narrower than 6 inches the loops are above the energy.
-            ax: axes of matplotlib for the loops; these axes are returned.
+            ax: axes of matplotlib for the loops, without the energy; these axes are returned.
 
         Raises:
             ValueError: when the picture is too small, or axes are given together with a file or a size.
@@ -151,8 +152,8 @@ def compare(
 ) -> Comparison:
     """Simulate a scene with every law of the registry and the scene's own law, or with the given laws.
 
-    A law that needs another exponent than the scene has runs with the exponent that it needs, and with the
-    stiffness that would give the first impact the same penetration without losses. A law that does not allow
+    If a law does not allow the scene's exponent, its run has the exponent that the law needs, and the
+    stiffness with which the first impact without losses has the same penetration. A law that does not allow
     the scene's restitution, or whose run fails, is listed with the reason. Stops with their own law
     (``stops.model``) keep this law in every run: only the law of the walls changes, and the first impact at a
     wall is compared.
@@ -160,12 +161,12 @@ def compare(
     Args:
         scene: a scene, or an argument of ``load_scene``; each law replaces the scene's contact model.
         progress: called with the finished fraction, 0 to 1, if given.
-        laws: ids of the laws; all laws by default. If every given law needs another exponent than the scene
-            has, the scene's contact model is compared, too.
+        laws: ids of the laws; all laws by default. If no given law allows the scene's exponent, the scene's
+            own law is compared, too.
 
     Raises:
         UnknownNameError: when a law does not exist.
-        SceneError: when the scene cannot be read, or has no impact.
+        SceneError: when the scene cannot be read, or no run has an impact to compare.
         BuildError: when the kernel cannot be compiled.
     """
     scene, show = scene_of(scene), progress or silent
@@ -199,10 +200,9 @@ def compare(
 
 
 def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
-    """Return the realised restitutions without losses and with the exact law.
+    """Return the realised restitutions without losses and with the exact law, at the stiffness × ``factor``.
 
-    They are those at the scene's stiffness × ``factor``. ``runs``: law → run at this stiffness; these runs
-    are not repeated.
+    ``runs``: law → run at this stiffness; a law in ``runs`` is not simulated again.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
     lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT_LAW))
@@ -210,9 +210,9 @@ def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached
 
 
 def _why_none(scene: Scene, notes: Sequence[str]) -> str:
-    """Return words that say why no run has an impact that laws can be compared by.
+    """Return words that say why no run has an impact by which laws can be compared.
 
-    ``notes`` are those of the runs, with the reasons for which runs failed, and "" for other runs.
+    ``notes`` has the ``LawRun.note`` of each run, such as the reason for which the run failed.
     """
     model = scene.stops.model
     if model and not point_wall_pairs(scene):
@@ -227,9 +227,9 @@ def _why_none(scene: Scene, notes: Sequence[str]) -> str:
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
-    """Return the ids of the laws to compare: ``laws``, or all laws, in the order of the registry.
+    """Return the ids of the laws to compare in the order of the registry: ``laws``, or all laws without any.
 
-    If all of them need another exponent than the scene has, the scene's contact model is added at the end.
+    If none of these laws allows the scene's exponents, the scene's own law is added at the end.
 
     Raises:
         UnknownNameError: when an id in ``laws`` does not exist.
@@ -263,8 +263,9 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
         first = _values_of(result, impact)
         used = contact_at(result.scene, impact)
         earlier, later = result.impacts[:number], result.impacts[number + 1 : number + 2]
-        # A contact that lasts until the end of the run has NaN as its ``end`` and duration, and a comparison
-        # with NaN is False: an earlier contact then overlaps, an impact after one that lasts does not.
+        # A contact that lasts until the end of the run has NaN as ``end`` and ``duration``, and a comparison
+        # with NaN is False. So a lasting contact before this impact counts as an overlap; if this impact
+        # itself lasts, the next impact does not count.
         overlap = later["onset"] <= impact["onset"] + first["duration"]
         notes += [OVERLAPS] if overlap.any() or not (earlier["end"] <= impact["onset"]).all() else []
     return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
@@ -278,8 +279,8 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
-        # With an impulse the impact ends at its onset. If the rigid wall then holds the point, the recorded
-        # end is later, or NaN if it holds the point to the end of the run; this does not count here.
+        # An impulse ends at its onset. If the rigid wall holds the point afterwards, the recorded end is
+        # later, or NaN if the wall holds the point to the end of the run; only the impulse counts here.
         impact["end"] = impact["onset"]
         impact["duration"] = impact["separation_speed"] = impact["peak_force"] = 0.0
     values = {
@@ -300,9 +301,10 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 def _against(expected: Result, run: LawRun) -> LawRun:
     """Return ``run`` with the number and onset of the first impact in which it differs from ``expected``.
 
-    ``expected`` is the result with the reference law. If one of the two has all impacts of the other and
-    more, its first additional impact counts. A run that agrees in all impacts has no such impact, nor has a
-    run that ended early and agrees up to its end.
+    ``expected`` is the result with the reference law. Impacts differ if their points or walls differ. If one
+    result has all impacts of the other result and more, its first additional impact is the first that
+    differs; but additional impacts of ``expected`` do not count if ``run`` ended early. If no impact differs,
+    ``run`` is returned unchanged.
     """
     if run.result is None:
         return run

@@ -2,7 +2,7 @@
 
 At most six laws have a colour: the reference, the scene's own law, the law without losses, a law whose force
 jumps at the onset, the law with losses whose realised restitution differs most from that of the reference,
-and other common laws. One law can be several of these. The reference is the law with which all others are
+and laws in USED. One law can be several of these. The reference is the law with which every other law is
 compared. All further laws are grey, or dotted if they are laws of impulses.
 """
 
@@ -53,13 +53,13 @@ JUMPS = "force jumps at the onset"
 IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses, which has no penetration, if the law has no colour."""
-BEFORE_FIRST = 0.1  # the time shown before the first impact, relative to the time shown after it
+BEFORE_FIRST = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400
 HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
 COLOURED_LAWS = 6  # largest number of laws with a colour
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
-"""Ids of laws that many programs and papers use; these laws get the colours that other laws leave."""
+"""Ids of laws that many programs and papers use: they get a colour if fewer than COLOURED_LAWS have one."""
 
 Looks = dict[str, dict[str, Any]]
 
@@ -95,10 +95,10 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
 
 
 def message(comparison: LawRuns, *, small: bool = False) -> str:
-    """Return the headline: ranges of the peak forces and the realised restitutions in the first impact.
+    """Return the headline: ranges of the peak forces and of the realised restitutions e′ in the first impact.
 
-    Laws under which this impact does not end have no restitution; if it ends under none, the headline says
-    so. Without restitutions (``has_restitution``) the headline has the range of the peak forces only.
+    If the e′ do not describe the contact alone (``has_restitution``), the headline has only the peak forces.
+    A law under which the impact does not end has no e′; if no law has one, the headline tells only this.
     ``small``: whether the headline is for a narrow figure, and must be short.
     """
     restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
@@ -129,9 +129,9 @@ def peaks(comparison: LawRuns) -> str:
 def conditions(comparison: LawRuns, looks: Looks) -> str:
     """Return the text below the headline.
 
-    Its parts are the first impact; why the e′ do not describe the contact alone, if they do not
-    (``no_restitution``); a remark if the impact is not free; stiffness and tolerance; and the number of
-    grey laws, unless the legend tells it.
+    The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
+    describe the contact alone (``no_restitution``); a remark if the impact is not free, or if the e′ without
+    losses, rounded, is not 1.00; stiffness and tolerance; the number of grey laws, unless the legend has it.
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
@@ -142,7 +142,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
-    # whether the legend names the laws in the grey band; this text then does not repeat their number
+    # whether the laws in the grey band have an entry in the legend, which tells their number
     is_told = bool(banded(comparison, looks))
     others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
     limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
@@ -156,12 +156,12 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
 
-    The reasons of the reference and of the scene's own law are "reference" and "of the scene", that of the
-    law without losses is "no losses", that of a law whose force is above 0 at penetration 0 is JUMPS. The
-    reason "differs most with losses" belongs to the law whose restitution in the first impact is farthest
-    from that of the reference law; this law may have another reason, too. The law without losses does not
-    count there, because it ignores the prescribed restitution and so would usually be the farthest. No law
-    differs most if other forces decide the restitutions of the first impact (``has_restitution``).
+    A law with several reasons has them all, with commas between them. The reasons are: "reference"; "of the
+    scene", unless the scene's law is the reference; "no losses", if the restitution in the first impact under
+    this law differs from that under the reference; "differs most with losses", for the law whose restitution
+    is farthest from that under the reference; and JUMPS. The law without losses does not count as the
+    farthest, because it ignores the prescribed restitution. No law is the farthest if the restitutions do not
+    describe the contact alone (``has_restitution``).
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -183,15 +183,16 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
 
 
 def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
-    """Add a reason why a law has a colour to ``why``, law → reasons, after a comma if the law has one."""
+    """Add a reason for the colour of a law to ``why`` (law → reasons, separated by commas)."""
     why[law] = f"{why[law]}, {reason}" if law in why else reason
 
 
 def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
     """Return the looks of the lines: law → keywords of matplotlib's ``plot``, with colour and label.
 
-    Laws with equal loops share the line of the first of them, whose label names them all. A label has the
-    reason for the colour and the restitution; with ``small`` only the reference law has its reason.
+    Laws with equal loops share one line, under the first of these laws; its label names all of them. A label
+    has the first reason for the colour and, if the e′ describe the contact alone, e′ of the first impact.
+    With ``small`` only the line of the reference law has a reason.
     """
     why = named_laws(comparison)
     twins: dict[str, list[str]] = {}
@@ -223,17 +224,17 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
 
 
 def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
-    """Return whether two loops of force over penetration are equal.
+    """Return whether two loops of force over penetration (``LawRun.loop``) are equal.
 
-    Loops of impulses, which are empty, and None, for an impact that has not ended, never count as equal.
+    An empty loop, that of an impulse, and None, for an impact that has not ended, equal no loop.
     """
     return first is not None and second is not None and first.size > 0 and np.array_equal(first, second)
 
 
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw force over penetration in the first impact; a law of impulses is a line at penetration 0.
+    """Draw force over penetration in the first impact; an impulse is a vertical line at penetration 0.
 
-    If more than MOST_GREY laws are grey, their loops are drawn together as one grey band.
+    The loops of the laws of ``banded`` are drawn as one grey band. A law without a loop has no line.
     """
     band = banded(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
@@ -254,7 +255,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def banded(comparison: LawRuns, looks: Looks) -> list[str]:
-    """Return the laws that share a grey band: the grey ones that have a result, if they exceed MOST_GREY."""
+    """Return the laws of the grey looks whose runs have a result; [] if these are at most MOST_GREY."""
     grey = [
         law for law, look in looks.items() if look["color"] == GREY and comparison[law].result is not None
     ]
@@ -262,9 +263,9 @@ def banded(comparison: LawRuns, looks: Looks) -> list[str]:
 
 
 def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False) -> str:
-    """Return the label of the band: how many laws share it, and which have the extreme restitutions e′.
+    """Return the label of the grey band: the number of its laws, and the laws with the extreme e′.
 
-    Restitutions are left out if the first impact has none (``has_restitution``).
+    If the e′ do not describe the contact alone (``has_restitution``), the label has only the number.
 
     ``small``: whether the label is for a narrow figure, and must be short.
     """
@@ -285,9 +286,9 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False)
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
     """Draw thin loops, and fill the area between the least and the largest force at each penetration.
 
-    A loop has the penetrations and the forces in the first impact with one law, shape (2, K). There is no
-    area if the penetration of any loop grows again after it has fallen: the loop then has several forces at
-    a penetration.
+    A loop has the penetrations and the forces in the first impact with one law, shape (2, S). No area is
+    filled if in any loop the penetration grows again after it has fallen: such a loop has more than two
+    forces at a penetration.
     """
     for loop in loops:
         axes.plot(*loop, color=GREY, linewidth=HAIRLINE)
@@ -307,8 +308,9 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw the total energy over time; the laws of ``banded`` share one grey band.
 
-    A cross in the colour of a law marks the first impact from which on its curve cannot be compared with that
-    of the reference law. The zero of the energy is that of the picture of the reference law's motion.
+    A cross in the colour of a law marks the onset of its first impact that differs from that under the
+    reference law (``LawRun.divergence``). The energy has the same zero as in the picture of the motion under
+    the reference law.
     """
     reference = comparison[comparison.reference].result
     assert reference is not None
@@ -342,7 +344,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     axes.set(xlabel=name_time(axes, end) + (f"; at rest until {last:g} s" if end < last else ""))
     start = min(time.start for time in shown)
     first = min((result.impacts["onset"][0] for result in every if len(result.impacts)), default=start)
-    # before the first impact all curves are equal, so only the last part of this time is shown
+    # before the first impact all curves are equal, so only the last part of the time before it is shown
     label = f"total {offset_text(offset)} [J]" if offset else "total energy [J]"
     axes.set(ylabel=label, xlim=(max(start, first - BEFORE_FIRST * (end - first)), end))
     give_ticks(axes)
@@ -351,7 +353,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
     """Draw a line for each law; ``lines``: law → points of the line, shape (2, S).
 
-    Where lines with colours lie on each other, they get alternating dashes, so that each of them is seen.
+    Coloured lines that lie on each other get alternating dashes, so that each of them is visible.
     """
     order = sorted(lines, key=lambda law: looks[law]["zorder"] != REFERENCE_LAYER)
     coloured = [law for law in order if looks[law]["color"] not in (GREY, INK)]
@@ -365,8 +367,7 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
     """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, grey band.
 
-    An entry shows its line undashed even if ``draw_lines`` has given the line dashes because it lies on
-    others.
+    A dash that ``draw_lines`` gives a line, because the line lies on another line, is not in the legend.
     """
     styles = {look["label"]: Line2D([], [], **look) for look in looks.values() if look["color"] != GREY}
     lines = dict.fromkeys(line.get_label() for axes in panels for line in axes.lines)

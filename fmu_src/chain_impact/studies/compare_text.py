@@ -13,8 +13,8 @@ from chain_impact.studies.law_change import EXACT_LAW, compared_impact
 from chain_impact.studies.law_runs import LawRun, LawRuns
 from chain_impact.variables.impact_units import unit_at
 
-# A law realises the prescribed restitution e if its restitution differs from e by at most REALISED_WITHIN ×
-# e.
+# a law realises the prescribed restitution e if its e′ in the first impact differs from e by at most
+# REALISED_WITHIN × e
 REALISED_WITHIN = 0.05
 # the largest number of laws whose names the advice lists; of more laws it gives only the number
 NAMED_LAWS = 3
@@ -96,10 +96,10 @@ def legend(comparison: LawRuns) -> str:
 def advice(comparison: LawRuns) -> str:
     """Return a sentence with the laws that realise the prescribed restitution in the first impact.
 
-    If the impact is free, the sentence advises one of these laws, if there are several. If the impact is not
-    free, a second sentence gives the restitutions that can be reached: only an impulse then gives the
-    prescribed restitution in any scene; a law with a force gives it in some scenes only. If other forces
-    press the contact again before it ends, no law is named.
+    If the impact is free and several laws realise the restitution, the sentence advises one of these laws. If
+    the impact is not free, the sentence tells laws of impulses, which realise the restitution in any scene,
+    from laws with a force, and a second sentence gives the restitutions that can be reached. If other forces
+    press the contact again before it ends (``pressed_again``), the first sentence tells only this.
     """
     e = comparison.contact.restitution
     if comparison.pressed_again:
@@ -117,7 +117,7 @@ def advice(comparison: LawRuns) -> str:
 
 
 def _few(laws: Sequence[str]) -> str:
-    """Return the names of some laws, or only their number if there are more than NAMED_LAWS."""
+    """Return the names of ``laws``, or only the number of laws if there are more than NAMED_LAWS."""
     return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 
@@ -138,7 +138,7 @@ def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
 def _reach(comparison: LawRuns) -> str:
     """Return a sentence with the restitutions that the first impact, which is not free, can reach.
 
-    These are the restitutions without losses and with EXACT_LAW, at the scene's and at larger stiffnesses.
+    The sentence has the restitutions without losses and with EXACT_LAW, at each stiffness in ``reached``.
     """
     e = comparison.contact.restitution
     values = ", ".join(

@@ -15,32 +15,31 @@ from chain_impact.scene.scene import Scene, with_values
 from chain_impact.scene.tables import Contact
 
 EXACT_LAW = "zhang_sharf"
-"""The exact law: it gives every free impact the prescribed restitution. It is the reference of a comparison
-if it is among the compared laws, needs no other exponent than the scene has, and its run has an impact."""
+"""The exact law: it gives every free impact the prescribed restitution. This law is the reference of a
+comparison if it is among the compared laws and its run has an impact to compare."""
 LOSSLESS = "hertz"
-"""The law without losses; in a free impact (no other forces than those of the contact) the realised
-restitution is 1."""
+"""The law without losses: the realised restitution of a free impact (``LawRuns.is_free``) is about 1."""
 OVERLAPS = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 
 
 def needed_exponent(law: str, exponent: float) -> float:
-    """Return the only exponent that a law allows; if it allows any, as ``hertz`` does, ``exponent``."""
+    """Return the only exponent that a law allows, or ``exponent`` if the law allows all exponents."""
     entry = CONTACT_LAWS.get(law)
     return exponent if entry is None or entry.exponent is None else entry.exponent
 
 
 def keeps_exponents(law: str, scene: Scene) -> bool:
-    """Return whether a scene can have a law without a change of exponents."""
+    """Return whether a law allows the exponents that walls and stops under ``contact.model`` have."""
     return all(needed_exponent(law, exponent) == exponent for _, exponent, _ in _tables(scene))
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
     """Yield path, exponent n and stiffness K of each table that gives the law ``contact.model`` a stiffness.
 
-    The table ``stops`` is yielded if the scene has stops without a law of their own. The table ``contact``,
-    and the tables of walls with a stiffness of their own, are yielded if a point can touch a wall, or if the
-    scene has no stops.
+    The table ``stops`` is yielded if joints have stops without a law of their own. The table ``contact``, and
+    the tables of walls with a stiffness of their own, are yielded if a point can touch a wall, or if no joint
+    has stops.
     """
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
@@ -55,8 +54,8 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
 def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
     """Return the index in ``Result.impacts`` of the first impact that obeys ``contact.model``.
 
-    Impacts at stops that have their own law (``stops.model``) do not obey it. Returns None if no impact obeys
-    it.
+    Impacts at stops of joints with their own law (``stops.model``) do not obey ``contact.model``. Returns
+    None if no impact obeys it.
     """
     differs = scene.stops.model is not None
     return next((k for k, row in enumerate(impacts) if not (differs and at_stop(scene, row["wall"]))), None)
@@ -68,12 +67,12 @@ def compared_impact(scene: Scene) -> str:
 
 
 def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
-    """Return the changes that give a scene another law: path → value. Stops with their own law keep it.
+    """Return the changes that give a scene another ``contact.model``: path of a key → value.
 
-    If the law needs another exponent than a table has, the table gets this exponent n, and the stiffness K
-    for which the elastic penetration δ in ``impact``, a row of ``Result.impacts`` with effective mass m and
-    impact speed v₀, stays the same: K δⁿ⁺¹/(n+1) = ½ m v₀². Without an impact, exponents and stiffnesses do
-    not change.
+    If the law does not allow the exponent of a table (``_tables``), the table gets the exponent n that the
+    law needs, and the stiffness K with which ``impact`` without losses has the same penetration δ as before:
+    K δⁿ⁺¹/(n+1) = ½ m v₀². ``impact`` is a row of ``Result.impacts`` with effective mass m and impact speed
+    v₀; without an impact, exponents and stiffnesses do not change.
     """
     changes: Changes = {("contact", "model"): law}
     for path, exponent, stiffness in _tables(scene):
@@ -82,17 +81,17 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
             if len(path) == 1:
                 changes[*path, "exponent"] = needed
             changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
-    # if stops with their own law have no exponent of their own, they use that of `contact`, which now
-    # changes; so they get their present exponent as their own
+    # stops with their own law would follow a change of contact.exponent if the scene gives them no exponent,
+    # so the exponent that they have is set
     if scene.stops.model and ("contact", "exponent") in changes:
         changes["stops", "exponent"] = scene.stops.exponent
     return changes
 
 
 def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
-    """Return the stiffness with which an impact without losses is as deep at the exponent ``needed``.
+    """Return the stiffness that, at the exponent ``needed``, gives an impact the same elastic penetration.
 
-    ``stiffness`` is the present stiffness, at the exponent ``n``.
+    ``stiffness`` is the stiffness at the exponent ``n`` before the change.
     """
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     depth = lossless_depth(energy, stiffness, n)
@@ -106,7 +105,10 @@ def stiffened(scene: Scene, factor: float) -> Scene:
 
 
 def contact_at(scene: Scene, impact: np.void) -> Contact:
-    """Return the contact with the values that hold for an impact: those of its wall, or of the stops."""
+    """Return ``scene.contact`` with the values of the wall, or of the joints' stops, at which an impact is.
+
+    ``impact`` is a row of ``Result.impacts``.
+    """
     contact, stops = scene.contact, scene.stops
     if at_stop(scene, impact["wall"]):
         keys = ("stiffness", "exponent", "restitution", "minimum_impact_speed")
@@ -122,9 +124,10 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
 
 
 def contact_with_law(contact: Contact, law: str, impact: np.void) -> Contact:
-    """Return a contact with another law, which gives an impact the same penetration without losses.
+    """Return a contact with another law.
 
-    Exponent and stiffness change only if the law needs another exponent.
+    If the law does not allow the contact's exponent, the contact gets the exponent that the law needs, and
+    the stiffness with which ``impact`` without losses has the same penetration as before.
     """
     needed = needed_exponent(law, contact.exponent)
     if needed == contact.exponent:

@@ -14,8 +14,9 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
-# An impact is free if its restitution without losses differs from 1, and that with the exact law from e, by
-# at most this. If a realised restitution exceeds 1 by more, other forces drive the contact apart.
+# An impact is free if its restitution without losses differs from 1, and its restitution with the exact law
+# from e, by at most FREE_TOLERANCE. If a realised restitution exceeds 1 by more, other forces drive the
+# contact apart.
 FREE_TOLERANCE = 0.05
 
 
@@ -23,27 +24,28 @@ FREE_TOLERANCE = 0.05
 class LawRun:
     """The run of a scene with one contact law, and the values of the first impact.
 
-    The first impact is the first one at a wall if stops have their own law, else the first one of all. Its
-    values are NaN if there is none. If it has not ended at the end of the run, its force and penetration are
-    the largest so far, and its other values are NaN.
+    The first impact is the first one at a wall if stops have their own law, else the first one of all.
+    Without a first impact, its values are NaN. If the first impact lasts to the end of the run, peak force
+    and penetration are the largest up to this end, and its other values are NaN. At a stop of a joint, a
+    moment [N·m] and an angle [rad] replace force and penetration.
 
     Attributes:
         law: the id of the law.
-        exponent: exponent n of the run.
-        stiffness: stiffness K of the run [N/m^n].
+        exponent: exponent n at the wall or stop of the first impact; without one, that of ``contact``.
+        stiffness: stiffness K at the same place [N/m^n].
         restitution: the realised restitution of the first impact.
-        peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop of a joint, force and
-            penetration are those of the joint's angle: the peak is a moment [N·m], the penetration is in rad.
+        peak_force: peak force of the first impact [N]; 0 for an impulse.
         max_penetration: largest penetration in the first impact [m].
         duration: duration of the first impact [s]; 0 for an impulse.
         energy_lost: energy that the whole chain dissipates from the onset to the end of the first impact [J].
-        loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse; None if
-            the impact has not ended.
+        loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse; None
+            without a first impact, or if it lasts to the end of the run.
         divergence: number, from 1, of the first impact whose point or wall differs from that of the impact
-            with this number under the reference law, or that only one of the two runs has; None without one.
-        divergence_time: onset of the impact with the number ``divergence`` [s].
-        note: the reason why the result is missing or incomplete, or a remark.
-        result: the simulation, if there is one.
+            with this number under the reference law, or that only one of the two runs has; None without such
+            an impact.
+        divergence_time: onset of the impact with the number ``divergence`` [s]; NaN without such an impact.
+        note: the reason why the result is missing or incomplete, or a remark; "" without both.
+        result: the result of the run, up to a fault; None if the run could not start.
     """
 
     __eq__ = same
@@ -65,23 +67,24 @@ class LawRun:
 
     @property
     def impacts(self) -> int:
-        """The number of impacts in the run."""
+        """The number of impacts in the run; 0 without a result."""
         return len(self.result.impacts) if self.result else 0
 
     @property
     def steps(self) -> int:
-        """The number of steps that the solver took in the run."""
+        """The number of steps that the solver took in the run; 0 without a result."""
         return self.result.statistics["steps"] if self.result else 0
 
 
 @dataclass(frozen=True)
 class Reached:
-    """The realised restitutions of the first impact at one stiffness; NaN if the impact has not ended.
+    """The realised restitutions of the first impact at one stiffness; NaN if no first impact ends in the run.
 
     Attributes:
-        stiffness: stiffness K of the contact [N/m^n].
-        lossless: the one with the law without losses, about the largest possible one; 1 in a free impact.
-        exact: the one with the exact law; equal to the prescribed restitution in a free impact.
+        stiffness: stiffness K of the contact [N/m^n]; at a stop of a joint [N·m/rad^n].
+        lossless: restitution with the law without losses, about the largest possible restitution; about 1 in
+            a free impact.
+        exact: restitution with the exact law; about the prescribed restitution in a free impact.
     """
 
     stiffness: float
@@ -109,7 +112,7 @@ class LawRuns:
     def first_impact(self) -> np.void:
         """The first impact with the reference law, a row of ``Result.impacts``.
 
-        It is the first impact at a wall if stops have their own law.
+        If stops have their own law, this is the first impact at a wall.
         """
         impact = first_of(self[self.reference].result)
         assert impact is not None  # ``compare`` refuses a scene without this impact
@@ -122,10 +125,11 @@ class LawRuns:
 
     @property
     def is_free(self) -> bool:
-        """Whether the first impact is free: only contact forces matter while it lasts.
+        """Whether the first impact is free: other forces than those of the contact hardly change it.
 
-        It is free if its realised restitution is 1 without losses, and the prescribed one with the exact law,
-        up to FREE_TOLERANCE. An impact that has not ended has no realised restitution, and counts as free.
+        The impact counts as free unless the realised restitution without losses differs from 1, or that with
+        the exact law from the prescribed restitution, by more than FREE_TOLERANCE. If the impact has not
+        ended, it has no realised restitution, and counts as free.
         """
         reached = self.reached[0]
         off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))
@@ -133,12 +137,15 @@ class LawRuns:
 
     @property
     def pressed_again(self) -> bool:
-        """Whether another force presses the first contact again before it ends, under any law."""
+        """Whether under any law the penetration in the first impact grows again after it has fallen.
+
+        Then other forces than that of the contact press the contact again before it ends.
+        """
         return any(run.loop is not None and grows_again(run.loop) for run in self.runs)
 
     @property
     def no_restitution(self) -> str:
-        """Words that say why the e′ of the first impact do not describe the contact alone; "" if they do."""
+        """The reason why the restitutions e′ of the first impact do not describe the contact alone, or ""."""
         if self.pressed_again:
             return "other forces press this contact again before it ends"
         if not self.first_impact["impact_speed"]:
@@ -148,12 +155,12 @@ class LawRuns:
 
     @property
     def has_restitution(self) -> bool:
-        """Whether the e′ of the first impact describe the contact alone."""
+        """Whether the restitutions e′ of the first impact describe the contact alone (``no_restitution``)."""
         return not self.no_restitution
 
     @property
     def at_stop(self) -> bool:
-        """Whether the first impact is at a stop of a joint, so that its quantities are those of the angle."""
+        """Whether the first impact is at a stop of a joint: moment and angle replace force and length."""
         return at_stop(self.scene, self.first_impact["wall"])
 
 
@@ -163,9 +170,9 @@ def grows_again(loop: np.ndarray) -> bool:
 
 
 def first_of(result: Result | None) -> np.void | None:
-    """Return the first impact for which the law of `contact` acts, a row of ``Result.impacts``.
+    """Return the first impact that obeys ``contact.model`` (``first_number``), a row of ``Result.impacts``.
 
-    The result is None if there is no such impact, or no result.
+    Without a result or such an impact, None is returned.
     """
     number = None if result is None else first_number(result.scene, result.impacts)
     return None if result is None or number is None else result.impacts[number]
