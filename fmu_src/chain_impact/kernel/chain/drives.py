@@ -8,18 +8,18 @@ inertia. The force or torque of a drive is
 
 u is the force or torque of the motor, c the damping and k the stiffness. If ψ_t and ψ̇_t are inputs, targets,
 the drive is a servo; otherwise ψ_t is the rest position of the spring, and ψ̇_t is 0. F may have a limit. A
-drive with a limit has a mode, which changes only at events and re-initializations (events/saturation.py): 0
-while |F| is below the limit, 1 or −1 while F is at the positive or the negative limit. The rotor of a joint's
-drive has the armature I_a, its inertia reflected through the gear, so the joint transmits F − I_a ψ̈.
+drive with a limit has a mode, which changes only at events and re-initializations (events/saturation.py). In
+mode 0 the drive has the force F of the formula, in mode 1 or −1 the positive or the negative limit in place
+of F. The rotor of a joint's drive has the armature I_a, the rotor's inertia reflected through the gear, so
+the drive transmits F − I_a ψ̈ to the link. A slider's drive has no rotor.
 
 Only this module has the formulas of motor, damper, spring and rotor. Other modules call it for the sum of
 their effects: force, power, energy, inertia, the slopes of the force in a state, and bounds of the slopes
-over all states. ``set_effect_flags`` records which effects the drives of a scene have. The slopes may depend
-on the state, so the implicit method, the error norm and the choice of the method evaluate them in their own
-states. Dry friction is in forces/friction.py, and events/saturation.py changes the modes.
+over all states. ``set_effect_flags`` records which effects the drives of a scene have. Dry friction is in
+forces/friction.py.
 
-The angles of links and joints include full turns. At a pinned base, joint 1 turns relative to the angle 0. A
-free base has no joint and no drive.
+The angles of links and joints include full turns. At a pinned or sliding base, the angle of joint 1 is the
+angle of link 1 from +x. A free base has no joint and no drive.
 """
 
 import math
@@ -54,9 +54,9 @@ def is_slider(d, i):
 def along_drive(d, values, first, i):
     """Return the component of ``values`` along the coordinate of drive i.
 
-    For a joint it is the value of link i minus the value of the link before; for the slider it is the base's
-    component along the line. The values of the base begin at index ``first`` of ``values``: 0 for coordinates
-    in a state, velocity_at(N) for their rates; the values of the links follow.
+    For a joint it is the value of link i minus the value of the link before, or the value of link 0; for the
+    slider it is the base's component along the line. The values of the base begin at index ``first`` of
+    ``values``: 0 for coordinates in a state, velocity_at(N) for their rates; the values of the links follow.
     """
     if is_slider(d, i):
         return along_slider(d, values[first], values[first + 1])
@@ -77,8 +77,8 @@ def spring_stretch(d, y, i):
 def coordinates_of_drive(d, y, i):
     """Return the sum [rad or m] of the absolute values of the coordinates that give drive i's position.
 
-    The position is the joint's angle, a difference of two link angles, or that of the slider. Its round-off
-    is relative to this sum.
+    They are the angles of the links at the joint, or x and y of the base on a slider. The round-off of the
+    drive's position is relative to this sum.
     """
     if is_slider(d, i):
         return abs(y[0]) + abs(y[1])
@@ -105,7 +105,7 @@ def moment_factor(d, i):
 def has_effect(constant):
     """Return whether a damping, a stiffness or an armature has an effect, so that its terms are needed.
 
-    This is so if it is not zero; a dual number also has an effect if its derivatives are not zero.
+    A number has an effect if it is not zero; a dual number also if one of its derivatives is not zero.
     """
     return constant != 0.0
 
@@ -137,19 +137,19 @@ def joints_resist(d):
     """Return whether some joint may resist a change of its rate, so that joints have impedances.
 
     Stops and dry friction give an impedance at the joint's place; springs, dampers and armatures give one in
-    the joint itself.
+    the joint itself. A spring or damper of the slider alone also makes the result true.
     """
     chain = d.chain
     return chain.has_joint_places or chain.has_springs_or_dampers or chain.has_armatures
 
 
 def drive_inertia(d, i):
-    """Return the inertia I_a [kg·m²] of the rotor of the drive of joint i; 0 for joint 0 of a free base."""
+    """Return the inertia I_a [kg·m²] of the rotor of drive i < N; 0 for i = 0 at a free base."""
     return d.chain.joint_armature[i] if i >= first_joint(d) else 0.0
 
 
 def rotor_energy(d, y):
-    """Return the kinetic energy [J] of the rotors, the sum of ½ I_a (ω_i − ω_{i−1})²."""
+    """Return the kinetic energy [J] of the rotors, the sum of ½ I_a ψ̇² with the rates ψ̇ of the joints."""
     energy = 0.0
     for i in range(d.links):
         rate = relative(y, omega_at(d.links), i)
@@ -158,7 +158,7 @@ def rotor_energy(d, y):
 
 
 def is_below_limit(d, i):
-    """Return whether drive i exists and is not at its limit, so that its force depends on its motion."""
+    """Return whether drive i exists and has mode 0: its force is that of motor, damper and spring."""
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
 
@@ -166,15 +166,15 @@ def drive_slopes(d, y, i):
     """Return the slopes −∂F/∂ψ̇ [N·m·s/rad or N·s/m] and −∂F/∂ψ [N·m/rad or N/m] of drive i in state y.
 
     F is the drive's force or torque, ψ the joint's angle or the slider's position. The slopes are the damping
-    c and the stiffness k below the drive's limit, and 0 while the drive is at its limit.
+    c and the stiffness k in mode 0; they are 0 while the drive is at its limit, and for i = 0 at a free base.
     """
     return slopes_below_limit(d, y, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
 
 def slopes_below_limit(d, _y, i):
-    """Return the damping c and the stiffness k that drive i has below its limit; the state is ignored.
+    """Return the slopes of ``drive_slopes`` that drive i has in mode 0: damping c and stiffness k.
 
-    Both are 0 at a free base, which has no drive. They are the slopes −∂F/∂ψ̇ and −∂F/∂ψ of ``drive_slopes``.
+    They do not depend on the state. Both are 0 for i = 0 at a free base, which has no drive.
     """
     return largest_slopes(d, i)
 
@@ -182,7 +182,7 @@ def slopes_below_limit(d, _y, i):
 def largest_slopes(d, i):
     """Return the largest values that the slopes of ``drive_slopes`` have for drive i in any state.
 
-    They are the damping c and the stiffness k; at a free base, which has no drive, they are 0.
+    They are the damping c and the stiffness k; for i = 0 at a free base, which has no drive, they are 0.
     """
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
@@ -191,26 +191,26 @@ def is_powered(d, i):
     """Return whether drive i is powered: a drive of a scene with servos, or a drive with a limit.
 
     Other drives are passive. All work of a powered drive counts as supplied energy. In a passive drive the
-    spring stores energy, the damper dissipates energy, and only the motor supplies energy.
+    spring stores energy, the damper dissipates energy, and the motor supplies energy.
     """
     return d.chain.has_servos != 0 or d.drive.limit[i] < math.inf
 
 
 def unlimited_spring_force(d, y, i):
-    """Return stiffness times stretch [N·m or N] of drive i's spring, whatever the drive's limit."""
+    """Return stiffness times stretch [N·m or N] of drive i's spring, in every mode of the drive."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
 def spring_force(d, y, i):
     """Return stiffness times stretch [N·m or N] of drive i's spring: its part of the drive's force, times −1.
 
-    The result is 0 while the drive is at its limit, and at a free base, which has no drive.
+    The result is 0 while the drive is at its limit, and for i = 0 at a free base, which has no drive.
     """
     return unlimited_spring_force(d, y, i) if is_below_limit(d, i) else 0.0
 
 
 def passive_spring_force(d, y, i):
-    """Return the spring's force [N·m or N] of drive i if it is passive: its spring stores energy; else 0."""
+    """Return ``spring_force`` [N·m or N] of drive i if the drive is passive; 0 if the drive is powered."""
     return 0.0 if is_powered(d, i) else spring_force(d, y, i)
 
 
@@ -227,7 +227,7 @@ def spring_energy(d, y):
 def unlimited_force(d, y, i):
     """Return the force or torque F [N·m or N] that drive i would have without a limit.
 
-    At a free base, which has no drive, the result is 0.
+    For i = 0 at a free base, which has no drive, the result is 0.
     """
     if i < first_joint(d):
         return 0.0
@@ -255,9 +255,10 @@ def transmitted_moment(d, y, rate, i):
 
 
 def drive_power(d, y, i):
-    """Return the force or torque [N·m or N] of drive i, and two powers [W]: dissipated, and supplied by it.
+    """Return the force [N·m or N] of drive i, and its dissipated and its supplied power [W].
 
-    The spring of a passive drive stores energy. Its force is added elsewhere, and is no part of these values.
+    The spring of a passive drive stores energy. Its force is no part of these values; the equations add it
+    (``passive_spring_force``).
     """
     rate = along_drive(d, y, velocity_at(d.links), i)
     if is_powered(d, i):
@@ -282,9 +283,9 @@ def mode_margin(d, y):
     """Return the least margin [N·m] of the modes of drives; a mode holds as long as its margin is ≥ 0.
 
     With F the force without a limit, the margin is limit − |F| in mode 0, and ±F − limit in mode ±1.
-    Round-off is added, so the result is negative only where a mode has surely ended. Only drives with a limit
-    > 0 count; without any, the result is ∞. The margin of a slider is multiplied by the longest link, to
-    compare it with torques.
+    Round-off is added, so the result is negative only where a mode has surely ended. Only drives with a
+    finite limit > 0 count; without any, the result is ∞. The margin of a slider [N] is multiplied by the
+    longest link, to compare it with torques.
     """
     least = math.inf
     for i in range(drive_count(d)):
@@ -304,8 +305,8 @@ def mode_margin(d, y):
 def load_drive(d, load, i, force):
     """Set the load of drive i in ``load`` to ``force``, a torque [N·m] or, for the slider, a force [N].
 
-    The torque is the moment in the joint; the force acts on the base, along the slider's line. Present values
-    are replaced.
+    The torque is the moment in the joint; the force acts on the base, along the slider's line. It replaces
+    the load that the joint or the base has in ``load``.
     """
     if is_slider(d, i):
         load.x[0], load.y[0] = force * d.slider.ux, force * d.slider.uy

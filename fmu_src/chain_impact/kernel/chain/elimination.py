@@ -1,14 +1,15 @@
 """Recursive Gibbs–Appell dynamics of a planar open chain, in O(N).
 
-A revolute joint transmits a force and, apart from its known torque, no moment. The outer part of the chain at
-a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that joint: ``A`` is a symmetric
-2×2 articulated inertia, ``b`` collects the terms of ω², gravity, torques and contact forces. Appell's
-equation for α_i, ∂Z/∂α_i = 0 with the Gibbs function Z (docs/computation.md), eliminates α_i.
+A revolute joint without a rotor transmits a force and, apart from its known torque, no moment. The outer part
+of the chain at a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that joint: ``A``
+is a symmetric 2×2 articulated inertia, ``b`` collects the terms of ω², gravity, torques and contact forces.
+Appell's equation for α_i, ∂Z/∂α_i = 0 with the Gibbs function Z (docs/computation.md), eliminates α_i. For
+chains with armatures, see ``accelerations_with_armatures`` in rows/compliance.py.
 
 A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
 equations remain. The accelerations are then computed from the middle outward. The two arms of the chain are
-independent, so a processor overlaps their operations, which halves the time of a short chain. In a chain with
-a pinned or sliding base, the base takes the place of the middle joint, and there is one arm.
+independent, so a processor overlaps their operations, which saves time. In a chain with a pinned or sliding
+base, the base takes the place of the middle joint, and there is one arm.
 
 The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation matrix
 appears: L is the vector along a link from the link's joint nearer to the middle, r_C the vector from that
@@ -33,7 +34,7 @@ from chain_impact.kernel.functions import has_complex_rule, inlined
 
 @inlined
 def arm_of_link(d, link, i, outward):
-    """Return data of link i, from 0, relative to its inner joint, which is nearer to the middle of the chain.
+    """Return data of link i, counted from 0, relative to its inner joint, the one nearer to the middle joint.
 
     ``link`` has the link vectors as ``x, y`` [m], from the proximal joint of a link to its other joint.
     ``outward``: whether the inner joint is the link's proximal joint.
@@ -62,9 +63,10 @@ def arm_of_link(d, link, i, outward):
 @has_complex_rule
 @inlined
 def hinge_inertia(link, axx, axy, ayy):
-    """Return the coupling h, as its x and y, and the inertia H of a link's rotation about its inner joint.
+    """Return x and y of the coupling h [kg·m], and the inertia H [kg·m²], of a link about its inner joint.
 
-    H and h follow from the articulated inertia A' at the link's outer joint and the data of ``arm_of_link``.
+    H and h follow from the articulated inertia A' at the link's outer joint (xx, xy, yy) and from ``link``,
+    the data of ``arm_of_link``.
     """
     lx, ly, sx, sy, inertia = link
     # coupling h = m r_C⊥ + A' L⊥ and inertia H = I + m r_C² + L⊥·A' L⊥; the module's docstring has the
@@ -77,8 +79,8 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
     """Eliminate the angular acceleration α_i of a link between two joints.
 
     The outer part of the chain at a joint needs the force A a + b for an acceleration a of the joint. Returns
-    A (xx, xy, yy) and b (x, y) at the link's inner joint, from A' and b' at its outer joint, the arguments
-    axx to by.
+    A (xx, xy, yy) and b (x, y) at the link's inner joint. The arguments axx to by are A' and b' at the link's
+    outer joint.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link, i, outward)
@@ -131,9 +133,9 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 
 
 def accelerate_link(d, y, i, outward, ax, ay, rate):
-    """Set in ``rate`` the angular acceleration α_i of link i, from the acceleration of its inner joint.
+    """Set in ``rate`` the angular acceleration α_i of link i; its inner joint has the acceleration ax, ay.
 
-    Returns the acceleration [m/s²] of the link's outer joint, as its x and y.
+    Returns x and y of the acceleration [m/s²] of the link's outer joint.
     """
     stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
     # the link's angular acceleration α = −(h·a + h₀)/H for the acceleration a of the inner joint
@@ -183,13 +185,13 @@ def arms(d, y, rate, middle):
         if k < middle:
             cxx, cxy, cyy, dx, dy = eliminate_inner(d, y, k, False, cxx, cxy, cyy, dx, dy)
 
-    # the acceleration a of the middle joint: A a + b = 0 in a free chain, and a = 0 at a pinned base, which
-    # is the middle joint
+    # the acceleration a of the middle joint: A a + b = 0 in a free chain; if the base is pinned or slides, it
+    # is the middle joint: a = 0 at a pinned base, and a is along the line on a slider
     ax, ay = 0.0, 0.0
     if d.slides:
         # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b), with
-        # the direction u, the coordinate s, the carriage's mass m, gravity g, the force F of the drive,
-        # friction in the load, and A a + b, the force that the chain needs
+        # the direction u, the coordinate s, the carriage's mass m, gravity g, the force F of the drive, the
+        # load on the base, which contains dry friction, and A a + b, the force that the chain needs
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
         stored = d.scratch.elimination
         stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
@@ -224,7 +226,8 @@ def arms(d, y, rate, middle):
 def inertia_along(d, axx, axy, ayy):
     """Return u·A u + m [kg], the inertia of chain and carriage along the line of a slider.
 
-    u is the line's direction, A the articulated inertia of the chain at the base, and m the carriage's mass.
+    u is the line's direction, A (xx, xy, yy) the articulated inertia of the chain at the base, and m the
+    carriage's mass.
     """
     ux, uy = d.slider.ux, d.slider.uy
     return (ux * ux) * axx + (2.0 * ux * uy) * axy + (uy * uy) * ayy + d.slider.mass

@@ -1,4 +1,4 @@
-"""The inertia of a link without a given inertia, and a check that the mass matrix is always regular.
+"""Values of links that are derived if they are not given, and a check that the mass matrix is always regular.
 
 A scene derives values that are not given, such as the inertia, from others, and they stay derived: a change
 of a length also changes the centre of mass and the inertia. So the record has a field for the given value,
@@ -9,15 +9,16 @@ applied. ``Chain.set`` and FMUs write a value into both fields, for example into
 value, because they read nothing before the run. So a changed parameter gives the same results as an edited
 scene file, and a tangent instance has the derivatives of derived values.
 
-The recursion never divides by zero if the mass matrix is regular. The mass matrix is singular if the chain
-can move without kinetic energy: no centre of mass moves, and no link with an inertia turns. A link without
-inertia can turn about its centre of mass. This rotation moves each joint of the link that does not coincide
-with the centre of mass. A moving joint turns the next link, which must also be without inertia and rotate
-about its own centre of mass. Both rotations are possible while both links are on one line. So the motion
-continues along a sequence of links without inertia. It begins at a link whose proximal joint is the free base
-or coincides with the centre of mass, and it ends at a link whose distal joint is the tip or coincides with
-the centre of mass. If no sequence has such a beginning and such an end, every pivot of the recursion is
-positive, as in the elimination of a positive definite matrix.
+The recursion never divides by zero if the mass matrix is regular. The mass matrix without armatures is
+singular if the chain can move without kinetic energy: no mass moves, and no link with an inertia turns.
+Armatures are left out, so that a chain is valid with any armatures. A link without inertia can turn about its
+centre of mass. This rotation moves each joint of the link that does not coincide with the centre of mass. A
+moving joint turns the next link, which must also be without inertia and rotate about its own centre of mass.
+Both rotations are possible while both links are on one line. So the motion continues along a sequence of
+links without inertia. The sequence begins at a link whose proximal joint coincides with the link's centre of
+mass, or is a free base or a base on a carriage without mass. The sequence ends at a link whose distal joint
+is the tip or coincides with the link's centre of mass. If no sequence has such a beginning and such an end,
+every pivot of the recursion is positive, as in the elimination of a positive definite matrix.
 """
 
 DERIVED = -1.7976931348623157e308

@@ -13,7 +13,7 @@ FIELDS = {
     # rad or m, position at which the spring has no force: an input of a servo, else a value of the scene
     "target": EACH_DRIVE,
     "target_velocity": EACH_DRIVE,  # rad/s or m/s, velocity at which the damper has no force
-    "tip_force": 2,  # N, x and y
+    "tip_force": 2,  # N, force on the tip, x and y in the world frame
 }
 NAMES = tuple(FIELDS)
 OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
@@ -33,10 +33,10 @@ def input_field(part, k):
 
 
 def is_of_drive(k):
-    """Return whether input k belongs to drives: the torque of a motor, a target, or its velocity."""
+    """Return whether input k belongs to drives: motors, targets, or target velocities."""
     return k in OF_DRIVES
 
 
 def is_used(d, k):
-    """Return whether input k can change: targets and their velocities only in a scene with servos."""
+    """Return whether input k can change within a piece: targets and target velocities only with servos."""
     return k in (MOTOR, TIP_FORCE) or d.chain.has_servos

@@ -3,17 +3,17 @@
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
 `given.piece` is the next piece and `inputs.piece` the piece in use; u₀ of the next piece is the value in
-`given`. Inputs of order 0 are constant, and no polynomial is evaluated.
+`given`. In a piece of order 0 the inputs are constant, and no polynomial is evaluated.
 
 Prescribed motions (chain/motion.py) have the given coefficients in `motion.piece`, and the coefficients in
 use in `moved.piece`. The caller sets the coefficients together with `given.piece`; or, if
 `motion.interpolates` is 1, they follow from the values given at the communication points: position s,
-velocity v and acceleration a at a time t₀. The motion to the next communication point, at t₁ = t₀ + h, is a
-cubic. The cubic begins with the present position and velocity, and ends with the position s + v h + ½ a h²
-and the velocity v + a h of a uniform acceleration. So position and velocity are continuous, and a uniform
-acceleration is followed exactly. Errors do not add up, because the end follows from the given values s, v and
-a only, and not from the present position.
-A motion without new values continues. If a velocity is given without a position, as always for a belt, the
+velocity v and acceleration a, last changed at a time t₀. The motion to the next communication point, at t₁ =
+t₀ + h, is a cubic. The cubic begins with the present position and velocity, and ends with the position s + v
+h + ½ a h² and the velocity v + a h of a uniform acceleration. So position and velocity are continuous, and a
+uniform acceleration is followed exactly. Errors do not add up, because the end follows from the given values
+s, v and a only, and not from the present position. The next cubics, to later t₁, end on the same uniform
+acceleration until values change again. If a velocity is given without a position, as always for a belt, the
 speed changes at a uniform rate to v + a h, and the position is the integral of the speed.
 """
 
@@ -31,11 +31,10 @@ DEGREE = 9  # the highest degree of the polynomials
 REINITIALIZE, CONTINUES = 1, 2
 # Velocities v and v′, given at the start and the end of a time T, explain a given displacement if a velocity
 # between v and v′ gives it in T. A displacement may differ from an explained one by UNEXPLAINED_PART × T (|v|
-# + |v′|). A larger difference is a contradiction, of which the user is warned; one beyond T (|v| + |v′|) is a
-# jump of the position if the channel moves a wall, and a fault.
+# + |v′|). A larger difference is a contradiction, of which the user is warned; a difference beyond T (|v| +
+# |v′|) is a jump of the position if the channel moves a wall, and a fault.
 UNEXPLAINED_PART = 0.05
-# the displacement, relative to the longest link, that may be unexplained in addition to UNEXPLAINED_PART, at
-# any speed: round-off
+# the displacement, relative to the longest link, that round-off adds to both bounds of the difference
 UNEXPLAINED_DISPLACEMENT = 1e-9
 # Two lengths count as 0 up to this part of the size of a cubic: the jump of the acceleration at its start
 # times its squared duration, and its coefficient of x³. The size is the sum of the absolute positions at both
@@ -45,8 +44,9 @@ ACCELERATION_ROUND_OFF = 1e-14
 # which is stored as `change_rate`. The value is small, because a cubic has no sixth derivative, to which the
 # error of a step's interpolant is proportional (events/exclusion.py).
 CUBIC_CHANGE = 0.5
-# the largest distance of two times that count as equal, relative to the time at the end of the last step:
-# this end, and the time at which a piece of the inputs or a segment of a signal ends
+# the largest distance, relative to the time at the end of the last step, at which this end counts as equal to
+# another time: the end of a segment of a signal, or the communication point at which a piece of the inputs
+# ends
 SAME_TIME = 4e-15
 
 
@@ -165,10 +165,10 @@ def inputs_continue(d):
 
 
 def limit_to_piece(d, h):
-    """Return a size ≤ h of the next step, which does not pass the end of the present piece of the inputs.
+    """Return a size ≤ h with which the next step does not pass the end of the present piece of the inputs.
 
-    The step ends at this end or well before it (``limit_to_time``). A step in the fictitious time of a
-    contact, or with constant inputs, has the size h.
+    The step ends at this end or well before it (``limit_to_time``). If the step is in the fictitious time of
+    a contact, or the inputs are constant, the result is h.
     """
     if d.inputs.piece.order == 0 or d.step.regularized >= 0:
         return h
@@ -196,8 +196,8 @@ def belts_jump(d):
 def begin_motion(d, time):
     """Begin all prescribed motions at a ``time`` [s], the start of a run.
 
-    If ``motion.interpolates`` is 1, each motion begins with a polynomial of the given position, velocity and
-    acceleration, a belt with that of the given velocity; else with the given polynomial.
+    If ``motion.interpolates`` is 1, a base or wall begins with the polynomial of its given position, velocity
+    and acceleration, and a belt with that of its given velocity; else the given polynomials stay.
     """
     given, moved, piece = d.motion, d.moved, d.given.piece
     moved.began, moved.until, moved.contradiction = time, time, 0
@@ -228,11 +228,10 @@ def interpolate_motion(d, time):
 
     Each cubic starts at the present position and velocity of its channel, and ends on the motion that the
     given values describe. A motion that a signal drives has no cubic. Nothing is done if the polynomials are
-    given.
+    given, or ``time`` is the communication point or before it.
 
     Returns:
-        WALL_JUMPS if the given positions of a wall jump by a distance that the given velocities do not
-        explain; else OK.
+        WALL_JUMPS if the given position of a wall jumps (UNEXPLAINED_PART); else OK.
     """
     given, moved, piece = d.motion, d.moved, d.given.piece
     if d.channels == 0 or not given.interpolates or not time > d.step.time:
@@ -273,7 +272,7 @@ def refuse_channel(d, j):
 
 
 def set_cubic(d, j, time, h):
-    """Set the cubic of channel j from now until a ``time`` [s], which is ``h`` [s] later.
+    """Set the cubic of channel j from the communication point until ``time`` [s], which is ``h`` [s] later.
 
     Return whether the channel's acceleration at the cubic's start continues its present one without a jump.
     """
@@ -301,9 +300,9 @@ def set_cubic(d, j, time, h):
 def record_given(d, j, now):
     """Record the values that are given to channel j at the communication point ``now`` [s].
 
-    Return False if the position of a wall jumps, else True. A base without a given velocity gets the mean
-    velocity since its previous given position. The channel of the first contradiction between position and
-    velocity, or of a jump, is stored in `moved.contradiction`, counted from 1.
+    Return False if the position of a wall jumps, else True. A base that is given a new position without
+    velocities gets the mean velocity since its previous given position. The channel of the first
+    contradiction between position and velocity, or of a jump, is stored in `moved.contradiction`, from 1.
     """
     given, moved = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]

@@ -7,7 +7,8 @@ the rate
 
     ρ_i = c_i χ_iᵀ M⁻¹ χ_i.
 
-The largest eigenvalue is at least the largest ρ_i, and not much larger. In the same way the stiffness matrix
+The largest eigenvalue is at least the largest ρ_i, and at most their sum. In the same way the stiffness
+matrix
 S = Σ k_i χ_i χ_iᵀ determines the squares of the angular frequencies of springs, and the spring of drive i
 alone has
 
@@ -17,8 +18,8 @@ With I the inertias of the links, M ≥ diag(I), so no eigenvalue exceeds the la
 This does not exceed the largest row sum (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i +
 k_{i+1})/I_i. A carriage adds its mass m to diag(I) and only its own drive to the sums: c/m and k/m. With
 damper and spring, a rate λ solves λ² + λ c + k = 0, where c and k are at most these bounds, hence |λ| ≤ c +
-√k. This bound does not depend on the angles. A damper or spring at a link without inertia makes the bound
-infinite.
+√k. This bound does not depend on the angles. A damper or spring at a link without inertia, or at a carriage
+without mass, makes the bound infinite.
 """
 
 import math
@@ -37,7 +38,7 @@ from chain_impact.kernel.chain.sites import clear_link_moments
 
 
 def joint_rate_bound(d):
-    """Return an upper bound [1/s] on the rates of all motions that springs and dampers of drives cause."""
+    """Return an upper bound [1/s] on the rates of all motions that springs and dampers cause; it may be ∞."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
         c, k = largest_slopes(d, i)
@@ -63,8 +64,9 @@ def rate_from_resistance(resistance, inertia):
 def largest_joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
-    ρ_i = c_i χ_iᵀ M⁻¹ χ_i and ω_i² = k_i χ_iᵀ M⁻¹ χ_i are defined at the head of this module. Afterwards the
-    link vectors are those of y, and the loads and factors in the scratch memory are overwritten.
+    ρ_i = c_i χ_iᵀ M⁻¹ χ_i and ω_i² = k_i χ_iᵀ M⁻¹ χ_i are defined at the head of this module; a drive at its
+    limit does not count. Afterwards the link vectors are those of y, and the loads, impedances and factors in
+    the scratch memory are overwritten.
     """
     set_link_vectors(d, y)
     scratch, fastest = d.scratch, 0.0

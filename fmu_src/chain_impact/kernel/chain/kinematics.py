@@ -2,9 +2,9 @@
 
 Vectors of all places are records with ``x, y``, shape (2N+1+P,), for N links and P sites. The first N + 1
 places are the points 0…N. The next N places belong to the joints 1…N and are used in scenes with stops or dry
-friction in joints. At such a place x is the joint's own angle θ_i − θ_{i−1} times a lever arm, the length of
-the longest link, and y is 0. So other modules treat a stop like a wall that a point at this place touches.
-The last P places are the sites (chain/sites.py).
+friction in joints. The position of such a place has as x the joint's own angle θ_i − θ_{i−1} times a lever
+arm, the length of the longest link, and as y 0. So other modules treat a stop like a wall that a point at
+this place touches. The last P places are the sites (chain/sites.py).
 """
 
 from chain_impact.kernel.chain.motion import move_channels_to_state
@@ -23,10 +23,10 @@ from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sin
 
 @has_dual_rule
 def set_polar(radius, y, first, horizontal, vertical):
-    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, for each radius r and each angle φ [rad].
+    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, for pairs of a radius r and an angle φ.
 
-    The angles begin at index ``first`` of y, which may be the state. There are as many as entries in
-    ``radius``, shape (N,); the arrays of results are at least as long.
+    The radii are the entries of ``radius``, shape (N,). The angles [rad] are the N entries of y, such as
+    the state, from index ``first`` on. The arrays of results have N or more entries.
     """
     count = len(radius)
     if not in_sine_range(y, first, count):
@@ -35,8 +35,8 @@ def set_polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * cosine
             vertical[i] = radius[i] * sine
         return
-    # For the compiler the results may lie in the memory of y. After the angles are copied to ``vertical``, it
-    # knows that no result overwrites an angle that is still to be read.
+    # For the compiler the results may lie in the memory of y. After the angles are copied to ``vertical``,
+    # the compiler knows that no result overwrites an angle that is still to be read.
     copy_entries(y, first, count, vertical)
     # with the copy, the compiler lets the processor compute several angles of this loop at once
     for i in range(count):
@@ -66,8 +66,8 @@ def copy_entries(y, first, count, out):
 def in_sine_range(y, first, count):
     """Return whether ``count`` angles are surely in the range of ``cosine_and_sine``.
 
-    The angles begin at index ``first`` of y. For True the sum of their absolute values must be below
-    LARGEST_ANGLE, which is more than necessary, but quickly tested. The result is False if an angle is NaN.
+    The angles [rad] begin at index ``first`` of y. The result is True if the sum of their absolute values is
+    below LARGEST_ANGLE, which is more than necessary, but quickly tested; it is False if an angle is NaN.
     """
     total = 0.0
     for i in range(count):
@@ -78,7 +78,7 @@ def in_sine_range(y, first, count):
 def locate_points(d, y):
     """Locate the points in state y: set link vectors, and positions [m] and velocities [m/s] of all places.
 
-    A moving base and moving walls are first moved to their positions at the time that y contains.
+    Prescribed motions of base, walls and belts are first set to those at the time that y contains.
     """
     if d.channels > 0:
         move_channels_to_state(d, y)
@@ -86,13 +86,13 @@ def locate_points(d, y):
 
 
 def locate_points_now(d, y):
-    """Locate the points as ``locate_points`` does, but leave moving base and walls where they are."""
+    """Locate the points as ``locate_points`` does, but leave the prescribed motions as they are."""
     set_link_vectors(d, y)
     locate_from_link_vectors(d, y)
 
 
 def locate_from_link_vectors(d, y):
-    """Locate the points for the state y, whose link vectors have been set; base and walls are not moved."""
+    """Locate the points for the state y, whose link vectors and prescribed motions have been set."""
     n, link, position, velocity = d.links, d.scratch.link, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
@@ -149,7 +149,7 @@ def accelerate_points(d, y, rate):
 
 
 def clear_vectors(d, vectors):
-    """Set the vectors of all places to zero."""
+    """Set the vectors of all places in use to zero."""
     # in a kernel for one number of links, the count is a constant for the compiler, which unrolls this loop
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
@@ -166,9 +166,9 @@ def clear_joints(values):
 
 
 def set_link_vectors(d, y):
-    """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y.
+    """Set L_i [m], the vector from the proximal to the distal end of each link, for the state y.
 
-    The data of points at the end of the last step then no longer count as valid.
+    The data of points then do not count as those at the end of the last step.
     """
     note_points_elsewhere(d)
     set_polar(d.chain.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)
@@ -180,7 +180,7 @@ def note_points_at_end(d):
 
 
 def note_points_elsewhere(d):
-    """Record that the data of points are no longer those at the end of the last step."""
+    """Record that the data of points need not be those at the end of the last step."""
     d.scratch.at_end = 0
 
 
@@ -188,8 +188,8 @@ def move_points(d, link_vectors, change, response):
     """Set ``response`` to the motions of all places that the ``change`` of the coordinates causes.
 
     ``change`` has the entries of the coordinates in y: x and y of the base, then the angles. Link i, counted
-    from 0, leads from joint i to joint i + 1. Its rotation Δθ_i turns its link vector L_i, so the motions Δp
-    of its joints follow from each other: Δp_{i+1} = Δp_i + Δθ_i L_i⊥. If ``change`` is a change of the
+    from 0, leads from point i to point i + 1. Its small rotation Δθ_i turns its link vector L_i, so the
+    motion of point i gives that of point i + 1: Δp_{i+1} = Δp_i + Δθ_i L_i⊥. If ``change`` is a change of the
     coordinates' rates, ``response`` gets the changes of the places' velocities.
     """
     n = d.links
@@ -205,7 +205,7 @@ def move_points(d, link_vectors, change, response):
 
 
 def largest_component(d, vectors):
-    """Return the largest absolute value of all components x and y in the vectors of all places."""
+    """Return the largest absolute value of all components in the vectors of all places in use."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
@@ -218,9 +218,9 @@ def largest_component(d, vectors):
 
 
 def at_center_of_mass(d, vectors, i):
-    """Return the components of a vector, such as the velocity, at link i's centre of mass.
+    """Return x and y of the position, velocity or acceleration of link i's centre of mass.
 
-    They follow from the ``vectors`` at the two ends of the link.
+    They follow from those of the two ends of the link, in ``vectors``.
     """
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥, with Δv = v_{i+1} − v_i, for a centre of mass at c along the link of
     # length ℓ, and o to the left of it

@@ -2,16 +2,17 @@
 
 A channel is one such motion, in one direction. In a scene with a moving base the first two channels are the
 motions of the base along x and y. A moving wall has two channels: the displacement of the wall along its
-inward normal n, and the travel of its belt along the direction (n_y, −n_x). The inputs of a run are divided
-into pieces of time (chain/inputs.py). In each piece the position s of a channel is a polynomial,
+normal n, toward the free side, and the travel of its belt along the direction (n_y, −n_x). The inputs of a
+run are divided into pieces of time (chain/inputs.py). In each piece the position s of a channel is a
+polynomial,
 
     s(t) = c₀ + x (c₁ + x (c₂ + …)),   x = (t − middle) scale,
 
 with the time t, and the middle and scale of the piece. If a signal drives a channel, chain/signals.py gives
-its position. The velocity and the acceleration of a channel are the derivatives of its position. So all three
-always agree, and nothing drifts. The state does not contain the motion of the base: the entries of the base
-in the state are 0. The points are located with the positions and velocities of the channels at the time of
-the state.
+the channel's position. The velocity and the acceleration of a channel are the derivatives of its position, so
+the three always agree. The state does not contain the motion of a moving base: the entries of the base in the
+state are 0. The points are located with the positions and velocities of the channels at the time of the
+state.
 """
 
 from chain_impact.kernel.chain.input_fields import CHANNEL
@@ -20,7 +21,7 @@ from chain_impact.kernel.chain.state import time_at
 
 
 def move_channels_to_state(d, y):
-    """Set base and walls to their prescribed positions at the time that the state y contains."""
+    """Set all prescribed motions to those at the time that the state y contains (``move_channels``)."""
     move_channels(d, d.step.clock + y[time_at(d.links)])
 
 
@@ -37,8 +38,8 @@ def move_channels(d, time):
             half_a = half_a * x + v
             v = v * x + s
             s = s * x + moved.piece[piece.order - k, m]
-        # `added`, `added_rate` and `added_acceleration` are 0. They serve a tangent instance: there they
-        # carry the derivatives of the given position, velocity and acceleration of the channel.
+        # `added`, `added_rate` and `added_acceleration` are 0; in a tangent instance they have the
+        # derivatives of the given position, velocity and acceleration of the channel
         moved.position[m] = (
             s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_acceleration[m])
         )
@@ -96,11 +97,10 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Estimate the largest distance [m] of a channel from its position at the middle of the inputs' piece.
+    """Estimate how far [m] any channel moves from its position at the middle of the present piece of inputs.
 
-    The piece is the present one. The estimate is the sum of two numbers: the largest sum |c₁| + |c₂| + … of
-    the coefficients of any channel's polynomial, and ``travel_of_sines``, the sum of the amplitudes of all
-    channels that sines drive.
+    The estimate is the sum of two numbers: the largest sum |c₁| + |c₂| + … of the coefficients of any
+    channel's polynomial, and ``travel_of_sines``, the sum of the amplitudes of all channels that sines drive.
     """
     most = 0.0
     for m in range(d.channels):

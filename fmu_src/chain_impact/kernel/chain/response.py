@@ -1,8 +1,8 @@
 """The response of the chain to impulses: M + Jᵀ D J + K, eliminated by the recursion of chain/elimination.py.
 
 ``factorize`` and ``solve`` solve linear systems with the matrix M + Jᵀ D J + K in O(N), for real, complex and
-dual numbers alike. M is the mass matrix. J maps rates of the coordinates to velocities of the points, and D
-are impedances (dampers) at the points. K = Σ κ_i χ_i χ_iᵀ, where κ_i is the resistance of joint i and χ_i the
+dual numbers alike. M is the mass matrix. J maps rates of the coordinates to velocities of points and sites,
+and D are impedances (dampers) there. K = Σ κ_i χ_i χ_iᵀ, where κ_i is the resistance of joint i and χ_i the
 gradient of ω_i − ω_{i−1}. With the response Δ, joint i exerts the angular impulse κ_i (Δ_i − Δ_{i−1}) − μ_i
 against the change of its relative angular velocity; μ_i is a given impulse in the joint. A free base has no
 joint, so κ_1 = 0.
@@ -194,9 +194,9 @@ def set_middle_mobility(d, factors, slot, axx, axy, ayy):
 def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
     """Eliminate link i: return the articulated inertia at its inner joint.
 
-    It follows from the articulated inertia at the outer joint: the arguments axx to p, which are its parts A,
-    e and p at the head of this module. ``outward``: whether the inner joint is the proximal one;
-    ``resistance``: κ of the inner joint.
+    The arguments axx to p are the parts A, e and p (head of this module) of the articulated inertia at the
+    outer joint; the result has the same six numbers at the inner joint. ``outward``: whether the inner joint
+    is the proximal one; ``resistance``: κ of the inner joint.
     """
     point, factors = i + 1 if outward else i, space.factors
     axx += space.impedance.xx[point]
@@ -309,7 +309,7 @@ def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, 
     """Add to the change of ω_i the effects of the motions of the inner joint and of the link before it.
 
     ``x`` and ``y`` are the components of the inner joint's change of velocity a, and ``before`` is the change
-    β of the angular velocity of the link before, which is nearer to the middle.
+    β of the angular velocity of the link on the inner side of this joint.
 
     Returns:
         The change of the outer joint's velocity, x and y, and the whole change of ω_i.

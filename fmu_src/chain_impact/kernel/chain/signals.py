@@ -1,4 +1,4 @@
-"""Signals: inputs that the scene itself gives as functions of time.
+"""Signals: functions of time by which the scene itself drives inputs and prescribed motions.
 
 A signal is a sequence of polynomials. Each polynomial begins at a time t_k, called a knot, and is used until
 the next knot. This part of the signal is a segment; `signal.segment` is the index of the knot at which the
@@ -12,8 +12,8 @@ next step (events/segments.py). So the step that ends at a jump of a signal uses
 and the next step the value after the jump.
 
 If a signal is the velocity or the acceleration of a base, a wall or a belt, this module integrates the signal
-to a position, so that position, velocity and acceleration always agree. The integrals of a sine are in
-sines.py.
+to a position, so that position, velocity and acceleration always agree; the polynomials of a table are given
+as those of the position. The integrals of a sine are in sines.py.
 """
 
 import math
@@ -24,8 +24,8 @@ from chain_impact.kernel.mathematics.angles import direction
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, the kind of a signal
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, the shape of a ramp
-# number of knots of a sine, of a ramp and of a ramp with the shape of a trapezoid; steps and tables have any
-# number
+# number of knots of a sine, of a ramp and of a ramp with the shape of a trapezoid; a constant has one, steps
+# and tables have any number
 SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
 # the largest degree of a signal's polynomials: a ramp has degree 5, and is integrated twice if it is an
@@ -36,7 +36,11 @@ STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 
 def signal_at(d, j, time):
-    """Return value, rate and second derivative of signal j at a ``time`` [s], by its segment in use."""
+    """Return value, rate and second derivative of signal j at a ``time`` [s], by its segment in use.
+
+    A signal that gives the velocity or acceleration of a channel has been integrated: its value is a
+    position.
+    """
     signal, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
     x = time_since_knot(d, j, time)
     u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
@@ -67,7 +71,8 @@ def time_since_knot(d, j, time):
 def sine_at(d, j, time):
     """Return value, rate and second derivative of the sine that is added to signal j, at a ``time`` [s].
 
-    If the signal is integrated once or twice over time, they are those of the integral of the sine.
+    If the signal is integrated over time, value and derivatives are those of the (double) integral of the
+    sine.
     """
     signal, i = d.signal, d.signal.source[j]
     s = time - signal.start[i]
@@ -232,7 +237,7 @@ def next_segment(d, j):
 
 
 def set_segment(d, j, k, lap):
-    """Let signal j use the segment of knot k, after its table has begun again ``lap`` times."""
+    """Let signal j use the segment of knot k in repetition ``lap`` of its table, 0 for other signals."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 

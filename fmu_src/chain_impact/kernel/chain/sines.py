@@ -9,7 +9,7 @@ smooth ramp from 0 to 1, or constantly 1. E_n is an n-fold integral of e^{iΦ}. 
     I_m = Im Σ_k c_k E_{m+k},   c_k = (−1)ᵏ (m+k−1 over k) r⁽ᵏ⁾,   k = 0…5
     E_{n+1} = (i E_{n−1} + ω E_n)/(n g),   E_0 = e^{iΦ}
 
-with the binomial coefficient (m+k−1 over k) and the derivatives r⁽ᵏ⁾ of r.
+with the binomial coefficient (m+k−1 over k) and the derivatives r⁽ᵏ⁾ of r. A constant r has only k = 0.
 
 One solution of the recurrence for E_n falls with n: E_n = e^{iΦ} K_n/(iω)ⁿ. The ratios of its successive K_n
 follow from a continued fraction, which is exact for g = 0 and loses no digits for small g:

@@ -16,7 +16,7 @@ from chain_impact.kernel.functions import inlined
 
 @inlined
 def joint_place(d, i):
-    """Return the index, among all places, of the proximal joint of link i: joints follow the N + 1 points."""
+    """Return the index, among all places, of the proximal joint of link i, from 0: after N + 1 points."""
     return d.links + 1 + i
 
 
@@ -44,7 +44,7 @@ def site_of_point(d, point):
 
 @inlined
 def site_arm(d, link_vectors, s):
-    """Return the arm r [m], x and y, from the proximal joint of its link to site s."""
+    """Return x and y, in the world frame, of the arm r [m] from the proximal joint of its link to site s."""
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
     lx, ly = link_vectors.x[i], link_vectors.y[i]
     return along * lx - beside * ly, along * ly + beside * lx
@@ -115,7 +115,8 @@ def clear_link_moments(d, load):
 def move_site_loads(d, link_vectors, load):
     """Replace the force at each site by an equal force at its link's proximal joint and a moment on the link.
 
-    The moments on all links are first set to zero. Afterwards the entries of the sites in ``load`` are zero.
+    The moments on all links are first set to zero (``clear_link_moments``). Afterwards the forces at the
+    sites in ``load`` are zero.
     """
     clear_link_moments(d, load)
     for s in range(d.sites):

@@ -6,8 +6,8 @@ the chain needs the force A a + b at the base (chain/elimination.py). Along the 
     a = s̈ u,   (u·A u + m) s̈ = F + u·(f + m g − b),
 
 with m the mass of the carriage, g gravity, f the load on the base, and F the force of the slider's drive
-(drives.py). The guide carries any force across the line. Dry friction of the slider is an element
-(forces/friction.py). The ends of the line are stops (rows/geometry.py), which the base touches.
+(drives.py). The line carries any force across it. Dry friction of the slider is an element
+(forces/friction.py), and its stops, if any, are candidates of the base (rows/geometry.py).
 """
 
 from chain_impact.kernel.chain.state import velocity_at

@@ -1,6 +1,6 @@
 """The state vector y, and functions for the indices of its entries, which all other modules use.
 
-    y = (x₀, θ₁ … θ_N, ẋ₀, ω₁ … ω_N, dissipated energy, energy supplied by the inputs, u, t)
+    y = (x₀, θ₁ … θ_N, ẋ₀, ω₁ … ω_N, dissipated energy, supplied energy, u, t)
 
 The first N + 2 entries are the coordinates: the position x₀ of the base, x and y [m], and the absolute angles
 θ of the links [rad]. The next N + 2 entries are the rates of the coordinates [m/s, rad/s]. The energies [J]
@@ -36,7 +36,7 @@ def dissipated_at(n):
 
 
 def supplied_at(n):
-    """Return the index in y of the energy supplied by the inputs."""
+    """Return the index in y of the supplied energy: of inputs, powered drives and prescribed motions."""
     return 2 * n + 5
 
 
@@ -59,7 +59,7 @@ def state_size(n):
 def relative(values, first, i):
     """Return the angle, or its rate or change, of link i relative to the link before; i counts from 0.
 
-    For the first link, i = 0, it is the absolute value. The absolute values of the links begin at index
+    For the first link, i = 0, the result is relative to +x. The absolute values of the links begin at index
     ``first`` of ``values``.
     """
     return values[first + i] - (values[first + i - 1] if i > 0 else 0.0)
