@@ -1,6 +1,6 @@
 """The build of an FMU from a scene: its files are packed into a zip, which is then validated.
 
-Equal scenes give zips with equal bytes.
+Equal scenes and arguments give zips with equal bytes, with the same versions of all packages.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def build_fmu(
 ) -> Path:
     """Build ``<name>.fmu``; the file appears in the directory only when it is complete and valid.
 
-    Equal scenes give FMUs with equal bytes, with the same versions of this package and of matplotlib.
+    Equal scenes give FMUs with equal bytes, with the same versions of this package and of those that it uses.
 
     Args:
         source: a scene, or an argument of ``load_scene``.
@@ -101,7 +101,11 @@ def build_fmu(
 
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
-    """Check an FMU against the FMI standard without running it; return a sentence for each fault."""
+    """Check an FMU against the FMI standard without running it; return a sentence for each fault.
+
+    Raises:
+        OSError: when the file cannot be read.
+    """
     try:
         return [str(finding) for finding in description_findings(Path(path))]
     except zipfile.BadZipFile as error:
@@ -111,7 +115,7 @@ def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
 def _pack(files: Mapping[str, bytes], target: Path) -> None:
     """Write a compressed zip whose bytes depend only on ``files`` (name → content).
 
-    For this purpose its entries are sorted by name, and have no dates.
+    For this purpose the entries of the zip are sorted by name, and have the same date, ZIP_DATE.
     """
     with zipfile.ZipFile(target, "w") as fmu:
         for name, content in sorted(files.items()):

@@ -1,6 +1,6 @@
 """The check of an FMU's model description against the FMI standard.
 
-fmpy checks it by the XML schema and some rules; this module checks the rules that fmpy does not.
+fmpy checks the description by the XML schema and some rules; this module adds rules that fmpy does not check.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ NAME_PATTERNS = {
 
 See FMI 2.0.4, section 2.2.9, and FMI 3.0, section 2.4.7.5.1.
 """
-# finds the line of a fault in the beginning of fmpy's sentence on a fault that the XML schema refuses
+# matches the beginning of fmpy's sentence on a fault against the XML schema; the group is the line's number
 _OF_SCHEMA = re.compile(r"^ERROR \(line (\d+), column \d+\): ")
-# finds the name of a variable in fmpy's sentence on a fault
+# matches the words in fmpy's sentence on a fault that name a variable; the group is the name
 _NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')
 
 
@@ -59,7 +59,7 @@ def description_findings(path: Path) -> list[Finding]:
     """Return the faults of an FMU's zip and model description, without running the FMU.
 
     Raises:
-        OSError: when the file does not exist.
+        OSError: when the file cannot be read.
         zipfile.BadZipFile: when the file is not a zip.
     """
     if findings := archive_findings(path):
@@ -99,8 +99,8 @@ def description_findings(path: Path) -> list[Finding]:
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
     """Return the faults that fmpy finds in the model description.
 
-    ``known`` tells whether another fault is already known. If fmpy itself then fails, the known fault is
-    probably the reason, so that its failure is not reported.
+    ``known`` tells whether another fault is already known. This fault is then probably the reason if fmpy
+    fails with an error of its own, so such an error is not reported.
     """
     # imported here, because the import takes a second
     from fmpy.model_description import ValidationError, read_model_description
@@ -224,6 +224,7 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
 def terminal_findings(root: Element, names: set[str], file: str) -> Iterator[Finding]:
     """Yield the faults of terminals: names of variables that do not exist, and names that occur twice.
 
+    ``names`` are the names and aliases of all variables, ``file`` is the path of the terminals in the FMU.
     See FMI 3.0, section 2.4.9.2.
     """
     for parent in root.iter():

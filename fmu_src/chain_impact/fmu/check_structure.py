@@ -74,8 +74,8 @@ class Structure:
     def findings(self) -> Iterator[Finding]:
         """Yield the faults of the model structure, whose references must all exist (see ``lost``).
 
-        An unknown may be missing, superfluous, listed twice or in the wrong place, and a dependency may be
-        wrong.
+        An unknown may be missing, superfluous, listed twice or in the wrong place; a dependency may be wrong,
+        and so may the kind of a variable that gives the size of an array.
         """
         variables, derivatives = self.known, set(self.listed(DERIVATIVE_LIST))
         states = {variables[reference].attributes.get("derivative", "") for reference in derivatives} - {""}

@@ -26,7 +26,7 @@ class Variable:
         type: the kind of value: the element's tag without "Type", such as ``Real`` or ``Float64``.
         attributes: the variable's own attributes, and those of its declared type that it does not have
             itself.
-        choices: the values of an enumeration.
+        choices: the values of an enumeration; empty for other types.
         node: the element with the attributes of the type, such as ``Real``.
         size: the number of values, 1 for a scalar; None if it cannot be determined.
     """
@@ -173,9 +173,9 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
-    """Yield pairs of an attribute and a sentence, for those of its attributes that a variable must not have.
+    """Yield a pair, attribute and sentence, for each attribute that a variable must not have.
 
-    Its causality does not allow the attribute or, in FMI 2.0, the FMU is not for model exchange.
+    The reason is the variable's causality or, in FMI 2.0, that the FMU is not for model exchange.
     """
     of_fmi_2, causality = is_fmi_2(root.get("fmiVersion")), variable.causality
     if of_fmi_2 and causality in ("input", "independent") and "initial" in variable.attributes:
@@ -208,8 +208,8 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
 def _aliases(variables: Sequence[Variable]) -> list[Finding]:
     """Return the faults of aliases, variables with the same value reference (FMI 2.0, 2.2.7).
 
-    Only one of them may be set from outside, and all must have the same unit. Either all are constants, of
-    the same value, or none is; then only one may have a start value.
+    Of the variables with one reference, only one may be set from outside, and all must have the same unit.
+    Either all are constants of the same value; or none is constant, and at most one has a start value.
     """
     first: dict[tuple[str, str], Variable] = {}
     findings = []

@@ -29,22 +29,23 @@ KINDS = "Variables by kind"
 
 INTRODUCTION = (
     "<p>A planar chain of rigid links that hits {walls}. FMI {version}, co-simulation. Quantities "
-    "are in SI units. The solver locates every impact: the results do not depend on the communication "
-    "step.</p>",
+    "are in SI units. The solver locates every impact: with constant inputs, the results do not depend on "
+    "the communication step.</p>",
     "<p>Torques, forces and targets are held constant over a communication step. Fixed parameters can be set "
     "until the end of initialization, tunable ones and inputs at any time. The state can be saved, restored "
     "and serialized. The tolerance that counts is the parameter solver.tolerance.</p>",
 )
 
 MOTIONS = (
-    "<p>A base and walls that move are given at communication points: position, velocity and acceleration. "
-    "In between they follow a cubic, with a continuous position and velocity, that aims at what uniform "
-    "acceleration makes of what is given; the speed of a belt changes at a uniform rate.</p>"
+    "<p>Position, velocity and acceleration of a base or wall that moves are given at communication points. "
+    "In between, the base or wall follows a cubic with a continuous position and velocity. The cubic ends at "
+    "the position and velocity to which the given acceleration, if uniform, leads from the given position "
+    "and velocity. The speed of a belt changes at a uniform rate.</p>"
 )
 EVENTS = (
-    "<p>With event mode and early return, a step ends at each onset of a contact. There, inputs and tunable "
-    "parameters can be changed before the impact takes effect, by fmi3UpdateDiscreteStates. The outputs are "
-    "there as arrays, too, such as point.position.</p>"
+    "<p>With event mode and early return, a step ends at each onset of a contact. The impact takes effect in "
+    "fmi3UpdateDiscreteStates; before this call, inputs and tunable parameters can be changed. Some outputs "
+    "exist as arrays, too, such as point.position.</p>"
 )
 TERMINALS_FILE = "terminalsAndIcons/terminalsAndIcons.xml"
 EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}

@@ -20,10 +20,10 @@ COMPLETE = "complete"
 """The test run of an FMU reports this word as its last call; if it is missing, the process ended too
 early."""
 LARGEST_FILE = 2**30
-"""[byte] The largest size of all unpacked files of an FMU.
+"""[byte] The largest sum of the sizes of an FMU's unpacked files.
 
-A larger one is refused, as it could fill the disk. The check adds the sizes that the zip declares; Python
-never unpacks more than the declared size of a file.
+An FMU with a larger sum is refused, as it could fill the disk. The sizes are those that the zip declares;
+Python never unpacks more than the declared size of a file.
 """
 # largest number of variables that one line names; the line counts further ones: "and 3 more"
 NAMED_VARIABLES = 5
@@ -38,7 +38,7 @@ class Finding:
     Attributes:
         text: a sentence that describes the fault; its subject is the file, variable or attribute.
         file: the file in the FMU that has the fault; "" for the FMU as a whole.
-        variable: the name of the variable with the fault; "" if it is not one of a variable.
+        variable: the name of the variable with the fault; "" if the fault is not that of a variable.
         attribute: the attribute or element of the model description with the fault, or "".
     """
 
@@ -79,7 +79,7 @@ def archive_findings(path: Path) -> list[Finding]:
     Two files of the same name with different contents and a missing model description are such faults, too.
 
     Raises:
-        OSError: when the file does not exist.
+        OSError: when the file cannot be read.
         zipfile.BadZipFile: when the file is not a zip.
     """
     with zipfile.ZipFile(path) as fmu:

@@ -42,6 +42,7 @@ def read_fmu(path: Path) -> Any:
 
     Raises:
         SceneError: when the file is not an FMU.
+        OSError: when the file cannot be read.
     """
     import fmpy  # imported here, because the import takes half a second
 
@@ -66,7 +67,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 
     Raises:
         RunError: when the FMU has no binary for this machine, or fails; the message has the first reason that
-            the FMU gave.
+            the FMU gave, or fmpy's if the FMU gave none.
     """
     import fmpy
 
@@ -101,7 +102,8 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 def listening() -> Iterator[Callable[[], list[str]]]:
     """Context that collects the messages of FMUs that this thread runs.
 
-    It yields a function that returns the messages so far: those of slaves in Python, then those by callback.
+    The context yields a function that returns the messages so far: those of slaves in Python, then those by
+    FMI's callback.
     """
     _here.said, _here.logged = [], []
     try:

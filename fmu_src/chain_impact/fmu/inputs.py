@@ -36,12 +36,12 @@ def driven_rows(
 ) -> tuple[Any, np.ndarray]:
     """Return the model description for fmpy, and the table of inputs for it.
 
-    The inputs have the same values as in a scene in which the user's table is a signal: its rows are
-    interpolated in the same way, and derivatives and integrals of an input are computed from it. The returned
-    table has a row for each communication point and for each row of the user's table within the run. fmpy
-    joins rows by straight lines, so a jump needs two rows at the same time, at which fmpy also makes a
-    communication point. Inputs that nothing drives are left out of the returned description, because fmpy
-    would print a warning for each of them.
+    At its rows, the returned table has the values of a scene in which the user's table is a signal: the rows
+    of the user's table are interpolated in the same way, and derivatives and integrals of an input are
+    computed from that input. The returned table has a row for each communication point and for each row of
+    the user's table within the run. fmpy joins rows by straight lines, so a jump needs two rows at the same
+    time, at which fmpy also makes a communication point. Inputs that nothing drives are left out of the
+    returned description, because fmpy would print a warning for each of them.
 
     Args:
         description: the model description of the FMU, in fmpy's form.

@@ -155,8 +155,8 @@ def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, s
     """Return for each output its number, and the numbers of the inputs on which it depends directly.
 
     Both are texts; the second has the numbers with spaces between them. The number of a variable is its index
-    in FMI 2.0, and its value reference in FMI 3.0. These dependencies are those after the start. For the
-    start none are given: FMI then assumes that an output depends on all known values, which is true.
+    in FMI 2.0, and its value reference in FMI 3.0. The dependencies are those after the start. For the start
+    none are given: FMI then assumes that an output may depend on all known values.
     """
     inputs = " ".join(str(number) for number, variable in numbered if variable.causality == "input")
     return [
@@ -258,7 +258,7 @@ def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
 def rate_of(variable: Variable) -> DataPath | None:
     """Return the record path of the variable whose derivative ``variable`` is.
 
-    The result is None if it is no derivative.
+    The result is None if ``variable`` is not the derivative of another variable.
     """
     record, field, *index = variable.record_path
     if field == variable.kind.rate_of == "signal":

@@ -17,13 +17,13 @@ import ctypes
 
 from {slave} import ChainImpact
 
-# pythonfmu 0.7.0 gives these names back once for every instance without having taken them
+# pythonfmu 0.7.0 releases a reference to these names for every instance, without having taken one
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 """
 """The script of an FMU, which pythonfmu's wrapper executes again for every new instance.
 
 The wrapper never frees the code of an executed script. So this script is short: it imports the slave, which
-Python loads only once in a process, and takes the reference to its names that the wrapper gives back.
+Python loads only once in a process, and takes the reference to the script's names that the wrapper releases.
 """
 
 

@@ -192,7 +192,7 @@ def _run(
 
 
 def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the values of each input at ``times``: sines of different frequencies.
+    """Return the values of each input at ``times``: sines and cosines of different frequencies.
 
     All forces, torques and targets have different frequencies, and so have all prescribed motions: an
     importer that exchanges two of them is noticed. Velocity and acceleration of a motion are the derivatives
@@ -242,7 +242,7 @@ class _Table(NamedTuple):
 
     Attributes:
         time: communication points, shape (T,) [s].
-        columns: name of an input or output → its values, shape (T,); NaN where it is not compared.
+        columns: name of an input or output → its values, shape (T,); NaN where an output is not compared.
         allowed: name → tolerance; NaN for an input and for the time.
     """
 

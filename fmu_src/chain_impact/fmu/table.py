@@ -67,7 +67,8 @@ def with_description(
     Args:
         files: the other files of the FMU, as path → content, on which its results depend.
         prepared: the scene that the FMU simulates.
-        description: the model description; its GUID, computed from all these files, is added here.
+        description: the model description; its GUID, computed from the description, the table and ``files``,
+            is added here.
         fmi: the version of FMI.
         further: variables that only FMI 3.0 has.
     """

@@ -28,7 +28,7 @@ T = TypeVar("T")
 # two values count as equal up to this relative difference, because a start value may be written with six
 # digits
 START_ROUND_OFF = 1e-6
-TINY = 1e-12
+TINY = 1e-12  # in the unit of the variable: two values also count as equal if they differ by at most this
 SAID = 300  # a message of the FMU is cut to this number of characters in the report
 SILENT = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
 
