@@ -2,7 +2,7 @@
 
 Python evaluates only the constants of a file and the default values of arguments. The functions are compiled
 by numba, and never run by Python. A law can use only the names of ``FUNCTIONS``, of ``MATH`` and of its own
-file, so each of its values is a number, a tuple of numbers, or a function with such a name.
+file, so each value in a law is a number, None, a tuple of such values, or a function with such a name.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def check_syntax(tree: ast.Module, source: str) -> None:
 
 
 def _check_common(node: ast.AST) -> None:
-    """Refuse a frequent mistake in a node of the syntax tree with a sentence of its own."""
+    """Raise a LawError with a special message if a node of the syntax tree is a frequent mistake."""
     imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
     imported += ["." * node.level + (node.module or "")] if isinstance(node, ast.ImportFrom) else []
     for module in imported:
@@ -199,7 +199,8 @@ def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
 def _texts(node: ast.AST) -> Iterator[ast.AST]:
     """Yield the text that is a direct child of a node, if a text is allowed there.
 
-    Allowed are a statement that consists of a text, such as a docstring, and the word in ``float("nan")``.
+    Allowed are a statement that consists of a text, such as a docstring, and a word of WORDS in
+    ``float("…")``.
     """
     match node:
         case ast.Expr(value=text) if _is_text(node):

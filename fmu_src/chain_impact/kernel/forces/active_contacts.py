@@ -1,9 +1,9 @@
 """Contacts at walls and stops: their beginning at an onset, their forces, and the list of active contacts.
 
-events/crossing.py finds the onsets. A candidate is a stop, or a point paired with a wall. Its clearance g is
-positive while it does not touch: the distance from the wall or from a slider's stop, or the angle to a
-joint's stop times the lever arm. The penetration is δ = −g, with the rate δ̇ > 0 during compression. An
-active candidate is in contact.
+events/crossing.py finds the onsets. A candidate is a stop, or a point paired with a wall. The clearance g of
+a candidate is positive while the candidate does not touch: the distance from the wall or from a slider's
+stop, or the angle to a joint's stop times the lever arm. The penetration is δ = −g, with the rate δ̇ > 0
+during compression. An active candidate is in contact.
 """
 
 from chain_impact.kernel.forces.force_formula import (
@@ -51,10 +51,10 @@ def contact_force(d, c, gap, gap_rate):
 
 
 def apply_contact(d, c, gap, gap_rate):
-    """Add the force of active candidate c, as a step uses it, to the load on its point.
+    """Add the force of active candidate c, as a step uses it, to the load at the candidate's place.
 
-    The arguments are the clearance ``gap`` [m] and its rate ``gap_rate`` [m/s]. Return the power [W] that the
-    force dissipates.
+    The arguments are the clearance ``gap`` [m] and its rate ``gap_rate`` [m/s]. The force may continue below
+    0, beyond its kink (``continued_force``). Return the power [W] that the force dissipates.
     """
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     store_force(d, c, force)
@@ -70,7 +70,7 @@ def store_force(d, c, force):
 
 
 def clear_loads(d):
-    """Set the loads at all places to zero, except the load at the tip, which is the input force there."""
+    """Set the loads at all places and in the joints to zero, but the load at the tip to the input force."""
     clear_loads_of(d, d.scratch.load)
     tip = d.links
     d.scratch.load.x[tip] = d.inputs.tip_force[0]
@@ -78,7 +78,7 @@ def clear_loads(d):
 
 
 def apply_contacts(d):
-    """Set the loads to the input at the tip, forces of contacts with a force law, and sliding friction.
+    """Set the loads to the input force at the tip, forces of contacts with a force law, and sliding friction.
 
     The points must be located. A contact force is that of one side of its kink (forces/force_formula.py); the
     sliding friction includes joints and slider. Return the power [W] that these contact forces and the
@@ -111,7 +111,8 @@ def apply_true_contacts(d):
 def contact_slopes(d, c):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of active candidate c, for the located points.
 
-    F is the contact force and δ the penetration. Both slopes are 0 if a step uses F = 0 (``is_cut_off``).
+    F is the contact force of a force law and δ the penetration. Both slopes are 0 if a step uses F = 0
+    (``is_cut_off``).
     """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
@@ -134,7 +135,7 @@ def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
     The function latches the impact speed v₀, the effective mass, the expected penetration and the damping of
-    the contact. They stay until its end, unless ``relatch`` raises v₀ or the law changes.
+    the contact. These values stay until the contact ends, unless ``relatch`` changes v₀ or the law changes.
     """
     _, gap_rate = clearance(d, c)
     touch = d.touch
@@ -161,7 +162,8 @@ def latch_onset(d, c):
 def begin_force_contact(d, c):
     """Begin the contact of candidate c, which has a force law, at the located points.
 
-    The function fixes the values of the onset, the side of the kink and a first mode of friction.
+    The function latches the values of the onset, and sets the side of the kink and, if the contact has
+    friction, a first mode of friction.
     """
     latch_onset(d, c)
     set_kink_side(d, c)
@@ -170,7 +172,7 @@ def begin_force_contact(d, c):
 
 
 def latch(d, c):
-    """Fix the expected penetration of candidate c's contact and, for a force law, its damping.
+    """Latch the expected penetration of candidate c's contact and, for a force law, the damping.
 
     Both follow from the law and from the contact's impact speed and effective mass.
     """
@@ -180,7 +182,7 @@ def latch(d, c):
 
 
 def relatch(d, c, factor):
-    """Multiply v₀, the fixed impact speed of candidate c, by ``factor``; update the values that depend on v₀.
+    """Multiply v₀, the latched impact speed of candidate c, by ``factor``; update what depends on v₀.
 
     These values are the expected penetration, the damping and the side of the law's kink.
     """
@@ -202,16 +204,16 @@ def deactivate(d, c):
 def set_rates(d, c, speed, force_rate):
     """Set the rates of candidate c's penetration [m/s] and force [N/s] at the start of the next step.
 
-    That step contains a peak if a rate falls through 0 in it (``find_peaks``). Only the sign of the force's
-    rate counts. At a joint's stop, too, lengths are in m: angles times the lever arm.
+    That step contains a peak if one of the rates falls through 0 in the step (``find_peaks``). Only the sign
+    of the force's rate counts. At a joint's stop, too, lengths are in m: angles times the lever arm.
     """
     d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
 
 
 def expect_peaks(d):
-    """Let the next step be searched for peaks of all contact forces.
+    """Let the next step be searched for peaks of the forces of all active contacts with a force law.
 
-    This is needed after changes of modes, laws or inputs, because the forces may rise then.
+    The search is needed after changes of modes, laws or inputs, because the forces may rise then.
     """
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0
@@ -243,7 +245,7 @@ def cross_kink(d, c):
 
 
 def kink_height(d, c):
-    """Return how far [N or m/s] candidate c is from its kink at the located points; < 0 beyond the kink."""
+    """Return ``height_over_kink`` [N or m/s] of candidate c at the located points; < 0 beyond the kink."""
     gap, gap_rate = clearance(d, c)
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 
@@ -263,7 +265,7 @@ def list_touching(d):
     """List the active contacts in ``touch.active_index``; contacts with a force law come first.
 
     The function also counts the stops of joints among the active contacts. It lists the elements that have
-    dry friction at present (active contacts, joints and the slider), and those of them that stick.
+    dry friction at present (active contacts, joints and the slider), and the sticking ones among these.
     """
     touch = d.touch
     touch.active_count = 0

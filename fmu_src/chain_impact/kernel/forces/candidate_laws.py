@@ -67,8 +67,8 @@ def law_origin(d, c):
     """Return a number that tells where the law of candidate c is given.
 
     Returns:
-        The number of the wall if the wall has its own material; OF_CONTACT for the material of `contact`;
-        OF_JOINTS for a stop in a joint; OF_SLIDER for an end of the slider's line, which has no friction.
+        The index of the wall (``candidate.wall``) if this wall has any own value of its material; OF_CONTACT
+        for another wall; OF_JOINTS for a stop in a joint; OF_SLIDER for a stop of the slider.
     """
     if at_stop(d, c):
         return OF_JOINTS if at_joint_stop(d, c) else OF_SLIDER
@@ -82,7 +82,7 @@ def law_origin(d, c):
 def update_laws(d):
     """Set the laws of all candidates to the given parameters; return a status.
 
-    If the status is not OK, no law changes.
+    If the status is not OK, the laws stay as they are.
     """
     status = check_laws(d)
     if status != OK:
@@ -117,7 +117,10 @@ def check_laws(d):
 
 
 def laws_in_use(d):
-    """Return whether the laws of all candidates already have the given parameters."""
+    """Return whether no value that the scene or an importer gives would change the law of any candidate.
+
+    Only parameters that may change during a run are compared.
+    """
     for c in range(d.candidates):
         if d.law.same_as[c] == c and not is_in_use(d, c):
             return False
@@ -125,7 +128,7 @@ def laws_in_use(d):
 
 
 def is_in_use(d, c):
-    """Return whether the law of candidate c already has the given parameters."""
+    """Return whether candidate c has its given law, restitution, stiffness and coefficients of friction."""
     law, (sliding, static) = d.law, given_friction(d, c)
     same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
     return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
@@ -152,7 +155,8 @@ def given_number(d, c):
 def given_stiffness(d, c):
     """Return the given stiffness K [N/mⁿ] of candidate c: its wall's own, else the common one.
 
-    The stiffness of a joint's stop, given in N·m/radⁿ, is converted to that of a contact at the lever arm.
+    A stop of the slider has the common one. The stiffness of joints' stops, given in N·m/radⁿ, is converted
+    to that of a contact at the lever arm.
     """
     if at_joint_stop(d, c):
         return d.given.stop_stiffness / power(d.chain.longest_link, d.stops.exponent + 1.0)
@@ -191,7 +195,7 @@ def given_friction(d, c):
 
 
 def law_exponent(d, c):
-    """Return the exponent n that the scene gives: for stops in joints, or for all other candidates."""
+    """Return the exponent n given for candidate c: that of stops in joints, or the common one."""
     return d.stops.exponent if at_joint_stop(d, c) else d.contact.exponent
 
 

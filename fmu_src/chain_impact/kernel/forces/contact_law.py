@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
-# exponent of δ → the power of δ as text; other powers are written like δ^1.2
+# exponent of δ → the power of δ as text; powers with other exponents are written like δ^1.2
 DEPTHS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
@@ -12,7 +12,7 @@ DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 class ContactLaw:
     """One law in the registry, CONTACT_LAWS: a force F = max(0, K δⁿ + d δᵖ δ̇), or impulses.
 
-    K is the stiffness, δ the penetration, d the damping.
+    K is the stiffness, δ the penetration, d the damping; n and p are exponents.
     """
 
     id: str  # name in scene files and in the FMU

@@ -1,8 +1,9 @@
 """The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its partial derivatives and its elastic energy.
 
 K is the stiffness, δ the penetration and δ̇ its rate. The damping d is latched: it is computed at the onset
-and then fixed. The laws in laws.py differ only in d and the exponents n and p. A user's law (user_law.py) has
-a formula of its own in place of K δⁿ + d δᵖ δ̇.
+and then fixed, unless ``relatch`` or a change of the law computes it again. The laws with a force in laws.py
+differ only in d, in the exponents n and p, and in whether they damp on approach only. A user's law
+(user_law.py) has a formula of its own in place of K δⁿ + d δᵖ δ̇.
 
 The force has a kink. For a law that damps on approach only, the kink lies at δ̇ = 0; for any other law, it
 lies where the cut at 0 begins or ends. A step across a kink would lose its order of accuracy. So a step uses
@@ -35,7 +36,7 @@ TURNING_RATE = 0.3
 def power_of_depth(depth, exponent):
     """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents 0, ½, 1 and 3/2.
 
-    ``power_by_roots`` computes it for any other exponent.
+    Powers with any other exponent are those of ``power_by_roots``.
     """
     if exponent == 1.5:
         return depth * math.sqrt(depth)
@@ -51,7 +52,7 @@ def power_of_depth(depth, exponent):
 def power_by_roots(depth, exponent):
     """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents ¼, 2 and 5/2.
 
-    For any other exponent it is computed by ``power``.
+    Powers with any other exponent are those of ``power``.
     """
     if exponent == 0.25:
         return math.sqrt(math.sqrt(depth))
@@ -145,9 +146,10 @@ def turning_margin(d, c):
 
 
 def law_force(d, c, depth, rate):
-    """Return the force [N] of candidate c and its elastic part K δⁿ [N], at a penetration δ ≥ 0 [m].
+    """Return the force ≥ 0 [N] of candidate c and the elastic part K δⁿ [N], at a penetration δ ≥ 0 [m].
 
-    ``rate`` is δ̇ [m/s], the rate of the penetration.
+    ``rate`` is δ̇ [m/s], the rate of the penetration; its sign tells whether a law that damps on approach
+    only damps.
     """
     force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
     # max() is not used, because it could hide a NaN
@@ -157,8 +159,9 @@ def law_force(d, c, depth, rate):
 def continued_force(d, c, depth, rate):
     """Return force and elastic part as ``law_force`` does, but with one side's smooth formula on both sides.
 
-    ``touch.beyond_kink`` of candidate c tells the side of the kink. If the kink is crossed by more than a
-    margin, the function sets ``touch.kink_crossed``, so that the step is repeated to end there.
+    ``touch.beyond_kink`` of candidate c tells which side's formula is used. If the state is beyond the kink,
+    on the other side, by more than a margin, the function sets ``touch.kink_crossed``, so that the step is
+    repeated to end at the kink.
     """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
@@ -215,7 +218,7 @@ def is_cut_off(d, c):
 def uncut_force(d, c, depth, rate, leaves):
     """Return force and elastic part [N] as ``law_force`` does, but without the cut at 0.
 
-    ``leaves``: whether the point moves outward, so that a law that damps on approach only has no damping.
+    ``leaves``: whether a law that damps on approach only has no damping, because the point moves outward.
     """
     spring = power_of_depth(depth, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
@@ -289,9 +292,9 @@ def law_slopes(d, c, depth, rate):
 
 
 def user_slopes(d, c, depth, rate):
-    """Return the slopes of ``law_slopes`` for a user's law, by central differences.
+    """Return the slopes of ``law_slopes`` for a user's law, by central differences of the force cut off at 0.
 
-    A negative slope counts as 0.
+    A negative slope counts as 0, as does ∂F/∂δ at δ = 0.
     """
     step = RELATIVE_INCREMENT * depth
     low, _ = law_force(d, c, depth - step, rate)
@@ -304,10 +307,10 @@ def user_slopes(d, c, depth, rate):
 
 
 def damping_over_elastic(d, c):
-    """Return the damping force of candidate c divided by its elastic force, a number ≥ 0.
+    """Return the damping force of candidate c divided by the elastic force K δⁿ, but at least 0.
 
-    Both forces are evaluated at the impact speed v₀ and the expected penetration. For the Hunt–Crossley
-    family the result is the damping factor λ of the law.
+    Both forces are those at the rate v₀, the impact speed, and the expected penetration; the damping force is
+    the whole force minus K δⁿ. For the Hunt–Crossley family the result is the damping factor λ of the law.
     """
     force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.impact_speed[c])
     return max(0.0, force / elastic - 1.0)

@@ -57,7 +57,7 @@ def joint_number(d, e):
 def set_friction_used(d):
     """Set ``friction.used`` to 1 if any wall, joint or slider has dry friction, else 0.
 
-    It is 0, too, if the record has no room for friction.
+    If the record has no elements (room for friction), ``friction.used`` is 0.
     """
     has_friction = max(d.contact.any_friction, d.chain.has_drive_friction)
     d.friction.used = has_friction if d.elements > 0 else 0
@@ -70,7 +70,7 @@ def clear_friction(d):
 
 
 def sliding_sign(force):
-    """Return the sign ±1 along t of the sliding that a friction ``force`` along t opposes: minus its sign."""
+    """Return the sign ±1 along t of the sliding that a friction ``force`` along t opposes; −1 for 0."""
     return 1 if force < 0.0 else -1
 
 
@@ -82,13 +82,13 @@ def set_mode(d, e, mode):
 def set_anchor(d, e):
     """Set the anchor of element e to its present coordinate along t, at the located points.
 
-    While the element sticks, it is held at its anchor. At a wall both move with the belt.
+    While the element sticks, it is held at its anchor. At a wall, element and anchor move with the belt.
     """
     d.element.anchor[e] = tangential_position(d, e)
 
 
 def list_friction(d):
-    """List the elements that have dry friction at present, and those of them that stick, without gaps.
+    """List the elements that have dry friction at present, and the sticking ones among them, without gaps.
 
     Active contacts with a force law come first, then joints, then the slider. Rigid walls have no friction. A
     free base has no joint, so the element of the first joint has no friction. The function also sets the
@@ -128,7 +128,7 @@ def list_sticking(d):
 def suspend_sticking(d):
     """Remove all elements from the list of sticking elements, before impulses that may let them slide.
 
-    These are the impulses of an impact on rigid walls and of a move of points off these walls. An element in
+    Such impulses are those of an impact on rigid walls and of a move of points off these walls. An element in
     the list would be held by an impulse of any size, because no limit of friction applies to impulses.
     """
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
@@ -171,8 +171,8 @@ def apply_friction(d):
     """Add the sliding friction of contacts with a force law, joints and slider to the loads.
 
     The friction of a sticking element is not added: it is a constraint force, which is computed later. The
-    function also sets the limits of static friction at contacts. Return the power [W] that sliding friction
-    dissipates.
+    function also sets the limits of static friction at contacts. It returns the power [W] that sliding
+    friction dissipates, and stores this power in ``friction.power``.
     """
     friction = d.friction
     friction.power = 0.0
@@ -217,7 +217,7 @@ def store_static_forces(d):
 
 
 def static_power(d):
-    """Return the power [W] that the forces of sticking elements dissipate.
+    """Return the power [W] that the forces of sticking elements dissipate, and add it to ``friction.power``.
 
     A sticking element has a speed only by the error of a step; a projection then moves the element back
     (ode/last_step.py). An implicit step does not use this power, because the last correction of its stages
@@ -232,7 +232,7 @@ def static_power(d):
 
 
 def work_of_holding(d):
-    """Return the work [J] of the present sticking forces along the way from each anchor to its element."""
+    """Return the work [J] of the present sticking forces along the way from each anchor to the element."""
     work = 0.0
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
@@ -243,8 +243,8 @@ def work_of_holding(d):
 def move_missed_anchors(d):
     """Move an anchor to its sticking element where a projection has not moved the element to the anchor.
 
-    A projection fails only where impulses can hardly move the element (constraints.py). To try again in each
-    step would do work, and change the energy of a chain at rest.
+    A projection fails only where impulses can hardly move the element (constraints.py). Another projection in
+    each step would do work, and change the energy of a chain at rest.
     """
     friction, tolerance = d.friction, ANCHOR_ROUND_OFF * largest_coordinate(d)
     for i in range(friction.stuck_count):

@@ -47,15 +47,15 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 # The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
-# a point stays deeper while walls or the base move, the walls leave no room for the chain, and the step is
-# rejected.
+# a point stays deeper in a scene with moving walls or a moving base, the walls leave no room for the chain,
+# and the step is rejected.
 SQUEEZED_DEPTH = 1e-6
 # A point leaves a rigid wall only if its speed lifts it at least to this height, relative to the longest
 # link. A lower height could not be distinguished from round-off, and the next onset could not be located.
 LEAST_RISE = 1e-14
 # A projection may change an angle [rad], or a length relative to the longest link, by at most
-# LARGEST_CORRECTION times the sum of the tolerance and the largest residual. A residual that needs a larger
-# change can hardly be removed by constraint forces.
+# LARGEST_CORRECTION times the sum of the tolerance and the largest residual, relative to the longest link. A
+# residual that needs a larger change can hardly be removed by constraint forces.
 LARGEST_CORRECTION = 10.0
 # The largest part of the residual that a projection onto the constraints of sticking elements alone may
 # leave. A projection that would leave more is not done.
@@ -86,8 +86,9 @@ def set_start_to_state(d, derivative):
 def set_start_to_load_motion(d):
     """Set ``constraints.start`` to the motion along each constraint that ``scratch.load`` causes.
 
-    If the loads are impulses, the motion is a change of velocity; if they are forces, it is an acceleration.
-    The constraints do not act on the chain. Return the largest component of the motion of any place.
+    If the loads are impulses, the motion is a change of velocity; if the loads are forces, the motion is an
+    acceleration. The constraints do not act on the chain. Return the largest component of the motion of any
+    place.
     """
     factorize_free(d)
     solve_space(d, d.scratch.link, d.scratch, FREE, d.scratch.change)
@@ -274,7 +275,7 @@ def contact_resistance(d):
 
 
 def solve_positions(d):
-    """Compute the change of coordinates that brings clearances and sticking elements to their targets.
+    """Compute the change of coordinates that brings held points and sticking elements to their targets.
 
     A residual is a distance from a target. The function gives up this change in two cases, because otherwise
     each step would change the energy:
@@ -283,8 +284,8 @@ def solve_positions(d):
     - No rigid wall holds a point, and the change would leave more than LARGEST_REMAINING_RESIDUAL of the
       residuals of sticking elements, for example at two corners of a box.
 
-    If it gives up the change, and a rigid wall holds a point, only points in a rigid wall, with g < target
-    for the clearance g, are moved out. If no rigid wall holds a point, nothing is moved.
+    If the function gives up the change, and a rigid wall holds a point, only points in a rigid wall, with g <
+    target for the clearance g, are moved out. If no rigid wall holds a point, nothing is moved.
     """
     constraints, size, far, asked, moved, left = (
         d.constraints,
@@ -311,10 +312,10 @@ def solve_positions(d):
 
 
 def solve_stopping_impulses(d):
-    """Compute the impulses that stop the motion along all constraints.
+    """Compute the impulses that stop the motion along all constraints, relative to walls and belts.
 
     If a wall would pull by more than ``tolerated_momentum``, only pushing impulses are used, and points may
-    leave.
+    leave their walls.
     """
     speed = largest_velocity(d)
     factorize_free(d)
@@ -324,7 +325,7 @@ def solve_stopping_impulses(d):
 
 
 def least_impulse(d):
-    """Return the most negative impulse, or constraint force, of the held points; 0 if all push."""
+    """Return the most negative impulse, or constraint force, of the held points; 0 if none is negative."""
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.constraints.impulse[k])

@@ -2,8 +2,8 @@
 
     F = max(0, K δⁿ + d δᵖ δ̇)
 
-K is the stiffness [N/mⁿ], δ the penetration [m], δ̇ its rate [m/s]. The damping d of a contact is computed
-once, at the onset, from the factor f(e): each law defines this function of the prescribed restitution e.
+K is the stiffness [N/mⁿ], δ the penetration [m], δ̇ its rate [m/s]. The damping d of a contact is computed at
+the onset from the factor f(e): each law defines this function of the prescribed restitution e.
 There are three kinds of laws:
 
 - The laws of the Hunt–Crossley family have p = n, f = λ and d = λ K/v₀, so that F = K δⁿ (1 + λ δ̇/v₀), with
@@ -124,10 +124,10 @@ def zhang_sharf(e):
     # near e = 1 the root is a difference of nearly equal numbers; this series in u = 1 − e has an error ∝ u⁵
     if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
-    # With d = λe = 1 − e^{−s}, λ the damping, the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The root s
-    # is found, not d, because below e ≈ 0.03 d is 1 to double precision. The left side is convex: from 0 it
-    # falls, and then rises through its only positive root. From a start above the root, Newton's method
-    # decreases monotonically to the root. This start is above the root by at most 11 %.
+    # With d = λe = 1 − e^{−s}, the equation for the factor λ reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The root
+    # s is found, not d, because below e ≈ 0.03 d is 1 to double precision. The left side is convex in s: from
+    # 0 at s = 0 it falls, and then rises through its only positive root. From a start above the root,
+    # Newton's method decreases monotonically to the root. This start is above the root by at most 11 %.
     s, before = u * (1.0 / e + 0.58), math.inf
     while s < before:
         d = -expm1(-s)
@@ -313,7 +313,7 @@ def is_impulsive(law):
 def wall_friction(sliding, static, own_sliding, own_static):
     """Return the coefficients of sliding and of static friction at a wall.
 
-    A static coefficient of 0 in the result means that it equals the sliding coefficient.
+    A static coefficient of 0 in the result stands for a static coefficient equal to the sliding one.
 
     ``sliding`` and ``static`` are common to all walls. ``own_sliding`` and ``own_static`` belong to this wall
     and replace the common ones; a negative value means that the wall has no such coefficient. If the wall has
