@@ -27,11 +27,11 @@ ONSET, DURATION = "onset", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
 MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
-"""The measurable quantities of an impact, without POSITION: across a wall it would have hardly any error."""
-# the hint for a column of times in a list of impacts
+"""The quantities of an impact that a fit uses; across a wall, POSITION would have hardly any error."""
+# the hint for a column that looks like times, in a table of impacts without the column ``onset``
 CALL_ONSET = "; call the column {} onset, if it has the onsets of impacts in seconds"
-# If impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
-# later than the measured ones.
+# If impacts were measured, the model runs until LATE times the last measured time, because an impact of the
+# model may be later than the measured impact.
 LATE = 1.25
 
 
@@ -42,9 +42,9 @@ class ImpactRow:
     Attributes:
         number: number of the impact in the order of onsets, from 1: among all impacts of the run, or, if
             ``alike``, among the impacts with the row's ``point`` and ``wall``, as far as these are not None.
-        point: number of the point, or of the joint at a stop; None if the row does not give it.
-        wall: index in ``scene.wall_names``; None if the row does not give it.
-        alike: whether ``number`` counts only these impacts: this is so if the row does not give a number.
+        point: number of the point, or of the joint at a stop; None if the row gives no point.
+        wall: index in ``scene.wall_names``; None if the row gives no wall.
+        alike: whether the row gives no number, so that ``number`` counts impacts with its point and wall.
         order: the measured onset, or else the measured end [s]; NaN if neither is measured.
     """
 
@@ -55,9 +55,9 @@ class ImpactRow:
     order: float
 
     def find(self, impacts: np.ndarray) -> int | None:
-        """Return the index of this impact among a model's impacts, the rows of ``Result.impacts``.
+        """Return the index of this impact in ``impacts``, the rows of a model's ``Result.impacts``.
 
-        Returns None if the model has no such impact, or its impact with the number has another point or wall.
+        If there is no such impact, or the impact with ``number`` has another point or wall, None is returned.
         """
         same = np.ones(len(impacts), bool)
         for name, value in ((POINT, self.point), (WALL, self.wall)):
@@ -76,15 +76,15 @@ class Measurements:
 
     Attributes:
         source: the names of the files, for error messages.
-        times: the times at which outputs were measured, shape (T,) [s].
+        times: the times at which outputs were measured, ascending, shape (T,) [s].
         outputs, impacts: the names of the W measured outputs, and the measured impacts.
-        quantity: what each value measures: the name of an output, or of an impact's quantity, M names.
-        value: the measured values, shape (M,).
+        quantity: for each value the name of the measured output or quantity of an impact, M names.
+        value: the measured values, shape (M,), in the units of the FMU's outputs and of ``Result.impacts``.
         sigma: the standard deviation of each value, shape (M,); NaN if the fit must estimate it.
         row: for each value the index in ``times`` or, for an impact, in ``impacts``, shape (M,).
         column: the index of ``quantity`` in ``outputs`` or ``MEASURED_OF_IMPACT``, shape (M,).
-        of_impact: whether each value belongs to an impact, shape (M,).
-        inputs: name of an input → its signal, times [s] and values.
+        of_impact: whether each value is a quantity of an impact, shape (M,).
+        inputs: name of an input → times [s] and values of its signal.
     """
 
     source: str
@@ -100,15 +100,15 @@ class Measurements:
     inputs: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        """Return the number of values."""
+        """Return the number M of measured values."""
         return len(self.value)
 
     @property
     def order(self) -> np.ndarray:
-        """The time of each value, shape (M,) [s]; for an output the time at which it was measured.
+        """The time of each value, shape (M,) [s]: for an output, the time at which it was measured.
 
-        For a quantity of an impact it is the measured onset of this impact, or else its measured end; NaN if
-        neither was measured.
+        The time of a quantity of an impact is the measured onset of this impact or, without a measured onset,
+        the measured end; NaN if neither was measured.
         """
         onsets = np.array([impact.order for impact in self.impacts])
         order = np.zeros(len(self))
@@ -119,8 +119,8 @@ class Measurements:
     def end(self, stop_time: float) -> float:
         """Return the time [s] up to which a model must run to have all measured outputs and impacts.
 
-        An impact without a measured time may be anywhere before ``stop_time``, the scene's stop time [s].
-        With impacts, the result is LATE × the last time, because the model's impacts may be later.
+        This is the last time of a value. An impact without a measured time counts as one at ``stop_time``,
+        the scene's stop time [s]. If an impact was measured, the result is LATE × this last time.
         """
         last = float(np.nanmax(self.order, initial=0.0))
         if np.isnan(self.order).any():
@@ -128,10 +128,10 @@ class Measurements:
         return LATE * last if self.of_impact.any() else last
 
     def until(self, stop: float) -> Measurements:
-        """Return only the measurements up to the time ``stop`` [s], and those of impacts of unknown time.
+        """Return the measurements without the values later than ``stop`` [s]; values of unknown time stay.
 
         Raises:
-            SceneError: when no measurement is left.
+            SceneError: when no value is left.
         """
         kept = ~(self.order > stop)
         if not kept.any():
@@ -155,16 +155,16 @@ def read_measurements(
 ) -> Measurements:
     """Read the tables of one run.
 
-    A row with a cell in ``impact``, ``point`` or ``wall``, or in a table without ``time``, describes an
-    impact; any other row has outputs and inputs at a ``time``. An empty cell is a value not measured.
+    A row describes an impact if its cell in ``impact``, ``point`` or ``wall`` is not empty, or if the table
+    has no column ``time``; any other row has outputs and inputs at its ``time``. Empty cells have no value.
 
     Args:
         sources: a table, or several tables of the same run.
         scene: the scene, whose outputs and inputs are the columns.
         sigma: column → standard deviation of the values, in their unit, or in percent of each value:
             ``"2%"``.
-        columns: names or patterns of the columns to use; all columns by default. Columns of inputs are always
-            used.
+        columns: names or patterns of the columns to use beside those of inputs, which are always used; all
+            columns by default.
 
     Raises:
         SceneError: when a table cannot be used.
@@ -188,7 +188,7 @@ def read_measurements(
 
 
 class _Book:
-    """A collector of measured values, to which the tables of one run are added one after the other."""
+    """A collector of measured values: the tables of one run are added to it one after the other."""
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
@@ -198,11 +198,11 @@ class _Book:
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []
         self._counts: dict[tuple[int | None, int | None], int] = {}
-        # for each value: column, value, σ, time [s] or index in ``_impacts``, whether it is an impact's value
+        # for each value: column, value, σ, time [s] or index in ``_impacts``, and whether it is an impact's
         self._found: list[tuple[str, float, float, float, bool]] = []
 
     def read(self, table: Table, chosen: Set[str]) -> None:
-        """Add the values in the ``chosen`` columns of a table, and in all columns of inputs."""
+        """Add the values in the ``chosen`` columns of a table, and in its columns of inputs."""
         samples, quantities = self._columns(table, chosen | {*self._inputs})
         before = -math.inf
         for row in range(len(table.rows)):
@@ -212,7 +212,7 @@ class _Book:
                 before = self._add_sample(table, row, samples, before)
 
     def measurements(self, source: str) -> Measurements:
-        """Return all measurements that were collected; ``source`` has the names of their files."""
+        """Return the measurements from all added tables; ``source`` has the names of the files."""
         if not self._found:
             raise SceneError(f"{source}: no value was measured: all cells are empty")
         names, values, sigmas, where, kinds = zip(*self._found, strict=True)
@@ -239,7 +239,7 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """Return the chosen columns over time, which are outputs and inputs, and those of impacts."""
+        """Return the chosen columns of outputs and inputs over time, and of quantities of impacts."""
         measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured if name in chosen]
         needed, likely = _meant(table, over_time)
@@ -285,9 +285,9 @@ class _Book:
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
-        """Add the values of outputs and inputs in a row, and return the time of the row [s].
+        """Add the values of outputs and inputs in the columns ``names`` of a row; return the row's time [s].
 
-        ``names``: the columns. The time must be later than ``before`` [s], the time of the row before.
+        The time must be ≥ 0, and later than ``before`` [s], the time of the preceding row with a time.
         """
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
@@ -301,7 +301,7 @@ class _Book:
         return time
 
     def _add_impact(self, table: Table, row: int, names: list[str]) -> None:
-        """Add the quantities, in the columns ``names``, of the impact that a row describes."""
+        """Add the impact that a row describes, and its quantities in the columns ``names``."""
         if ONSET not in table.names and table.cell(row, TIME) is not None:
             raise SceneError(
                 f"{table.where(row, TIME)} = {table.number(row, TIME):g} has no meaning for an impact"
@@ -315,13 +315,13 @@ class _Book:
         onset, end = (measured.get(name, math.nan) for name in (ONSET, "end"))
         self._impacts.append(ImpactRow(number, point, wall, alike, end if math.isnan(onset) else onset))
         for name in names:
-            if name != DURATION or math.isnan(end - onset):  # a duration that onset and end give is left out
+            if name != DURATION or math.isnan(end - onset):  # beside onset and end, a duration adds nothing
                 self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:
-        """Return what a cell in a column of WHICH says of its row's impact; None if the cell is empty.
+        """Return what a row's cell in the column ``name``, one of WHICH, means; None if the cell is empty.
 
-        The result is the number of the impact, the number of the point, or the index of the wall.
+        This is the number of the impact, that of the point or joint, or the index in ``scene.wall_names``.
         """
         cell = table.cell(row, name)
         if cell is None:
@@ -354,7 +354,7 @@ class _Book:
     def _add(self, table: Table, row: int, name: str, time_or_impact: float, of_impact: bool) -> None:
         """Add the value in a cell to the measurements, if the cell is not empty.
 
-        ``time_or_impact`` is the time of the row [s] or, if ``of_impact``, the index of the impact.
+        ``time_or_impact`` is the time of the row [s] or, if ``of_impact``, the index in ``_impacts``.
         """
         value = table.number(row, name)
         if not math.isnan(value):
@@ -368,7 +368,7 @@ class _Book:
             )
 
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
-        """Return the standard deviation of a value, from its row or else from ``sigma``; NaN without both."""
+        """Return the standard deviation of a value, from its row, else from ``_sigma``; NaN without both."""
         column = SIGMA.format(name)
         sigma = table.number(row, column)
         if math.isnan(sigma) and name in self._sigma:
@@ -380,10 +380,10 @@ class _Book:
 
 
 def _meant(table: Table, over_time: Set[str]) -> tuple[str, str]:
-    """Return the column of times that a table needs, and a hint that names the column meant by it.
+    """Return the name of the column of times that a table needs, and a hint for an error.
 
-    A table that has columns of impacts but none of the columns ``over_time`` needs the onset of each impact.
-    The hint is "" if no column looks like a time, or the table has the needed column.
+    A table with columns of impacts, but none of ``over_time``, needs ``onset``; any other table ``time``. The
+    hint names a column that looks like times; it is "" without one, or if the needed column is there.
     """
     is_list = {*WHICH, *MEASURED_OF_IMPACT} & {*table.names} and not over_time & {*table.names}
     needed, column = ONSET if is_list else TIME, time_like(table.names)
@@ -393,6 +393,6 @@ def _meant(table: Table, over_time: Set[str]) -> tuple[str, str]:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns with values: all but time, WHICH, joint, sigma(…), and POSITION of impacts."""
+    """Return all columns except time, WHICH, joint, sigma(…) and, in a table of impacts, POSITION."""
     others = (TIME, *WHICH, JOINT, *(POSITION if {*WHICH, ONSET} & {*table.names} else ()))
     return [name for name in table.names if name not in others and not is_sigma(name)]

@@ -55,9 +55,9 @@ class Estimates:
 
     @property
     def used(self) -> np.ndarray:
-        """Whether each value was used in the fit, shape (M,).
+        """Whether each measured value was fitted, shape (M,).
 
-        A value was left out if the model does not have it, or has no derivatives of it.
+        A value was left out if the fitted model lacks the value or one of its derivatives.
         """
         return np.asarray(np.isfinite(self.residuals))
 
@@ -73,9 +73,9 @@ class Estimates:
 
     @property
     def reduced_chi_squared(self) -> float:
-        """χ² divided by the degrees of freedom.
+        """χ² divided by the degrees of freedom; NaN without degrees of freedom.
 
-        It is about 1 if the model is right and all standard deviations are given.
+        For a correct model with given standard deviations, the result is about 1.
         """
         return self.chi_squared / self.freedom if self.freedom > 0 else math.nan
 
@@ -90,14 +90,14 @@ class Estimates:
 
     @property
     def law(self) -> str:
-        """The contact law of the walls, or of the stops if no point can touch a wall; "" without both."""
+        """The law of the walls or, if no point can touch a wall, of the joints' stops; "" without both."""
         contact, stops = self.scene.contact, self.scene.stops
         if point_wall_pairs(self.scene):
             return contact.model
         return stops.model or contact.model if self.scene.chain.stops else ""
 
     def unit(self, name: str) -> str:
-        """Return the unit of a measured column."""
+        """Return the unit of a measured column; at a stop of a joint, a quantity of an impact has another."""
         return self._units.get(name, "s")
 
     @cached_property

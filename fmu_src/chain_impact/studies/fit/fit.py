@@ -26,15 +26,15 @@ from chain_impact.studies.fit.sigma import standard_deviation
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-# a logarithm of a value beyond ± LARGEST_LOGARITHM counts as ± infinity, because exp of it would overflow
+# the logarithm of an interval's end counts as ± infinity beyond ± LARGEST_LOGARITHM; exp overflows above 709
 LARGEST_LOGARITHM = 700.0
-# a σ estimated from fewer values than ROUGH_BELOW is so inaccurate that a remark says so
+# a remark names each column whose σ is estimated from fewer values than this, because such a σ is inaccurate
 ROUGH_BELOW = 10
-# Data that last MOST_STOP_TIMES times the scene's stop time, or longer, are refused: their times are probably
-# in ms instead of s.
+# Data that last MOST_STOP_TIMES times the scene's stop time, or longer, are refused unless the user gives a
+# stop time: the times are probably in ms instead of s.
 MOST_STOP_TIMES = 100.0
 OF_FORCE = ("peak_force", "max_penetration")
-"""Quantities of an impact that exist only under a law of forces; an impulse has none of them."""
+"""Quantities of an impact that an impulse of a rigid wall does not have."""
 
 
 def fit(
@@ -54,22 +54,24 @@ def fit(
 ) -> Fit:
     """Estimate parameters of a scene from measurements, by weighted least squares.
 
-    The search starts from the values of the scene, uses early data first and then more and more data, and
-    uses exact derivatives through all impacts.
+    The search starts from the values of the scene, fits early data first and then more and more data, and
+    uses derivatives of the motion through all impacts.
 
     Args:
         scene: the measured system: a scene, or an argument of ``load_scene``.
-        data: a table: a CSV file, a mapping of columns, or a ``DataFrame`` of pandas; or a list with an entry
-            for each data set, which is a table or a list of tables of the same run. See ``docs/fit.md``.
-        free: names of FMU parameters that all data sets share. An input among them is constant.
-        free_each: names of parameters that have a value for each data set, such as initial values.
+        data: a table: a CSV file, a mapping of columns, or a ``DataFrame`` of pandas. Or a list with an entry
+            for each data set: a table, or a list of tables of the same run. See ``docs/fit.md``.
+        free: names of parameters and inputs of the FMU that have one value for all data sets; such an input
+            is constant in time.
+        free_each: names of parameters and inputs that have a value for each data set.
         set_each: name → known values, one for each data set.
-        sigma: column → standard deviation of the values, in their unit, or in percent of each value:
-            ``"2%"``. If neither ``sigma`` nor the data give a standard deviation, it is estimated from the
-            residuals.
+        sigma: column → standard deviation of the values, in the unit of the column, or in percent of each
+            value: ``"2%"``. If neither ``sigma`` nor the data give the standard deviation of a column, the
+            fit estimates it from the residuals.
         bounds: name → bounds in addition to the limits of the scene's keys, ``"0.1:0.9"`` or a pair.
         columns: names or patterns of the columns that are used; all columns by default.
-        laws: whether to fit every contact law, and return the fit of the best law with the ranking of all.
+        laws: whether to fit every contact law, and return the fit of the best law with the ranking of all
+            laws.
         stop_time: time [s] up to which data are used, and stop time of the fitted scene. By default all data
             are used.
         interpolation: interpolation of inputs between the rows of the data, as in ``simulate``.
@@ -173,7 +175,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
 
 
 def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
-    """Refuse a measured column of OF_FORCE if the walls are rigid, and ``usable`` has none of its values."""
+    """Refuse a column of OF_FORCE if walls are rigid and none of its values can be fitted (``usable``)."""
     scene = problem.scenes[0]
     law = CONTACT_LAWS.get(scene.contact.model)
     if not (law and law.impulsive):
@@ -187,10 +189,10 @@ def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
 
 
 def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
-    """Return the model at the end of the search, with parameters close to a bound set to this bound.
+    """Return the model at the end of the search, with each parameter close to a bound set to this bound.
 
-    The search approaches the bounds without ever reaching them. If fewer or other values could be fitted
-    after this change, for example because an impact is missing, no parameter is changed.
+    The search approaches a bound without reaching it. If not the same values can be fitted at the bounds, for
+    example because an impact is missing there, the model keeps the parameters of the search.
     """
     at = search_result.search.best
     alone = information(at.slopes[at.usable], search_result.sigma[at.usable]).alone
@@ -215,7 +217,7 @@ def _runs(
 
 
 def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | np.ndarray]) -> list[Scene]:
-    """Return a list of ``count`` scenes, one for each data set, with the set's values from ``set_each``."""
+    """Return ``count`` scenes, one for each data set, with the values for this data set in ``set_each``."""
     for name, values in set_each.items():
         if len(values) != count:
             raise SceneError(
@@ -229,9 +231,9 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | n
 
 
 def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
-    """Return a sentence for each data set whose time is probably in ms, because it lasts far too long.
+    """Return a sentence for each data set that lasts at least MOST_STOP_TIMES × ``stop_time``.
 
-    ``stop_time`` is the stop time of the scene [s]; see MOST_STOP_TIMES.
+    ``stop_time`` is the stop time of the scene [s]. The times of such data are probably in ms.
     """
     lasting = [(data_set.source, float(np.nanmax(data_set.order, initial=0.0))) for data_set in data]
     return [
@@ -243,7 +245,7 @@ def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
 
 
 def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurements]) -> None:
-    """Refuse a name in ``sigma`` that no measured column has."""
+    """Refuse a name in ``sigma`` that is not a measured column."""
     names = {name for data_set in measured for name in data_set.quantity}
     for name in sigma:
         if name not in names:
@@ -262,7 +264,7 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
 
 
 def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[float, float]:
-    """Return both ends of a parameter's interval as values of the parameter, within its bounds.
+    """Return both ends of a parameter's interval as values of the parameter, cut off at its bounds.
 
     Args:
         parameter: the parameter.
@@ -277,7 +279,7 @@ def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[flo
 
 
 def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
-    """Return the scene of data set ``k`` with the fitted values; fitted inputs are not part of a scene."""
+    """Return the scene of data set ``k`` with the fitted values of parameters; a scene holds no inputs."""
     known = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
     return scene.with_values(
@@ -292,8 +294,8 @@ def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.nd
 def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
     """Return −2 log of the likelihood for normal errors, up to a constant that depends only on the data.
 
-    A column of n residuals r adds Σ (r/σ)² if σ is given, and n log(Σ r²/n) if σ is estimated. ``rows``:
-    whether each value was fitted, shape (M,).
+    A column of n fitted residuals r adds Σ (r/σ)² if σ is given, and n log(Σ r²/n) if σ is estimated.
+    ``rows``: whether each value was fitted, shape (M,).
     """
     total = 0.0
     for group, name in enumerate(problem.names):
@@ -335,7 +337,7 @@ def _notes(
 
 
 def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
-    """Yield a remark for each column with an estimated σ that is rough, because the column has few values."""
+    """Yield a remark for each column whose σ is estimated from fewer than ROUGH_BELOW fitted values."""
     for name in problem.estimated:
         count = int((at.usable & (problem.group == problem.names.index(name))).sum())
         if 0 < count < ROUGH_BELOW:
@@ -346,7 +348,7 @@ def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
 
 
 def _left_out(problem: Problem, at: Evaluation) -> list[str]:
-    """Return remarks on the values that were not fitted, with the reasons."""
+    """Return remarks on the measured values that were not fitted, with the reasons; [] without any."""
     count, notes = len(problem.value), []
     missing, blind = int((~at.exists).sum()), int((at.exists & ~at.usable).sum())
     if missing:

@@ -1,9 +1,9 @@
 """The search with a growing horizon: first only early data are fitted, at the end all data.
 
 After some impacts the motion depends so strongly on the parameters that the sum of squares of all residuals
-has many local minima, while the sum over early data has only one. So a series of searches is made. Each
-search uses the data up to its horizon, the time up to which the model of the previous search already follows
-the data, and starts at the parameters that the previous search has found.
+often has many local minima, while the sum over early data has few. So a series of searches is made. Each
+search uses the data up to its horizon, and starts at the parameters that the previous search has found. The
+horizon is about the time up to which the model with these parameters follows the data.
 """
 
 from __future__ import annotations
@@ -18,35 +18,34 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-# For P parameters and N values with a time, at least VALUES_PER_PARAMETER × P values lie before the first
-# horizon, or N / VALUES_PER_PARAMETER if that number is smaller, but never fewer than P values.
+# For P parameters and N values with a time, at least VALUES_PER_PARAMETER × P values have a time up to the
+# first horizon, or N / VALUES_PER_PARAMETER values if this number is smaller, but not fewer than P values.
 VALUES_PER_PARAMETER = 3
-# The model follows the data as long as its difference from each value of ``Problem.followed`` is at most this
-# part of the size of the value's column: the first number in the first series of searches, the second in a
-# second series.
+# The model follows the data as long as its difference from each value in ``Problem.followed`` is at most
+# FAR × the size of the value's column: FAR[0] in the first series of searches, FAR[1] in the second series.
 FAR = (0.01, 0.0025)
-# A second series of searches follows if the first one does not converge; or if the mean square of the
-# residuals with all data is at least WORSE × the smallest mean square with fewer data, which is a sign of a
-# wrong minimum. The smallest mean square counts as at least LEAST_SQUARE, because below it there is only
+# A second series of searches follows if the first series does not converge; or if the mean square of the
+# residuals r/σ with all data is at least WORSE × the smallest mean square with fewer data, which is a sign of
+# a wrong minimum. The smallest mean square counts as at least LEAST_SQUARE, because smaller ones are only
 # round-off.
 WORSE, LEAST_SQUARE = 1.2, 1e-6
-# with fewer values the mean square of the residuals is too random to be compared with that of other horizons
+# with fewer values, the mean square of the residuals is too random to be compared with other mean squares
 MANY_VALUES = 20
-GROWTH = 1.1  # each horizon except the last is at least GROWTH × the horizon before
-# A search ends when a step changes the sum of squares by less than this, relative to the sum: ROUGH_CHANGE
-# while the horizon grows, FINE_CHANGE with all data.
+GROWTH = 1.1  # each horizon, except the first and the last, is at least GROWTH × the preceding horizon
+# A search ends when a step changes the sum of squares, relative to the sum, by less than ROUGH_CHANGE while
+# the horizon grows, and by less than FINE_CHANGE with all data; or after ROUGH_STEPS or FINE_STEPS steps.
 ROUGH_CHANGE, FINE_CHANGE = 1e-2, 1e-9
 ROUGH_STEPS, FINE_STEPS = 10, 100
-# an estimated standard deviation is at least this, relative to the size of its column: smaller residuals are
-# the solver's errors, not noise
+# an estimated standard deviation is at least LEAST_SIGMA × the size of its column: smaller residuals are
+# errors of the solver, not of the measurement
 LEAST_SIGMA = 1e-8
 # A column's degrees of freedom ν count as 0 below this limit, as round-off. A larger limit is not needed: a
 # small ν gives a large estimated σ, so the column has less weight in the next round, determines fewer
 # parameters, and has a larger ν.
 NO_FREEDOM = 1e-9
 # The search with all data is repeated with newly estimated standard deviations until none of these changes,
-# relatively, by more than SETTLED_SIGMA, but at most MOST_ROUNDS times. With a single column it is made only
-# once, because a common σ of all values does not move the minimum.
+# relatively, by more than SETTLED_SIGMA; it is made at most MOST_ROUNDS times in all. With a single measured
+# column it is made once, because an estimated σ, common to all values, does not move the minimum.
 SETTLED_SIGMA, MOST_ROUNDS = 0.01, 20
 
 
@@ -57,9 +56,10 @@ class Found:
     Attributes:
         search: the result of the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
-        horizons: the horizon of each search: the time [s] up to which it used data.
-        worse: mean square of the residuals with all data, divided by the smallest mean square of the searches
-            with fewer data; 0 without any. Of these, only searches with at least MANY_VALUES values count.
+        horizons: the horizon of each search, the time [s] up to which it used data; for the searches with all
+            data, only the last time of a value.
+        worse: mean square of the residuals r/σ with all data, divided by the smallest mean square of the
+            searches with fewer data, but at least MANY_VALUES values; 0 without such searches.
     """
 
     search: Search
@@ -71,11 +71,11 @@ class Found:
 def search(problem: Problem, progress: Progress = silent) -> Found:
     """Search the values of the free parameters, and return the result of a series of searches.
 
-    If the first series does not converge, or ends in what may be a wrong minimum (see WORSE), a second one is
-    made; of the two results, the one with smaller residuals is returned.
+    If the first series does not converge, or probably ends in a wrong minimum (see WORSE), a second series is
+    made, and the result with the smaller mean square of residuals r/σ is returned.
 
     Raises:
-        SceneError: when the data cannot be fitted, or the model has no value to compare with them.
+        SceneError: when the data cannot be fitted, or the model at the start has none of the measured values.
     """
     start = problem.evaluate(problem.start)
     _check(problem, start)
@@ -89,9 +89,7 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
     """Return the result of a series of searches, whose horizons grow until all data are used.
 
-    ``start`` is the model at the start. Each next horizon is the time at which the model first differs from a
-    value of ``Problem.followed`` by more than ``far`` × the size of its column, but at least GROWTH × the
-    horizon before.
+    ``start`` is the model at the start values; for ``far`` and each next horizon see ``_next_horizon``.
     """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
@@ -116,7 +114,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
 
 
 def _squares(at: Evaluation, sigma: np.ndarray) -> float:
-    """Return the mean square of the residuals r/σ of a model; infinity if the model has no residuals."""
+    """Return the mean square of a model's usable residuals r/σ; infinity if no residual is usable."""
     rows = at.usable
     return float(np.mean((at.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
 
@@ -126,7 +124,8 @@ def _minimized(
 ) -> tuple[Search, np.ndarray]:
     """Return the result of a search with the data up to a horizon [s], and new σ of all values, shape (M,).
 
-    ``whole`` is the model at the start, with all data; see ``minimize`` for ``enough`` and ``most``.
+    ``whole`` is the model at the start of the search, compared with all data; ``sigma`` has the σ that the
+    search uses; see ``minimize`` for ``enough`` and ``most``.
     """
     minimum = minimize(
         lambda coordinates: problem.evaluate(coordinates, horizon),
@@ -142,9 +141,9 @@ def _minimized(
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
     """Return the standard deviation σ of each value, shape (M,): the given one, or a new estimate.
 
-    For a column without given σ, the residuals r with ν degrees of freedom give σ² = Σ r²/ν, but σ is at
-    least LEAST_SIGMA times the size of the column. If a column determines as many parameters as it has
-    values, ν is 0: the residuals then tell nothing, and σ stays as in ``sigma``.
+    For a column without given σ, the usable residuals r with ν degrees of freedom give σ² = Σ r²/ν, but σ is
+    at least LEAST_SIGMA times the size of the column. If ν is 0 (``freedom_of_columns``), because the column
+    determines as many parameters as it has usable values, σ stays as in ``sigma``.
     """
     estimated, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
@@ -159,8 +158,8 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
 def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
     """Return the degrees of freedom ν of the columns with an estimated σ: index of the column → ν.
 
-    A column with n values in use has ν = n − h. Here h is the number of parameters that the column
-    determines: the sum of the leverages of its values.
+    A column with n usable values has ν = n − h. Here h, the sum of the leverages of these values, is the
+    number of parameters that the column determines; it need not be whole.
     """
     rows = np.flatnonzero(at.usable)
     left, singular, _ = np.linalg.svd(at.slopes[rows] / sigma[rows, None], full_matrices=False)
@@ -179,13 +178,13 @@ def _first_sigma(problem: Problem) -> np.ndarray:
 
 
 def _estimated(problem: Problem) -> list[tuple[int, float]]:
-    """Return a pair for each column without a given σ: the column's index, and the least σ of an estimate."""
+    """Return a pair for each column without a given σ: index in ``names``, and the least estimate of σ."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 
 
 def _check(problem: Problem, whole: Evaluation) -> None:
-    """Refuse data that cannot be fitted, and a model at the start without any measured quantity.
+    """Refuse data that cannot be fitted, and a model (``whole``) that has none of the measured values.
 
     A column cannot be fitted if only some of its values have a σ, or if it has a single value without σ.
     """
@@ -207,10 +206,11 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Return the first horizon [s], before which as many values lie as VALUES_PER_PARAMETER demands.
+    """Return the first horizon [s], up to which there are as many values as VALUES_PER_PARAMETER demands.
 
-    The horizon is later if the model follows the data longer, and infinite if all data are used at once.
-    ``whole`` is the model at the start; for ``far`` see ``_next_horizon``.
+    The horizon is later if the model follows the data longer. It is infinite if too few values have a time,
+    or if no value is later: then the first search uses all data. ``whole`` is the model at the start values;
+    for ``far`` see ``_next_horizon``.
     """
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
@@ -223,18 +223,17 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 
 
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
-    """Return the next horizon [s]: until when the model follows the data, or GROWTH × ``horizon`` if later.
+    """Return the next horizon [s], the later one of two times; infinity if no value has a later time.
 
-    The horizon is infinite if all measured times are before it: then all data are used. The model follows the
-    data as long as its outputs (or, if none were measured, its onsets and ends of impacts) differ from the
-    data by at most ``far`` × the size of their column. From ``horizon`` 0, which GROWTH cannot make later,
-    the next horizon is at least the next measured time.
+    One time is GROWTH × ``horizon``. The other is the first time of a value in ``Problem.followed`` that the
+    model lacks, or from which it differs by more than ``far`` × the size of the column. After ``horizon`` 0,
+    which GROWTH cannot make later, the next horizon is at least the next time of a value.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order
     last = float(np.nanmax(order))
     reached = float(np.min(order[away], initial=math.inf, where=np.isfinite(order[away])))
     next_horizon = max(GROWTH * horizon, reached)
-    if next_horizon == horizon:  # only at time 0, which GROWTH cannot make later
+    if next_horizon == horizon:  # only if ``horizon`` is 0
         next_horizon = float(np.min(order, initial=math.inf, where=order > horizon))
     return next_horizon if next_horizon < last else math.inf

@@ -12,8 +12,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit
 from chain_impact.studies.law_change import first_number, law_values, needed_exponent
 
-# the number of decimals to which Akaike's criterion is rounded before laws are sorted by it; laws with equal
-# rounded criteria keep their order, with the scene's own law first
+# the number of decimals to which Akaike's criterion is rounded before laws are sorted by it; of laws with
+# equal rounded criteria the scene's own law is first, and the others are in the order of the registry
 CRITERION_DIGITS = 1
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
@@ -21,13 +21,13 @@ FitOne = Callable[[Sequence[Scene], Progress], Fit]
 def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     """Fit every contact law; return the fit of the best law, with the ranking of all laws.
 
-    The scene's own law is fitted first. Every other law starts at the parameters fitted with this law; if its
-    search fails or does not converge, it starts again at the values of ``scenes``. A law that needs another
-    exponent than the scene has starts with the stiffness that gives the first impact the same penetration
-    without losses.
+    The scene's own law is fitted first. The fit of every other law starts at the parameters fitted with the
+    scene's own law; if this fit fails or does not converge, the law is fitted again from the values of
+    ``scenes``. If a law does not allow the scene's exponent, its fit starts with the stiffness of
+    ``_with_law``.
 
     Args:
-        fit: function that fits the scenes of all data sets.
+        fit: function that fits the scenes of all data sets; its second argument reports the progress.
         scenes: the scenes of all data sets, with the start values.
         progress: called with the finished fraction, 0 to 1.
 
@@ -65,15 +65,16 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
 
 
 def _part(progress: Progress, k: int, count: int) -> Progress:
-    """Return the progress function for the fit of law ``k``, counted from 0, of ``count`` laws."""
+    """Return the progress function for the fit of law number ``k`` (from 0) of ``count`` laws."""
     return lambda part: progress((k + part) / count)
 
 
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     """Return a scene with another law.
 
-    If the law needs another exponent, the stiffness follows from the first impact of the fit ``first`` that
-    obeys ``contact.model``. If there is no fit or no such impact, exponents and stiffnesses stay.
+    If the law does not allow the scene's exponent, the scene gets the exponent that the law needs, and the
+    stiffness with which the first impact of the fit ``first`` that obeys ``contact.model`` would, without
+    losses, be equally deep. Without such an impact, or without ``first``, exponent and stiffness stay.
     """
     impacts = first.models[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)
@@ -84,8 +85,9 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
     """Return the key by which laws are sorted, the best law first.
 
-    Laws that use ``most`` measured values, the largest number that any law uses, come before laws that use
-    fewer; in both groups Akaike's criterion decides. A law without a fit comes last.
+    ``most`` is the largest number of measured values that the fit of any law uses. Laws that use ``most``
+    values come before laws that use fewer; in both groups Akaike's criterion decides. A law without a fit
+    comes last.
     """
     if law_fit.fit is None:
         return True, True, math.inf
@@ -93,7 +95,7 @@ def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
 
 
 def _noted(law_fit: LawFit, most: int) -> LawFit:
-    """Return a law's fit with remarks if it uses fewer values than ``most``, or did not converge."""
+    """Return a law's fit with remarks if the fit uses fewer values than ``most``, or did not converge."""
     if law_fit.fit is None:
         return law_fit
     left = most - int(law_fit.fit.used.sum())

@@ -1,9 +1,9 @@
 """Weighted least squares with SciPy, for a model in which values may appear and disappear.
 
-A chain's results may change with a small step of the parameters: an impact disappears, or a derivative does
-not exist. So a search fits the values that the model has at the start. It refuses a step to parameters for
-which one of these values or its derivatives is missing, or, near a bound, for which the derivatives are so
-large that the sum of their squares overflows; SciPy then tries a shorter step.
+After a small step of the parameters, an impact may be missing, or a derivative may not exist. So a search
+fits the values that are usable at its start. The search refuses a step after which one of these values is not
+usable, or, near a bound, the sum of the squares of their derivatives overflows; SciPy then tries a shorter
+step.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact.studies.fit.problem import Evaluation
 
-# a step, relative to the parameters, or a gradient below this limit is round-off, and ends the search
+# a step, relative to the parameters, or a gradient below this limit counts as round-off, and ends the search
 SMALLEST_CHANGE = 1e-14
 
 
@@ -24,10 +24,11 @@ class Search:
     """The result of a search for the least sum of squares.
 
     Attributes:
-        best: the model at the end.
+        best: the model with the parameters that the search found.
         converged: whether the search ended because no allowed step reduces the sum of squares notably; False
             after too many steps, or if the search could not begin.
-        steps: the number of tried steps.
+        steps: how many values of the parameters were tried, the start included; 0 if the search could not
+            begin.
     """
 
     best: Evaluation
@@ -49,16 +50,16 @@ def minimize(
     The trust-region method is that of Branch, Coleman & Li (1999).
 
     Args:
-        evaluate: function that returns the model at some coordinates of the parameters, shape (P,).
-        first: the model at the start of the search.
+        evaluate: function that returns the model for the coordinates of the parameters, shape (P,).
+        first: the model at the start of the search; its usable values are fitted.
         sigma: standard deviations of the values, shape (M,).
         bounds: the lowest and the highest coordinates, each of shape (P,).
         enough: the search has converged when a step changes the sum of squares by less than ``enough`` × the
             sum.
-        most: the largest number of tried steps; a search that needs more has not converged.
+        most: the largest number of ``Search.steps``; a search that needs more has not converged.
     """
     rows = first.usable
-    # a parameter on which no fitted value depends stays fixed; SciPy would take many steps along it
+    # a parameter on which no fitted value depends stays fixed, because SciPy would vary it in many steps
     moved = first.slopes[rows].any(axis=0)
     if not moved.any():
         return Search(first, False, 0)

@@ -26,15 +26,16 @@ WIDEST = 1e8
 class Parameter:
     """One free parameter, whose value the fit searches.
 
-    The search varies the coordinate of the value: its logarithm, if ``logarithmic``, else the value itself.
+    The search varies a coordinate: the logarithm of the value if ``logarithmic``, else the value itself.
 
     Attributes:
         name: the name of the FMU's parameter or input.
         unit: the unit of the value.
-        start: value in the scene; for an input, its value from ``value_at_start``.
-        low, high: bounds of the value; infinite if there is no bound.
+        start: value at the start of the search: that in the scene; of an input, that of ``value_at_start``.
+        low: lower bound of the value; −infinity without a bound.
+        high: upper bound of the value; infinity without a bound.
         logarithmic: whether the coordinate is the logarithm, as for every parameter that must be > 0.
-        run: index of the data set to which the value belongs; None if all data sets share it.
+        run: index of the data set to which the value belongs; None if all data sets share the value.
     """
 
     name: str
@@ -52,10 +53,9 @@ class Parameter:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The lowest and the highest coordinate that the search may use.
+        """The lowest and the highest coordinate that the search may use: those of ``low`` and ``high``.
 
-        They are the coordinates of ``low`` and ``high``. On a logarithmic scale, a bound that is farther from
-        the start value than the factor WIDEST is replaced by start / WIDEST or start × WIDEST.
+        On a logarithmic scale, start / WIDEST replaces a lower ``low``, and start × WIDEST a higher ``high``.
         """
         if not self.logarithmic:
             return self.low, self.high
@@ -65,35 +65,36 @@ class Parameter:
         )
 
     def coordinate(self, value: float) -> float:
-        """Return the coordinate of a value on the scale of the search: the value, or its logarithm."""
+        """Return the coordinate of a value; as a logarithm, that of a value ≤ 0 is −infinity."""
         if not self.logarithmic:
             return value
         return math.log(value) if value > 0.0 else -math.inf
 
     def value(self, coordinate: float) -> float:
-        """Return the value that has a coordinate."""
+        """Return the value for a coordinate; on a logarithmic scale the value is cut off at its bounds."""
         return min(max(math.exp(coordinate), self.low), self.high) if self.logarithmic else coordinate
 
     def slope(self, value: float) -> float:
-        """Return the derivative of the value with respect to the coordinate on the scale of the search."""
+        """Return the derivative of the value with respect to the coordinate, at the given value."""
         return value if self.logarithmic else 1.0
 
 
 def parameters_of(
     scenes: Sequence[Scene], free: Sequence[str], free_each: Sequence[str], bounds: Bounds
 ) -> tuple[Parameter, ...]:
-    """Return the parameters to fit: first the shared parameters, then the parameters of each data set.
+    """Return the parameters to fit: those of ``free``, then those of ``free_each``, one for each data set.
 
     Args:
         scenes: one scene for each data set, with the start values; the first scene has the start values of
             shared parameters.
-        free: names of parameters that all data sets share.
-        free_each: names of parameters that have a value for each data set.
-        bounds: name → bounds, as text ``0.1:0.9``, in which one bound may be missing, or as a pair.
+        free: names of parameters and inputs with one value for all data sets.
+        free_each: names of parameters and inputs with a value for each data set.
+        bounds: name → bounds in addition to the limits of the scene's keys: text such as ``0.1:0.9``, in
+            which a bound may be missing, or a pair, in which a bound may be None.
 
     Raises:
         SceneError: when there is no name, a name is unknown or given twice, bounds are not allowed, or a
-            start value is outside of them.
+            start value is outside of its bounds.
     """
     scene = scenes[0]
     variables = PreparedScene(scene).differentiable

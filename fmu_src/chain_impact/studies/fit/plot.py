@@ -1,8 +1,8 @@
 """The picture of a fit: for each measured column a panel with data and model, and the residuals below.
 
 There are at most MOST_FIT_PANELS panels. Outputs are drawn over time, with a vertical line at each impact of
-the model. Quantities of impacts are drawn over the number of the impact. If laws were ranked, the picture has
-a dot for each contact law that could be fitted instead.
+the model. Quantities of impacts are drawn over the number of the impact. If laws were ranked, the picture
+instead has one panel with a dot for each contact law that could be fitted.
 """
 
 from __future__ import annotations
@@ -55,35 +55,35 @@ from chain_impact.studies.fit.unknown import size_of
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
 MOST_IN_TITLE = 2  # largest number of parameters in the headline
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
-CURVE_POINTS = 1500  # number of equal steps of time of the run from which the model's curve is drawn
+CURVE_POINTS = 1500  # number of equal intervals of time between the points of the model's curve
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
-# free space beyond the first and the last number on an axis of impact numbers, where 1 is the distance of two
-# numbers
+# free space before the first and after the last number on an axis of impact numbers; two numbers have the
+# distance 1
 BESIDE = 0.5
-# opacity of dots that are measured values over time; through them the model's curve remains visible
+# opacity of the dots of values measured over time, so that the model's curve is visible behind the dots
 DOT_OPACITY = 0.35
-# if more values than this were measured over time, only every n-th is drawn, so that the dots do not merge
+# largest number of dots of a data set over time; of more values only every n-th is drawn
 MOST_DOTS = 60
-# the colour of the model's impacts, and of its curve if there is a single data set; the curves of several
-# data sets have the palette's colours
+# the colour of the model's quantities of impacts, and of the model's curve if there is a single data set; the
+# curves of several data sets have the palette's colours
 MODEL = VERMILLION
 HARDLY = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
-# MEANS: in the running mean of residuals over time, each mean is that of 1/MEANS of the values;
-# LEAST_FOR_MEAN: the least number of values that have a running mean; MEAN: its identifier in matplotlib
+# MEANS: each point of the running mean of residuals over time is the mean of 1/MEANS of the values;
+# LEAST_FOR_MEAN: the least number of values for a running mean; MEAN: the label of its line in matplotlib
 MEANS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
-ERROR_DECIMALS = 7  # the largest number of decimals of a value and its standard error
+ERROR_DECIMALS = 7  # the largest number of decimals with which a standard error and its value are written
 USUAL = 2.0  # bars, and the grey band of usual residuals, extend from −USUAL to USUAL standard deviations
 
 
 @dataclass(frozen=True)
 class Column:
-    """The K values that one data set has of a measured column, for the picture.
+    """The K values of a measured column in one data set.
 
     Attributes:
         run: index of the data set.
         rows: indices of these values among the values of all data sets, shape (K,).
-        at: position of each value on the horizontal axis, shape (K,): the time [s] for an output, the number
-            of the model's impact for a quantity of impacts; NaN if the model does not have the impact.
+        at: position of each value on the horizontal axis, shape (K,): for an output the time [s]; for a
+            quantity of an impact the number of the model's impact, NaN if the model lacks the impact.
     """
 
     run: int
@@ -139,8 +139,8 @@ def fill(figure: Figure, fit: Estimates) -> None:
 def fill_ranking(figure: Figure, fit: Estimates) -> None:
     """Draw the ranking of contact laws on an empty figure: ΔAIC of each law as a dot.
 
-    The best law is on top. The axis is linear up to HARDLY, and logarithmic beyond. A law without a fit has
-    no dot.
+    The best law is on top. A law without a fit has no dot. If a dot is beyond HARDLY, the axis is logarithmic
+    beyond HARDLY.
     """
     above = [math.nan if entry.fit is None else max(0.0, entry.fit.aic - fit.aic) for entry in fit.ranking]
     most = float(np.nanmax(above))
@@ -176,9 +176,9 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
 
 
 def _ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
-    """Return the least and the largest estimate under laws that fit equally well, as text.
+    """Return texts with the least and the largest estimate of a parameter in the fits ``tied``.
 
-    There is a text for each parameter, for MOST_ESTIMATES of them at most.
+    There is a text for each of the first MOST_ESTIMATES parameters.
     """
     found = []
     for parameter in fit.parameters[:MOST_ESTIMATES]:
@@ -190,7 +190,7 @@ def _ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
 
 
 def strongest_correlation(fit: Estimates) -> str:
-    """Return words for the largest absolute correlation of two estimates; "" if there are not two."""
+    """Return words for the largest absolute correlation of two estimates; "" without a correlation."""
     pairs = np.triu(np.nan_to_num(fit.correlation), 1)
     if not pairs.any():
         return ""
@@ -201,7 +201,7 @@ def strongest_correlation(fit: Estimates) -> str:
 
 
 def _model(fit: Estimates, k: int) -> Result:
-    """Return the run of data set ``k`` with the fitted values, with rows dense enough for a smooth curve."""
+    """Return the run of data set ``k`` with the fitted values and inputs, in CURVE_POINTS equal steps."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, data.end(scene.simulation.stop_time))
     inputs = dict(data.inputs) | {
@@ -214,9 +214,9 @@ def _model(fit: Estimates, k: int) -> Result:
 
 
 def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> bool:
-    """Draw one measured column in a cell: data and model, and below these the residuals as Δ/σ.
+    """Draw a measured column in a cell: data and model, and below these the residuals Δ divided by σ.
 
-    ``results``: the run of each data set. Returns whether the panel has lines at impacts.
+    ``results``: the model's run of each data set. Returns whether the panel has lines at impacts.
     """
     axes: Any = cell.subgridspec(2, 1, height_ratios=(5, 2)).subplots(sharex=True)
     values, residuals = axes
@@ -269,8 +269,8 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
 def running_means(at: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return the mean position and the mean value of each part of the values, shape (2, number of parts).
 
-    A part has 1 / MEANS of the values, which follow each other on the axis ``at``. Neighbouring parts share
-    half of their values.
+    Each part has ⌊n/MEANS⌋ of the n values, successive ones in the order of their positions ``at``.
+    Neighbouring parts share half of their values.
     """
     order, width = np.argsort(at, kind="stable"), len(at) // MEANS
     starts = range(0, len(at) - width + 1, max(1, width // 2))
@@ -281,10 +281,10 @@ def running_means(at: np.ndarray, values: np.ndarray) -> np.ndarray:
 def _curve(
     panels: Sequence[Axes], result: Result, model: np.ndarray, last: float, look: dict[str, Any]
 ) -> bool:
-    """Draw the model's curve in the first of two panels, and lines at the model's impacts in both.
+    """Draw the model's curve in the first of two panels, and a line at each impact of the model in both.
 
     The curve has the values ``model`` at the times of ``result``. Curve and lines end at ``last`` [s], the
-    time of the last measurement. Returns whether there are such lines.
+    time of the last measurement. Returns whether there is a line at an impact.
     """
     onsets, until = result.impacts["onset"], result.time <= last
     onsets = onsets[onsets <= last]
@@ -309,9 +309,10 @@ def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
 
 
 def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray:
-    """Return the number, from 1, of the model's impact for each of some measured impacts, shape (K,).
+    """Return for each measured impact the number of the same impact in the model, from 1, shape (K,).
 
-    ``rows``: indices into ``data.impacts``. The number is NaN if the model does not have the impact.
+    ``rows``: the indices of the K measured impacts in ``data.impacts``; ``result``: the model's run. The
+    number is NaN if the model lacks the impact.
     """
     matches = (data.impacts[row].find(result.impacts) for row in rows)
     return np.array([np.nan if match is None else match + 1.0 for match in matches])
@@ -322,7 +323,7 @@ def _colours(count: int) -> list[str]:
 
 
 def _estimate_texts(fit: Estimates) -> list[str]:
-    """Return texts of the first MOST_ESTIMATES parameters, and how many more there are."""
+    """Return a text for each of the first MOST_ESTIMATES parameters, and one with the number of others."""
     texts = [_estimate_text(fit, label) for label in fit.values]
     left = len(texts) - MOST_ESTIMATES
     return texts[:MOST_ESTIMATES] + ([f"{left} more parameters"] if left > 0 else [])
@@ -331,8 +332,8 @@ def _estimate_texts(fit: Estimates) -> list[str]:
 def _estimate_text(fit: Estimates, label: str) -> str:
     """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013".
 
-    A parameter at a bound has no standard error; the text tells the bound. An error in the unit of its value
-    has as many decimals as the value.
+    For a parameter at a bound, the text has the bound in place of value and error. The error is in percent if
+    ``size_of`` gives it so; otherwise, if ERROR_DECIMALS suffice, it has as many decimals as the value.
     """
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]

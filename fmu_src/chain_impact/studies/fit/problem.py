@@ -23,11 +23,11 @@ from chain_impact.studies.fit.parameters import Parameter
 
 # the size of a column whose values are all 0; numbers are divided by a size, so it must not be 0
 SMALLEST = 1e-300
-# A parameter is at a bound if its distance from the bound is at most AT_BOUND × its standard error, or at
-# most AT_BOUND × the distance from its start to the bound if this is smaller.
+# A coordinate counts as at a bound if its distance from the bound is at most AT_BOUND × its standard error
+# or, if this is smaller, AT_BOUND × the distance from its start to the bound.
 AT_BOUND = 0.01
-# A parameter is also at a bound if its distance from the bound is at most AT_BOUND_PART × the distance
-# between its two bounds.
+# A coordinate also counts as at a bound if its distance from the bound is at most AT_BOUND_PART × the
+# distance between its two bounds.
 AT_BOUND_PART = 1e-9
 
 
@@ -36,12 +36,12 @@ class Evaluation:
     """The models of all data sets for some values of the P parameters, compared with M measured values.
 
     Attributes:
-        coordinates: the values of the parameters on the scale of the search, shape (P,).
-        residuals: model − measured, shape (M,), in the unit of each value; NaN where the model has no value,
-            as beyond the horizon, after a fault, for an impact that is missing, and, if an impact has not
-            ended, for all that is known only at its end.
-        slopes: derivatives of the residuals with respect to the coordinates, shape (M, P); NaN where they do
-            not exist.
+        coordinates: the coordinates of the parameters (``Parameter``), shape (P,).
+        residuals: model − measured, shape (M,), in the unit of each value; NaN beyond the horizon, and where
+            the model has no value: after a fault, for a missing impact, for a force of an impulse, and for
+            what is known only at the end of an impact that has not ended.
+        slopes: derivatives of the residuals with respect to the coordinates, shape (M, P); 0 for a parameter
+            of another data set, NaN where a derivative does not exist.
         runs: the run of each data set, with its derivatives.
     """
 
@@ -57,26 +57,29 @@ class Evaluation:
 
     @property
     def usable(self) -> np.ndarray:
-        """Whether each measured value can be fitted: the model has it and its derivatives; shape (M,)."""
+        """Whether each measured value can be fitted, shape (M,): the model has it and all its derivatives."""
         usable: np.ndarray = self.exists & np.isfinite(self.slopes).all(axis=1)
         return usable
 
 
 class Problem:
-    """The measurements of all data sets, a scene that models each set, and the parameters to fit.
+    """The measurements of all data sets, a scene that models each data set, and the parameters to fit.
 
     Attributes:
-        parameters: the free parameters.
-        data: the measurements, one entry for each data set.
+        scenes: the scene of each data set, with the start values.
+        data: the measurements of each data set.
+        parameters: the P free parameters.
+        interpolation: the interpolation of inputs, as for ``simulate``.
         value, sigma: the measured values of all data sets, and their standard deviations, shape (M,); NaN for
             a standard deviation that must be estimated.
-        order: time of each value, shape (M,) [s]; NaN for an impact without a measured time.
-        size: size of the column to which each value belongs, shape (M,): the difference of its largest and
-            smallest value, or the largest absolute value if this is larger.
+        order: time of each value, shape (M,) [s] (``Measurements.order``).
+        low, high: the lowest and the highest coordinate of each parameter, shape (P,).
+        size: size of the column to which each value belongs, shape (M,): the largest value minus the smallest
+            one or, if this is larger, the largest absolute value; > 0.
         group: index in ``names`` of the column to which each value belongs, shape (M,).
         names: the names of the measured columns.
         used: for each data set, the indices of the parameters on which its model depends.
-        evaluations: how often the model was evaluated, each time with one run for every data set.
+        evaluations: how often ``evaluate`` was called; each call runs every data set once.
     """
 
     def __init__(
@@ -86,7 +89,7 @@ class Problem:
         parameters: Sequence[Parameter],
         interpolation: Interpolation = "follow",
     ) -> None:
-        """Prepare a run for each data set, with the inputs of the data set and their interpolation.
+        """Prepare a run for each data set, with the inputs that the data set gives.
 
         Raises:
             SceneError: when a scene cannot start.
@@ -125,17 +128,17 @@ class Problem:
 
     @property
     def estimated(self) -> tuple[str, ...]:
-        """The columns for which no standard deviation is given."""
+        """The names of the columns in which a value has no given standard deviation."""
         unknown = set(self.group[np.isnan(self.sigma)].tolist())
         return tuple(name for k, name in enumerate(self.names) if k in unknown)
 
     @property
     def start(self) -> np.ndarray:
-        """The start values of the parameters on the scale of the search, shape (P,)."""
+        """The coordinates of the parameters' start values, shape (P,)."""
         return np.array([parameter.coordinate(parameter.start) for parameter in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """Return ``evaluation`` with NaN for the residuals of values measured after ``horizon`` [s].
+        """Return ``evaluation`` with NaN for the residuals of values whose ``order`` exceeds ``horizon`` [s].
 
         The residuals of an impact without a measured time stay.
         """
@@ -144,9 +147,9 @@ class Problem:
 
     @property
     def followed(self) -> np.ndarray:
-        """Whether a value is used to find the time up to which the model follows the data, shape (M,).
+        """Whether each value counts for the time up to which the model follows the data, shape (M,).
 
-        The outputs are used or, if no data set has outputs, the onsets and ends of impacts.
+        Values of outputs count or, if no output was measured, the onsets and ends of impacts.
         """
         outputs = np.concatenate([~data_set.of_impact for data_set in self.data])
         if outputs.any():
@@ -154,21 +157,21 @@ class Problem:
         return np.array([self.names[group] in ("onset", "end") for group in self.group])
 
     def values(self, coordinates: np.ndarray) -> np.ndarray:
-        """Return the parameters' values, shape (P,), from their coordinates on the scale of the search."""
+        """Return the values of the parameters for their ``coordinates``, both of shape (P,)."""
         return np.array(
             [parameter.value(at) for parameter, at in zip(self.parameters, coordinates.tolist(), strict=True)]
         )
 
     def scale(self, values: np.ndarray) -> np.ndarray:
-        """Return the derivative of each parameter's value with respect to its coordinate, shape (P,)."""
+        """Return the derivative of each value with respect to the parameter's coordinate, shape (P,)."""
         return np.array(
             [parameter.slope(at) for parameter, at in zip(self.parameters, values.tolist(), strict=True)]
         )
 
     def evaluate(self, coordinates: np.ndarray, horizon: float = math.inf) -> Evaluation:
-        """Run the scenes with given values of the parameters; return the results minus the data.
+        """Run the scenes of all data sets with some values of the parameters, and compare them with the data.
 
-        ``coordinates``: the values on the scale of the search, shape (P,). The residuals of values that were
+        ``coordinates``: the coordinates of these values, shape (P,). The residuals of values that were
         measured after ``horizon`` [s] are NaN.
         """
         values = self.values(coordinates)
@@ -190,21 +193,22 @@ class Problem:
         ``_near`` says how close to a bound a parameter must be.
 
         Args:
-            coordinates: the coordinates of the parameters on the scale of the search, shape (P,).
-            errors: standard error of each coordinate while all other parameters are fixed, shape (P,).
+            coordinates: the coordinates of the parameters, shape (P,).
+            errors: standard error of each coordinate if all other parameters are fixed, shape (P,).
         """
         lower = coordinates - self.low <= self._near(self.low, errors)
         upper = self.high - coordinates <= self._near(self.high, errors)
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        """Return the largest distance from its bound at which each parameter is at this bound, shape (P,).
+        """Return the largest distance from a bound at which each coordinate counts as at it, shape (P,).
 
-        ``bounds``: the lower or the upper bound of each parameter; ``errors`` as for ``bounds_reached``.
-        The distance is AT_BOUND times the standard error, or times the distance from start to bound if that
-        is less, but at least AT_BOUND_PART times the distance between both bounds. The standard error alone
-        is so large for an undetermined parameter that every value would be near the bound. An infinite error,
-        an infinite bound, and a start at the bound itself do not count in this.
+        The distance is AT_BOUND times the standard error or, if this is smaller, times the distance from the
+        start to the bound; but at least AT_BOUND_PART times the distance between both bounds. The standard
+        error alone would not do: for an undetermined parameter it is so large that every value would count
+        as at the bound. Infinite errors, infinite distances, and a start at the bound are left out of this.
+
+        ``bounds``: the lower or the upper bound of each coordinate; ``errors`` as for ``bounds_reached``.
         """
         way = np.abs(self.start - bounds)
         distance = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))
@@ -214,7 +218,7 @@ class Problem:
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
-        """Return the reason why the run of a data set stopped early; "" if every run reached its end."""
+        """Return the reason for the first run that stopped at a fault; "" if every run reached its end."""
         for k, run in enumerate(evaluation.runs):
             if run.status != OK:
                 return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"
@@ -238,9 +242,9 @@ class Problem:
 
 
 def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.ndarray]:
-    """Return the model's value for each measured value, shape (M,), and its derivatives, shape (M, P).
+    """Return a run's value for each measured value, shape (M,), and the derivatives of these, shape (M, P).
 
-    Both are NaN where the run ended earlier, or does not have the measured impact.
+    Values and derivatives are NaN where the run ended earlier, or does not have the measured impact.
     """
     selected = np.full(len(data), np.nan)
     slopes = np.full((len(data), run.slopes.shape[2]), np.nan)
@@ -257,9 +261,9 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
     """Return the quantity ``name`` of an impact of the model, and its derivatives, shape (P,).
 
-    ``at``: the impact's row in ``run.impacts``. An impulse has no forces: its peak force and its force in a
-    joint are NaN. If the contact lasts to the end of the run, all quantities are NaN except those that the
-    onset determines.
+    ``at``: the index of the impact in ``run.impacts``. A peak force or force in a joint of 0, as of an
+    impulse, becomes NaN. If the contact lasts to the end of the run, the value is NaN unless it is known at
+    the onset (AT_ONSET).
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

@@ -12,37 +12,38 @@ from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.uncertainty import exceeded, information
 
-# a value whose residual is at most this part of the range of its column's values is never an outlier
+# a value is no outlier if its |residual| is at most SMALL × the range of the fitted values of its column
 SMALL = 1e-3
-# if the mean square of a column's residuals r/σ is at most this number, correlations between them do not
-# matter
+# correlations between residuals r/σ of a column do not matter if their mean square is at most this number
 VISIBLE = 0.01
 # if the χ² of the columns with a given σ, divided by its degrees of freedom, is less than this number, the
-# data come from a simulation, and the small χ² needs no remark
+# data count as simulated without noise, and the small χ² needs no remark
 SIMULATED = 1e-6
-# A remark follows if a χ² as far from its mean, or a largest residual as large, has less than this
-# probability with a correct model.
+# A remark follows if, with a correct model, so large or so small a χ², or so large a residual among all
+# residuals, has less than this probability.
 IMPROBABLE = 1e-3
-# A remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; independent
-# residuals exceed it with a probability of 2 %.
+# A remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this number, which
+# has a probability of 2 % if the residuals are independent.
 ALIKE_NEIGHBOURS = 2.0
 # a value's leverage h counts as 1 if 1 − h is smaller than this, because the rest is round-off
 LEVERAGE_ROUND_OFF = 1e-9
-NAMED_VALUES = 3  # the largest number of outlying values that the remark names; it only counts further ones
+NAMED_VALUES = 3  # the largest number of outliers that the remark names; of further ones it has the number
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     """Yield a remark with the measured values that contradict all others, the largest contradiction first.
 
     If a value with residual r and leverage h is left out, the model fitted to the other values differs from
-    it by r / (1 − h), to first order. The ratio of this difference to its standard error, from the other
-    residuals, has Student's t distribution if the model is right (Cook & Weisberg 1982, *Residuals and
-    Influence in Regression*, 2.2). Each of the n tests, one for each value, uses the probability IMPROBABLE /
-    n.
+    this value by r / (1 − h), to first order. The ratio of this difference to its standard error, from the
+    other residuals, has Student's t distribution if the model is right (Cook & Weisberg 1982, *Residuals and
+    Influence in Regression*, 2.2). Where σ is given, the standard error is at least that from σ. Each of the
+    n tests, one for each fitted value, uses the probability IMPROBABLE / n. Without an outlier, or with fewer
+    than 2 degrees of freedom, there is no remark.
 
     Args:
         fit: the fit.
-        slopes: derivatives of the values on the scale of the search, shape (M, P).
+        slopes: derivatives of the model's values with respect to the coordinates of the parameters, shape
+            (M, P).
     """
     from scipy import special  # imported here, because the import takes long
 
@@ -55,7 +56,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
     # kept: 1 − h for each value in use, with its leverage h, shape (number of these values,)
     kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)
-    # values without which some parameter would not be determined; such a value cannot contradict the others
+    # alone: values without which some parameter would not be determined; such a value contradicts no others
     alone = kept < LEVERAGE_ROUND_OFF
     kept[alone] = 1.0
     others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
@@ -84,7 +85,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
 
 
 def labels_of(data_set: Measurements) -> Iterator[str]:
-    """Yield words for each value of a data set: its column, and its impact or time in brackets."""
+    """Yield words for each value of a data set: the column and, in brackets, the impact or the time."""
     for name, row, of_impact in zip(data_set.quantity, data_set.row, data_set.of_impact, strict=True):
         if of_impact:
             impact = data_set.impacts[row]
@@ -124,10 +125,10 @@ def unusual(result: Estimates) -> Iterator[str]:
 def alike_neighbours(result: Estimates) -> dict[str, float]:
     """Return the columns in which neighbouring residuals are correlated: column → correlation r.
 
-    A column is listed if √n r > ALIKE_NEIGHBOURS, where r is the correlation of the n pairs of a residual and
-    the next one in the same data set, unless its residuals are too small (VISIBLE). For independent
-    residuals, √n r has about the standard normal distribution (R. L. Anderson, Annals of Mathematical
-    Statistics 13 (1942) 1).
+    A column is listed if √n r > ALIKE_NEIGHBOURS, unless its residuals are too small (VISIBLE). Here r is the
+    correlation of the n pairs of a residual and the next residual of the column in the same data set. For
+    independent residuals, √n r has about the standard normal distribution (R. L. Anderson, Annals of
+    Mathematical Statistics 13 (1942) 1).
     """
     found: dict[str, float] = {}
     data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])

@@ -14,8 +14,7 @@ from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation exceeds HIGH
-# a report of up to this number of horizons lists all; a report of more lists the first two and the last two,
-# with "…" between them
+# the largest number of horizons that the report lists; of more it lists the first two, "…" and the last two
 MOST_HORIZONS = 8
 # if the criteria (Akaike) of two laws differ by less than EQUAL, the data do not decide between these laws
 EQUAL = 2.0
@@ -46,23 +45,24 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
 def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
     """Return whether the data cannot decide between a law and the best law.
 
-    This is so if the law uses as many values as the best law, and its criterion is larger by less than EQUAL.
+    The law must use as many values as the law that uses most, and its criterion of Akaike must exceed that of
+    the best law by less than EQUAL.
     """
     return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + EQUAL
 
 
 def count_of_best(fit: Estimates) -> int:
-    """Return the number of ranked laws that fit equally well: the best law, and all that ``fits_equally``."""
+    """Return the number of ranked laws for which ``fits_equally`` holds; the best law is one of these."""
     return sum(fits_equally(law_fit, fit) for law_fit in fit.ranking)
 
 
 def misfit(fit: Estimates, best: Estimates) -> float:
-    """Return the root mean square of a fit's residuals, each divided by its value's σ in the best fit."""
+    """Return the root mean square of a fit's residuals, each divided by the σ of its value in ``best``."""
     return math.sqrt(float(np.nanmean((fit.residuals / best.sigma) ** 2)))
 
 
 def above_best(fit: Estimates, best: Estimates) -> str:
-    """Return how much larger Akaike's criterion is for a fit than for the best fit, as text; at least 0."""
+    """Return Akaike's criterion of a fit minus that of the best fit, at least 0, as text with one decimal."""
     return f"{max(0.0, fit.aic - best.aic):.1f}"
 
 
@@ -100,7 +100,7 @@ def _interval(parameter: Parameter, value: float, error: float, ends: tuple[floa
     """Return the interval of a parameter as text, "low … high".
 
     The text is "not determined" if the interval ends at both bounds of the parameter or, on a logarithmic
-    scale, spans a factor larger than WIDEST. ``error`` is the standard error of the value.
+    scale, if high exceeds WIDEST × low. ``error`` is the standard error, in the unit of the value.
     """
     low, high = ends
     if (low, high) == (parameter.low, parameter.high) or (parameter.logarithmic and high > WIDEST * low):
@@ -112,9 +112,9 @@ def _interval(parameter: Parameter, value: float, error: float, ends: tuple[floa
 
 
 def rounded(value: float, error: float) -> str:
-    """Return a value as text, up to one digit after the first digit of its standard error.
+    """Return a value as text, rounded to the second significant digit of its standard error ``error``.
 
-    The text has 2 to 10 significant digits; 4 if the error is 0 or not finite, or the value is 0.
+    The text has 2 to 10 significant digits; at most 4 if the error is 0 or not finite, or the value is 0.
     """
     if not (math.isfinite(error) and error > 0.0 and value):
         return number(value, 4)
@@ -142,7 +142,7 @@ def sigma_of(fit: Estimates, name: str) -> str:
 
 
 def measured(values: Sequence[float], unit: str) -> str:
-    """Return one or two values as text with a unit, whose prefix suits the largest of them."""
+    """Return one or two values as text with a unit, whose prefix suits the largest value."""
     factor, shown = prefixed(max(values), unit) if unit else (1.0, unit)
     return with_unit(" … ".join(number(factor * value, 3) for value in values), shown)
 

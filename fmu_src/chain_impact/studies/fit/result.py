@@ -26,9 +26,9 @@ class LawFit(LawEstimates):
     Attributes:
         law: the id of the law.
         fit: the fit; None if the fit failed.
-        note: the reason why there is no fit, or a remark.
-        fewer: how many values this law uses less than the law that uses the most; if it is not 0, Akaike's
-            criterion of this law cannot be compared with the others.
+        note: the reason why there is no fit, or a remark; "" without both.
+        fewer: the largest number of values that the fit of any law uses, minus the number that this fit uses;
+            unless it is 0, Akaike's criterion cannot be compared with that of the other laws.
     """
 
     fit: Fit | None
@@ -38,26 +38,26 @@ class LawFit(LawEstimates):
 class Fit(Estimates):
     """The estimates of the free parameters.
 
-    The text of a fit is a report. Parameters have their names in the FMU; a parameter with a value for each
-    data set also has the data set: ``initial.y of data set 2``.
+    The text of a fit is a report. The name of a parameter is that in the FMU; if the parameter has a value
+    for each data set, the name also tells the data set: ``initial.y of data set 2``.
 
     Attributes:
         scene: the scene of the first data set, with the fitted values.
-        scenes: the scenes of all data sets.
+        scenes: the scenes of all data sets, with the fitted values.
         parameters: the P free parameters.
-        values: name → value.
-        standard_errors: name → standard error, in the unit of the value; infinite if no data determine the
-            value.
+        values: name → fitted value.
+        standard_errors: name → standard error, in the unit of the value; infinite if the data do not
+            determine the value.
         intervals: name → ends of the interval that holds the value with a probability of 95 %.
         correlation: correlation of the estimates, shape (P, P); NaN for an estimate that is not determined.
-        data: the measurements, M values in all.
+        data: the measurements of each data set, M values in all.
         residuals: model − measured, shape (M,), in the unit of each value; NaN for values that were left out.
         sigma: standard deviation of each value, given or estimated from the residuals, shape (M,).
         estimated: columns whose standard deviation was estimated.
         deviance: −2 log of the likelihood, up to a constant that depends only on the data.
-        converged: whether the search ended because no step improves the fit.
+        converged: whether the search ended because no step notably improves the fit.
         runs: how often the model was evaluated, each time with a run, with derivatives, of every data set.
-        horizons: the successive times [s] up to which data were used.
+        horizons: the successive times [s] up to which data were used; the last is that of all data.
         unknown: sentences on parameters that the data do not determine.
         notes: further remarks, such as values that were left out and bounds that were reached.
         ranking: the contact laws, the best first, if they were compared.
@@ -119,11 +119,12 @@ class Fit(Estimates):
         Args:
             path: the file.
             like: the original scene file, whose comments and order are kept; but if an entry of the links is
-                a box or has a ``count``, a change of the chain replaces all entries. Without it all keys are
-                written, without comments, except keys without a value or with a derived one.
+                a box or has a ``count``, a change of the chain replaces all entries. Without ``like`` all
+                keys are written, without comments, except keys without a value or with a derived value.
 
         Raises:
-            SceneError: when the original file is not a scene, or another file has the name of its law.
+            SceneError: when the original file is not a scene, or the folder of ``path`` has another file with
+                the name of a user's law, which is saved beside the scene.
             OSError: when a file cannot be read or written.
         """
         from chain_impact.studies.fit.scene_file import write_scene

@@ -1,4 +1,4 @@
-"""A scene as a TOML file that keeps the comments and the order of the original file."""
+"""Writes a scene as a TOML file, which keeps the comments and the order of an original file, if given."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ from chain_impact.system import written_whole
 
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
-    """Write a scene file and, beside it, a copy of a law's file that ``with_law`` has put into the cache.
+    """Write a scene file.
 
-    If ``like`` is in another folder, the paths of files in the scene are changed to fit the new folder.
+    If the scene has a law that ``with_law`` has put into the cache, a copy of the law's file is written
+    beside the scene file. If ``like`` is in another folder, the paths of files in the scene are changed to
+    fit the new folder.
 
     Args:
         scene: the scene to write.
         path: the file.
         like: an original scene file, of which only the values that differ are changed; but if an entry of the
             links is a box or has a ``count``, a change of [chain] replaces all entries. Without an original
-            file all keys are written, except keys without a value or with a derived one.
+            file all keys are written, except keys without a value or with a derived value.
 
     Raises:
         SceneError: when the original file is not a scene, or the folder has another file with the name of the
@@ -51,18 +53,21 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
 
 def updated(text: str, scene: Scene, source: str) -> str:
-    """Return the text of a scene file with the values of ``scene``; equal values keep their text.
+    """Return the text of a scene file with the values of ``scene`` in place of those that differ.
 
-    Links that ``_changed`` replaces as a whole do not. ``source``: the name of the file, for errors.
+    All other values keep their text, except in links that ``_changed`` replaces as a whole. ``source``: the
+    name of the file, for errors.
     """
     present = parse_scene(text, source)
     return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))
 
 
 def _copied(law: Path, folder: Path) -> str:
-    """Copy the file of a law into a folder, unless the folder has it, and return the name of the file.
+    """Copy the file of a law into a folder, unless the folder has the same file; return the file's name.
 
-    Another file with this name in the folder is refused.
+    Raises:
+        SceneError: when the folder has a file with this name but other contents.
+        OSError: when a file cannot be read or written.
     """
     copy, source = folder / law.name, law.read_bytes()
     if not copy.exists():
@@ -77,7 +82,7 @@ def _copied(law: Path, folder: Path) -> str:
 
 
 def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
-    """Return the text of a scene file in which a key, such as ("contact", "law_file"), is ``file``."""
+    """Return the text of a scene file with the value ``file`` for a key, such as ("contact", "law_file")."""
     document: Any = tomlkit.parse(text)
     table = document
     for step in key[:-1]:
@@ -94,8 +99,8 @@ def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:
-        # if an entry is a box, or has a `count` and so stands for several links, a change of [chain] replaces
-        # all entries by those of ``wanted``
+        # ``wanted`` has every link with its mass and inertia, which do not fit an entry that is a box or has
+        # a `count`: so a change of [chain] replaces all entries by those of ``wanted``
         document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]
     for name, value in wanted.items():
         if value != present.get(name):
@@ -109,7 +114,7 @@ def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
 def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -> None:
     """Write the values of ``wanted`` that differ from ``present`` into a table of a TOML document.
 
-    Values that only ``present`` has are removed from the table.
+    Keys that ``present`` has, but ``wanted`` has not, are removed from the table.
     """
     for key in present:
         if key not in wanted and key in table:
@@ -128,11 +133,11 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 
 
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
-    """Write one value into a table of a TOML document; a comment after the value keeps its column.
+    """Write one value into a table of a TOML document; a comment after the value keeps its column if it can.
 
-    Of a list that keeps its length, only the entries that differ from ``present`` are written; the others
-    keep their text, such as an angle in degrees. ``present`` is the value before the change, in the unit of
-    the scene, as ``value`` is; with None, all entries are written.
+    Of a list that keeps its length, only the entries that differ from ``present`` are written; the other
+    entries keep their text, such as an angle in degrees. ``present`` is the value before the change, in the
+    same unit as ``value``; with None, all entries are written.
     """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0

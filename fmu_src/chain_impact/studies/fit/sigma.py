@@ -13,7 +13,8 @@ PERCENT = "%"
 def standard_deviation(name: str, given: float | str, value: float) -> float:
     """Return the standard deviation of a value, in the unit of the value.
 
-    ``given`` is the standard deviation for the value's column ``name``: a number, or "2%" of each value.
+    ``given`` is the standard deviation that the user gives for the value's column ``name``: a number in the
+    unit of the value, or a text such as "2%", in percent of each |value|.
 
     Raises:
         SceneError: when ``given`` is neither a finite number > 0 nor such a percentage.
@@ -31,5 +32,5 @@ def standard_deviation(name: str, given: float | str, value: float) -> float:
 
 
 def is_sigma(name: str) -> bool:
-    """Return whether a column has the standard deviations of another column."""
+    """Return whether a column, by its name, has the standard deviations of another column."""
     return name.startswith("sigma(") and name.endswith(")")

@@ -1,4 +1,4 @@
-"""The uncertainty of fitted parameters, from derivatives of the computed values at the search's end."""
+"""The uncertainty of fitted parameters, from the derivatives of the fitted model's values."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
 # with at most TOO_FEW degrees of freedom an interval is infinite, because Student's t would give a half width
 # of 43,000 standard errors or more
 TOO_FEW = 0.25
-# A singular value of the derivatives that is smaller than this, relative to the largest one, is round-off and
-# counts as 0. The derivatives of each parameter are scaled to the norm 1 before.
+# A singular value of the derivatives counts as 0, as round-off, if it is smaller than this, relative to the
+# largest one. Before, the derivatives with respect to each parameter are scaled to the norm 1.
 SINGULAR = 1e-7
 
 
 @dataclass(frozen=True)
 class Information:
-    """The information of the data about the P parameters: the matrix J'J.
+    """The information of the data about the P parameters: the matrix JᵀJ.
 
-    J are the derivatives of the model's values with respect to the parameters' coordinates on the scale of
-    the search, each divided by the standard deviation of the value.
+    J has the derivatives of the model's values with respect to the coordinates of the parameters
+    (``Parameter``), each divided by the standard deviation of the value.
 
     Attributes:
-        matrix: J'J, shape (P, P).
+        matrix: JᵀJ, shape (P, P).
     """
 
     matrix: np.ndarray
 
     @property
     def covariance(self) -> np.ndarray:
-        """The covariance matrix of the parameters on the scale of the search, shape (P, P).
+        """The covariance matrix of the coordinates of the parameters, shape (P, P).
 
         A parameter that the values do not determine has an infinite variance, and NaN as its covariances.
         """
@@ -54,7 +54,7 @@ class Information:
 
     @property
     def errors(self) -> np.ndarray:
-        """The standard errors of the parameters on the scale of the search, shape (P,).
+        """The standard errors of the coordinates of the parameters, shape (P,).
 
         The error of a parameter that the values do not determine is infinite.
         """
@@ -62,7 +62,7 @@ class Information:
 
     @property
     def alone(self) -> np.ndarray:
-        """The standard error of each parameter if all others are fixed, on the scale of the search, (P,).
+        """The standard error of each parameter's coordinate if all other parameters are fixed, shape (P,).
 
         The error is infinite for a parameter without effect on the values.
         """
@@ -77,8 +77,8 @@ class Information:
 def information(slopes: np.ndarray, sigma: np.ndarray) -> Information:
     """Return the information about the parameters that M values hold.
 
-    ``slopes``: derivatives of the values on the scale of the search, shape (M, P). ``sigma``: standard
-    deviations of the values, shape (M,).
+    ``slopes``: derivatives of the model's values with respect to the coordinates of the parameters, shape
+    (M, P). ``sigma``: standard deviations of the values, shape (M,).
     """
     whitened = slopes / sigma[:, None]
     return Information(whitened.T @ whitened)
@@ -90,8 +90,8 @@ class SmallSample:
 
     Attributes:
         factor: the factor ≥ 1 by which the standard error of each parameter grows, shape (P,).
-        freedom: degrees of freedom of each standard error, shape (P,); infinite if no estimated standard
-            deviation contributes to it.
+        freedom: degrees of freedom of each standard error, shape (P,); infinite if the standard error depends
+            on no estimated standard deviation.
     """
 
     factor: np.ndarray
@@ -104,18 +104,18 @@ def small_sample(
     """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983); each column has a σ of its own.
 
     C is the covariance matrix of the parameters: the variance of a parameter is its diagonal element of C. A
-    column c of measurements has the information A_c = J'J/σ², where J are the derivatives of its values. The
-    residuals of the column have ν_c degrees of freedom. Sums are over the columns with an estimated σ.
+    column c of measurements has the information A_c (``Information``), and its residuals have ν_c degrees of
+    freedom. Sums are over the columns with an estimated σ.
 
     The correction adds to the variance of a parameter its diagonal element of Σ 4/ν_c C (A_c − A_c C A_c) C.
     The degrees of freedom ν of its standard error follow from Satterthwaite's formula, 1/ν = Σ p_c²/ν_c. Here
     p_c is the parameter's diagonal element of C A_c C, divided by its diagonal element of C.
 
     Args:
-        slopes: derivatives of the values, shape (M, P).
+        slopes: derivatives of the model's values, as for ``information``, shape (M, P).
         sigma: standard deviations of the values, shape (M,).
-        groups: for each column with an estimated standard deviation, which values belong to the column, shape
-            (M,), and the degrees of freedom ν_c.
+        groups: a pair for each column with an estimated standard deviation: whether each value belongs to the
+            column, shape (M,), and the degrees of freedom ν_c.
     """
     covariance = np.nan_to_num(information(slopes, sigma).covariance, posinf=0.0)
     variance = np.diag(covariance)
@@ -134,12 +134,11 @@ def small_sample(
 
 
 def quantiles(freedom: np.ndarray) -> np.ndarray:
-    """Return half the width of the 95 % interval of each parameter, in its standard errors, shape (P,).
+    """Return half the width of each parameter's 95 % interval, divided by its standard error, shape (P,).
 
-    ``freedom``: the degrees of freedom of each standard error, shape (P,), for Student's t distribution.
-    With infinite degrees of freedom this distribution is the normal distribution. With almost no degrees of
-    freedom the width is infinite: if a column determines as many parameters as it has values, nothing is left
-    from which a standard deviation could be estimated.
+    ``freedom``: the degrees of freedom of each standard error, shape (P,), for Student's t distribution. With
+    infinite degrees of freedom this is the normal distribution. With at most TOO_FEW degrees of freedom the
+    width is infinite.
     """
     from scipy import special  # imported here, because the import takes long
 
@@ -150,9 +149,9 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
 
 def exceeded(chi_squared: float, freedom: float) -> float:
-    """Return the probability that the χ² of a correct model is larger than ``chi_squared``.
+    """Return the probability, 0 to 1, that the χ² of a correct model exceeds ``chi_squared``.
 
-    ``freedom``: the degrees of freedom of χ².
+    ``freedom``: the degrees of freedom of χ², > 0.
     """
     from scipy import special  # this import takes long
 

@@ -13,11 +13,11 @@ from chain_impact.studies.fit.uncertainty import Information
 # A value on a logarithmic scale, or with 0 as its only bound, is not determined if its standard error,
 # relative to the value, exceeds this number.
 UNKNOWN = 0.3
-# Another value between two bounds is not determined if its standard error, relative to the range between the
-# bounds, exceeds this number: the 95 % interval then covers half the range.
+# A value between two bounds, on a scale that is not logarithmic, is not determined if its standard error,
+# relative to the range between the bounds, exceeds this number: the 95 % interval then covers half the range.
 UNKNOWN_PART = 0.125
-# The sentence on a parameter that is not determined also names a second such parameter if fixing the second
-# one makes the first one determined, and its standard error less than BETTER times as large.
+# The sentence on a parameter that is not determined also names a second such parameter if, with the second
+# one fixed, the first one is determined and its standard error is less than BETTER times as large.
 BETTER = 0.5
 # a relative standard error above HUGE is not given in percent, but as a factor (on a logarithmic scale) or in
 # the unit of the value
@@ -29,7 +29,8 @@ def unknown(
 ) -> Iterator[str]:
     """Yield a sentence for each parameter that the data do not determine.
 
-    ``reached`` has the indices of the parameters at a bound, which get no sentence.
+    ``at`` is the fitted model, ``fisher_information`` that of its fitted values. ``reached`` has the indices
+    of the parameters at a bound, which get no sentence.
     """
     values, errors = problem.values(at.coordinates), fisher_information.errors
 
@@ -55,8 +56,9 @@ def unknown(
 def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
     """Return whether a standard error is too large for a value to count as determined.
 
-    ``error`` is the standard error on the scale of the search. On a scale that is not logarithmic, a finite
-    error can be too large only for a value with two bounds, or with the lower bound 0.
+    ``error`` is the standard error of the value's coordinate. An infinite error is too large. If the
+    coordinate is not a logarithm, a finite error is too large only for a value with two bounds (UNKNOWN_PART)
+    or with the lower bound 0 alone (UNKNOWN).
     """
     if not math.isfinite(error):
         return True
@@ -68,12 +70,12 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 
 
 def size_of(parameter: Parameter, value: float, error: float) -> str:
-    """Return words for a standard error, which is given on the scale of the search.
+    """Return words for the standard error of a parameter's coordinate.
 
-    The words for an infinite error are "infinite". On a logarithmic scale, they are a percentage of the value
-    for an error up to HUGE, and a factor for a larger error. On a scale that is not logarithmic, they are a
-    number with its unit. If the lower bound 0 is the only bound and the error is less than HUGE times the
-    value, they are a percentage of the value on this scale, too.
+    The words for an infinite error are "infinite". If the coordinate is a logarithm, the words are a
+    percentage of the value for an error up to HUGE, and a factor for a larger error. If the coordinate is the
+    value, the words are a number with the unit; but a percentage of the value if the lower bound 0 is the
+    only bound and the error is less than HUGE × the value.
     """
     if not math.isfinite(error):
         return "infinite"
