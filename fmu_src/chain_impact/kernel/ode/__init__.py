@@ -1,1 +1,1 @@
-"""The integration of the equations: two methods, step sizes, the last step, the check of a step's energy."""
+"""The integration of ẏ = f(y): two methods, step sizes, the last step and its dense output, energy checks."""

@@ -3,7 +3,7 @@
 The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
 error. If the errors of the state in a step are within the tolerance, the balance changes by at most about the
 tolerance times a scale S [J]. S follows from the scales that control.py has for the errors of the components
-of the state. To first order it is
+of the state. To first order S is
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| r + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,
@@ -12,28 +12,29 @@ T is the kinetic energy, g gravity, M the mass of chain and carriage, L_i the le
 longest of these lengths. E₁ is twice the kinetic energy of the stretched chain when it moves by s per second
 and rotates by 1 rad per second, with that of the carriage. E₂ is M s², plus the inertias of armatures, per
 second squared. The sum with k is over the springs: k |φ| is the moment or force of a spring, with r = 1 rad
-at a joint and r = s at a slider. The sum with K is over the active contacts: K δⁿ is the elastic force, s_δ
-the scale of the penetration, m the effective mass and v₀ the impact speed.
+at a joint and r = s at a slider. The sum with K is over the active contacts: K δⁿ is the elastic force, 0 at
+a rigid wall, s_δ the scale of the penetration, m the effective mass and v₀ the impact speed.
 
-A step that changes the balance much more than the tolerance times S is rejected (STEP_CHANGE): its error
-estimate misses something, such as a motion that decays within the first stage. The sum of the changes in one
-second of simulated time has a limit, too (WINDOW_CHANGE); a run that exceeds it ends.
+A step that changes the balance by more than 3 × tolerance × S is rejected (STEP_CHANGE): its error estimate
+misses something, such as a motion that decays within the first stage. The sum of the changes in one second of
+simulated time has a limit, too (WINDOW_CHANGE); a run that exceeds this limit ends with a fault.
 
 These limits alone are too weak: S grows with the energy that errors have added, and stiff springs make S far
 larger than the energy of the chain. So all steps since the start together must not add more than a tenth of
 the available energy, which is the most that motion, springs, walls and heat can have had so far. At each time
 this is the energy balance at the start, less the potential energy, plus the supplied energy; the largest
-value so far counts. If a tenth has been added, only steps that add no more energy are accepted.
+value so far counts. If a tenth has been added, only steps that add almost no energy are accepted.
 
 The energy that steps lose is limited as well. Errors of speeds as large as the tolerance can change an energy
-E by the tolerance times √(2E) (√(2E) + √E₁). With the available energy for E, all steps from the start to the
-time t may together lose
+E by the tolerance times √(2E) (√(2E) + √E₁). With the available energy for E, all steps within the time t
+since the start may together lose
 
     B = 3 tolerance (√(2E) (√(2E) + √E₁) + M g (s + Σ L_i) + E₂) (1 + t / 10 s).
 
-The allowed loss of a step is the larger of two energies: the part of B that earlier steps have left, and the
-growth of B in this step. A step that loses more is rejected. The loss of the step, divided by its allowed
-loss, acts on the size of the next step like an error relative to the tolerance.
+The allowed loss of a step is the largest of three energies: the part of B that earlier steps have left, the
+growth of B in this step, and round-off. A step that loses more than this, and more than round-off can cause,
+is rejected. If a step loses more than a tenth of its allowed loss, this loss, divided by the allowed loss,
+acts on the size of the next step like an error relative to the tolerance.
 """
 
 import math
@@ -77,8 +78,8 @@ from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 # tolerance × S, had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
 STEP_CHANGE = 3.0
 # A run ends with a fault if the energy balance changes in a window of time, up or down, by more than
-# WINDOW_CHANGE × tolerance × S. The errors of steps have a common sign only where a point rests: there the
-# ratios of change to tolerance × S add up to 230 in 100,000 steps.
+# WINDOW_CHANGE × tolerance × S and round-off. The errors of steps have a common sign only where a point
+# rests: there the ratios of change to tolerance × S add up to 230 in 100,000 steps.
 WINDOW_CHANGE = 100.0
 # [s] the length of a window of time for WINDOW_CHANGE; equal to COST_WINDOW (cost.py)
 WINDOW = 1.0
@@ -100,15 +101,15 @@ NOTABLE_LOSS = 0.1
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
 # guess: at a loose tolerance it can be as long as half a turn of a link, with a correct end by chance.
 LOOSE_TOLERANCE = 1e-4
-# [rad] If a link turns more than this in a step whose dense output exists, the dense output is checked in the
-# middle of the step.
+# [rad] If a link turns more than LONG_TURN in a step whose dense output exists, the dense output is checked
+# in the middle of the step.
 LONG_TURN = 1.0
 # the change of the energy balance that is allowed from the start to the middle of a step, where the dense
 # output has a lower order, divided by the change that is allowed to the end
 MIDDLE_CHANGE = 10.0
 # The round-off of the energy balance in a step, relative to the sum of all energies and of the products of
-# each contact force, spring force and weight with the coordinates at which it acts. Relative to the available
-# energy, it is also the least loss that is allowed.
+# each contact force, spring force and weight with the coordinates at which this force acts. ENERGY_ROUND_OFF
+# times the available energy is also the least loss that is allowed to a step.
 ENERGY_ROUND_OFF = 1e-15
 
 
@@ -142,7 +143,7 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time: store the energy balance, whose change in it WINDOW_CHANGE limits."""
+    """Begin a window of time at the end of the last step: WINDOW_CHANGE limits the energy change in it."""
     balance = d.balance
     balance.reference = balance.at_end
     # `least_allowed` is the part of a step's allowed change that does not depend on the state
@@ -152,7 +153,7 @@ def begin_window(d):
 
 
 def restart_balance(d):
-    """Evaluate the energy balance again at the start of a step that does not continue the last step."""
+    """Evaluate the energy balance again at the end of the last step, where the next step begins."""
     locate_points(d, d.step.state_end)
     d.balance.at_end = energy_balance(d, d.step.state_end)
     d.balance.breaks = d.step.breaks
@@ -178,7 +179,8 @@ def apply_next_piece(d):
 def reinit_balance(d):
     """Continue the energy balance after a re-initialization at the communication point.
 
-    A new parameter may change the elastic energy of active contacts; this change is not counted as an error.
+    A new parameter may change the elastic energy of active contacts; this change does not count as an error
+    of the run. Without active contacts only the available energy is set back to that before the last step.
     """
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start
@@ -190,13 +192,14 @@ def reinit_balance(d):
 
 
 def check_energy(d, theta):
-    """Reject the last step if the energy balance changes too much from its start to its fraction θ.
+    """Reject the last step if the energy balance changes too much from the step's start to its fraction θ.
 
-    θ = −1 stands for the end of the step. A long step (``is_long``) is also rejected if its dense output is
-    wrong in the middle (``interpolates``).
+    θ = −1 stands for the end of the step. A long step (``is_long``) whose rate at the end is known is also
+    rejected if its dense output is wrong in the middle (``interpolates``).
 
     If the step loses more than NOTABLE_LOSS of its allowed loss (``loss_allowed``), its loss divided by the
-    allowed loss counts as an error of the step. So the loss affects the size of the next step.
+    allowed loss counts as an error of the step: above 1 the step is rejected, and else the loss affects the
+    size of the next step.
 
     Returns:
         Two energies [J] for ``store_energy``: the energy balance at θ; and the available energy, which is the
@@ -214,7 +217,7 @@ def check_energy(d, theta):
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
     available = largest_available_energy(d, y, potential)
-    # `not <=` is also true for a NaN; `abs(change) > allowed` would accept it
+    # `not <=` is also true for a NaN; `abs(change) > allowed` would accept a NaN
     if not abs(change) <= balance.least_allowed:
         allowed = allowed_change(d, y)
         if not abs(change) <= allowed:
@@ -237,7 +240,7 @@ def check_energy(d, theta):
 def store_energy(d, present, available):
     """Store the energy balance ``present`` [J] and the energy ``available`` [J] at an accepted step's end.
 
-    Both are results of ``check_energy``, which says what they are.
+    Both are results of ``check_energy``.
     """
     balance = d.balance
     balance.at_start, balance.available_at_start = balance.at_end, balance.available
@@ -245,9 +248,9 @@ def store_energy(d, present, available):
 
 
 def largest_available_energy(d, y, potential):
-    """Return the available energy [J]: the most that motion, springs, walls and heat can have had so far.
+    """Return the available energy [J]: the most that motion, springs, walls and heat can have had up to y.
 
-    State y, with its ``potential`` energy [J], counts, too.
+    y is the present state, ``potential`` its potential energy [J].
     """
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
@@ -280,9 +283,9 @@ def loss_budget(d, available):
 def is_long(d):
     """Return whether the last step is of a kind that can have a correct end although its middle is wrong.
 
-    There are three kinds, all long: a step in which a link has turned by more than LONG_TURN, considered only
-    if the dense output exists; an explicit step beyond the stability limit for joints with dampers or
-    springs; and, at a loose tolerance, the first step of a run, whose size is a guess.
+    There are three kinds, all long: a step whose dense output exists and in which a link has turned by more
+    than LONG_TURN; an explicit step that is longer than the stable size (STABLE_STEP) for dampers and springs
+    of drives; and, at a loose tolerance, the first step of a run, whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE_TOLERANCE:
         return True
@@ -321,16 +324,16 @@ def dissipates_evenly(d, middle):
 
 
 def allowed_change(d, y):
-    """Return the largest change [J] of the energy balance that a step to state y may cause.
+    """Return the largest change [J] of the energy balance that is allowed to a step which ends in state y.
 
-    A step with a larger change is rejected. The points must be located for y.
+    The points must be located for y.
     """
     scale, summed = energy_scales(d, y)
     return STEP_CHANGE * d.solver.tolerance * scale + ENERGY_ROUND_OFF * summed
 
 
 def allowed_round_off(d, y):
-    """Return the part of ``allowed_change`` [J] that round-off may cause in a step to state y."""
+    """Return the part of ``allowed_change`` [J] that is round-off; the points must be located for y."""
     _, summed = energy_scales(d, y)
     return ENERGY_ROUND_OFF * summed
 
@@ -365,9 +368,9 @@ def energy_scales(d, y):
 def check_balance(d):
     """Return ENERGY_NOT_KEPT if the energy balance has changed too much, else OK.
 
-    The limit in a window of time is WINDOW_CHANGE × tolerance × S. The limits in the run so far are 2 G for a
-    gain, with G = ENERGY_GAIN × the available energy, and twice the larger of G and ``loss_budget`` for a
-    loss.
+    The limit in a window of time is WINDOW_CHANGE × tolerance × S, plus round-off. The limits in the run so
+    far are 2 G for a gain, with G = ENERGY_GAIN × the available energy, and twice the larger of G and
+    ``loss_budget`` for a loss.
     """
     balance, most = d.balance, ENERGY_GAIN * d.balance.available
     gain = balance.at_end - balance.origin

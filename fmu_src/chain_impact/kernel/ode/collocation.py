@@ -14,7 +14,7 @@ of E. The quotient |E|²/|E′| is of order 7, closer to the order of the result
 
 The dense output is the polynomial of degree 5, with an error of order h⁶. The first five basis functions of
 dense.py span all such polynomials that are 0 at the start of the step. The other two are 0 at both ends of
-the step; they move the coordinates within the step toward the integrated clearances.
+the step; they move coordinates and rates within the step toward the integrated clearances and their rates.
 """
 
 import math
@@ -74,15 +74,15 @@ from chain_impact.kernel.rows.constraints import any_constraint
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # above this ratio of a Newton correction to the one before, shorter steps cost less
-# Stages are predicted with degree 5, 4 or 3 if their step ends at most this many sizes of the last step after
-# the end of the last step, else with degree 1. Size and end are those that the last step had before a cut.
+# Stages are predicted with degree 5, 4 or 3 if the new step ends at most 1.2, 2 or 3 sizes of the last step
+# after the last step's end, else with degree 1. Size and end are those that the last step had before a cut.
 EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # The cost of a step without its evaluations, in evaluations: all factorizations; all solutions in an
 # iteration; error estimate and projection onto the clearances. A real factorization costs 1 and a real
 # solution 0.7, complex ones 2.5 times as much; estimate and projection take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 FORCELESS_PART = 1e-3  # a contact that ends within this part of a step has hardly any force left
-DECAY_TIMES = 3.0  # size of a step after an event, in decay times of its fast motion, at a tolerance of 1
+DECAY_TIMES = 3.0  # size of a step, in decay times of its fast motion, if this is as large as the tolerance
 
 
 def _coefficients():
@@ -129,14 +129,14 @@ def set_residual(d, i, j, residual):
 
 
 def can_extrapolate(d):
-    """Return whether the last step, an implicit one with the same list of contacts, predicts the stages."""
+    """Return whether the last step was implicit and had the present contacts, so that it predicts stages."""
     return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
-    """Evaluate the Jacobian A at z, the predicted state in the middle of the step, if it is accurate.
+    """Evaluate the Jacobian A at z, the predicted state at the middle node, if ``can_extrapolate`` is true.
 
-    If ``can_extrapolate`` is false, z is inaccurate, and A at the start of the step, which is known, stays.
+    Otherwise z is inaccurate, and A stays as ``prepare`` has evaluated it, at the start of the step.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
@@ -168,7 +168,7 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return h [s] or, if less, PAST_END × the time to the first end of a contact after FORCELESS_PART h."""
+    """Return h [s] or, if less, PAST_END × the predicted time until a contact with a force law ends."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
         # near its end a contact has hardly any force, so the rate ġ of its clearance g hardly changes, and
@@ -180,10 +180,10 @@ def size_toward_end(d, h):
 
 
 def size_for_fast_motion(d, h):
-    """Return a size ≤ h that resolves a fast motion at the start, if this motion exceeds the tolerance.
+    """Return a size ≤ h [s] that resolves a fast motion at the start, if this motion exceeds the tolerance.
 
     The operator (1 − h μ A)⁻¹ removes the fast part of the rate. The removed part shows how large the fast
-    motion is. Applied to this part, the operator shows how fast it decays.
+    motion is. Applied to this part, the operator shows how fast the motion decays.
     """
     implicit, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
     factorize_real(d, shift)
@@ -225,7 +225,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Predict the stages by a polynomial of degree 5, 4, 3 or 1 through nodes of the last step; h decides."""
+    """Predict the stages by a polynomial through nodes of the last step; its degree depends on h [s]."""
     implicit = d.implicit
     span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0
@@ -267,7 +267,7 @@ def attempt(d, h):
 
 
 def cost_factor(implicit):
-    """Return a factor ≤ 1 on the next size, below 1 after many or slow iterations, to reduce the cost."""
+    """Return a factor < 1 on the next size, which is smaller after more or slower Newton iterations."""
     factor = (2.0 * MOST_ITERATIONS + 1.0) / (2.0 * MOST_ITERATIONS + implicit.iterations)
     if implicit.contraction > SLOW_CONVERGENCE:
         factor = min(factor, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))
@@ -287,7 +287,7 @@ def set_result(d, h):
 
 
 def error_estimate(d, h, size):
-    """Return the error of a step of size h [s], relative to the tolerance; infinity if it is not finite."""
+    """Return the error of a step of size h [s] over the tolerance; infinity if the error is not finite."""
     implicit, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
         start, end = implicit.start_rate[j], implicit.rates[LAST, j]
@@ -324,7 +324,7 @@ def coefficient(stages, m, j):
 
 
 def store_stages(d, faded):
-    """Set the dense output; keep the stages for the next step, with tiny numbers set to 0 if ``faded``."""
+    """Set the dense output; store the stages for later steps, with tiny numbers set to 0 if ``faded``."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -339,16 +339,16 @@ def store_stages(d, faded):
 
 
 def set_dense(values, j, stages, at, degree):
-    """Set the dense output of component j, index ``at`` in z; the coefficients F_m, m ≥ ``degree``, are 0."""
+    """Set the dense output of component j, index ``at`` in z; coefficients F_m with m ≥ ``degree`` are 0."""
     values.dense[0, j] = values.state_end[j] - values.state[j]
     for m in range(1, len(values.dense)):
         values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
 
 
 def match_clearances(d):
-    """Move the dense output toward the integrated clearances and their rates at thirds of the step.
+    """Move the dense output toward the integrated clearances and rates at one and two thirds of the step.
 
-    ``project_coordinates`` gives the correction; the work of dry friction in it counts as dissipated energy.
+    ``project_coordinates`` gives the changes; the work of dry friction in these counts as dissipated energy.
     """
     dense, implicit, change, lost = d.step.dense, d.implicit, d.scratch.change, dissipated_at(d.links)
     if clearance_count(d) == 0:
@@ -374,7 +374,7 @@ def match_clearances(d):
 
 
 def lagrange(first, m, x):
-    """Return at x the polynomial that is 1 at WITH_START[m], 0 at its other entries from ``first`` on."""
+    """Return at x the polynomial that is 1 at WITH_START[m] and 0 at WITH_START[k], ``first`` ≤ k ≠ m."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:

@@ -2,16 +2,14 @@
 
 A method of integration tries a step and computes the error of the step, relative to the tolerance: each
 component of the error is divided by a scale, and the tolerance is the allowed quotient. A step with an error
-≤ 1 is accepted, unless the method, the search for events or the energy check rejects it for another reason. A
-rejected step costs as much as an accepted one. To avoid rejections, the sizes of the first step in flight and
-of the first step of a contact are estimated.
+≤ 1 is accepted, unless another check rejects the step, such as the check of its energy. To avoid rejected
+steps, the sizes of the first steps in flight and in a contact with a force law are estimated.
 
-There are two methods, the explicit and the implicit one; this module has the constants of both, and
-methods.py chooses a method. Explicit steps are stable only if the equations are not stiff. The rate at the
-end of an explicit step is also the first stage of the next step. Implicit steps are always stable. The state
-at the end of an implicit step is more accurate than its dense output, so an implicit step with an event in it
-is repeated such that it ends at the event. The first implicit step after an event is made shorter if it must
-resolve a fast motion (collocation.py).
+There are two methods, explicit and implicit; methods.py chooses one. Explicit steps are stable only if the
+equations are not stiff. Implicit steps are always stable. The state at the end of an implicit step is more
+accurate than the dense output within the step, so an implicit step with an event before its end is repeated
+such that it ends at the event. An implicit step that the last step cannot predict, as after an event, is made
+shorter if it must resolve a fast motion (collocation.py).
 """
 
 import math
@@ -44,19 +42,19 @@ SOLVER_METHODS = ("auto", "explicit", "implicit")
 AUTO = 1
 
 # Constants of the two methods: the entry 0 is for EXPLICIT, the entry 1 for IMPLICIT. The error of a step is
-# proportional to the power ORDER of its size. The next size that follows from the last error is multiplied by
-# SAFETY, so that few steps are rejected. ONSET_SIZE is the size of the first step of a contact at a tolerance
-# of 1, divided by the contact's time scale; the error of this step is proportional to the power ONSET_ORDER
-# of its size.
+# proportional to the power ORDER of the step's size. The next size that follows from the last error is
+# multiplied by SAFETY, so that few steps are rejected. ONSET_SIZE is the size of the first step of a contact
+# at a tolerance of 1, divided by ``contact_time_scale``; the error of this step is proportional to the power
+# ONSET_ORDER of the step's size.
 ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
 # ONSET_ORDER of the implicit method is 3/2 + 2, for the default exponent: the elastic force is proportional
 # to δ^(3/2), and the motion is the double integral of the force
 ONSET_ORDER = (8, 3.5)
-# The size of a step that passes the end of a contact, divided by the predicted time until this end. The
-# prediction has an error of some hundredths; with a ratio closer to 1 a step could end just before the end of
-# the contact, and leave a tiny step.
+# The size of a step that passes the end of a contact, divided by the predicted way to this end, both in the
+# step's integration variable. The prediction has an error of some hundredths; with a ratio closer to 1 a step
+# could end just before the end of the contact, and leave a tiny step.
 PAST_END = 1.04
 
 
@@ -65,41 +63,42 @@ def prescribed_method(choice):
     return choice - AUTO - 1
 
 
-# The least and the largest ratio of the next size to the size of a step. The authors of DOP853 use 1/3 and 6.
+# The least and the largest ratio by which the error of a step changes the size of the next try or step. The
+# authors of DOP853 use 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
 EXPONENT = tuple(-1.0 / order for order in ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 # The outcomes of a tried step:
-# INACCURATE  the error exceeds the tolerance
+# INACCURATE  the error exceeds the tolerance, or the step loses more energy than is allowed
 # INFINITE    the error, or a correction by Newton's iteration, is infinite or NaN
 # SPOILED     an event cannot be located, forces are not found, or the energy is wrong
-# RUNS_BACK   the time decreases in a regularized step
-# LATE        Newton's iteration converges, but not in time
-# DIVERGED    Newton's iteration diverges
+# RUNS_BACK   a regularized step goes too far beyond the contact's end, or its time does not increase
+# LATE        Newton's iteration would need too many iterations
+# DIVERGED    the last correction by Newton's iteration exceeds the one before
 ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
 # The size after a step that was rejected for one of the outcomes from SPOILED on is computed as if the step
-# had this error, relative to the tolerance; index: the outcome. After SPOILED the next try is a seventh as
-# long in the explicit method, and an eighth in the implicit method; after RUNS_BACK and LATE half as long,
-# and after DIVERGED a third.
+# had this error, relative to the tolerance; index: the outcome. After SPOILED the next try is about a seventh
+# as long in the explicit method, and an eighth in the implicit method; after RUNS_BACK and LATE about half as
+# long, and after DIVERGED a third.
 EQUIVALENT_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
 # a smaller error of a step, relative to the tolerance, counts as LEAST_ERROR in the choice of the next size,
 # because a power of 0 with a negative exponent is infinite
 LEAST_ERROR = 1e-16
 # [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1. With a larger
-# value more of these steps are rejected, with a smaller one they are shorter than needed
+# value more of these steps are rejected, with a smaller value these steps are shorter than needed
 # (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
 FIRST_TURN = 2.8
-# The values that replace ONSET_SIZE and ONSET_ORDER for an explicit step whose integration variable is time.
-# After the onset the force is proportional to a broken power of the time, so the order of the error is lower
-# than the method's order.
+# The values that replace ONSET_SIZE and ONSET_ORDER for the first explicit step of a contact that begins
+# while other contacts last. The integration variable of this step is time. After the onset the force is
+# proportional to a fractional power of time, so the order of the error is lower than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
-# [m, rad, m/s, rad/s] A coordinate or rate below this size belongs to a chain at rest and is set to 0.
-# Otherwise the number would decay until its square is a denormal number, with which some processors are slow.
+# [m, rad, m/s, rad/s] A coordinate or rate of a smaller absolute value belongs to a chain at rest and is set
+# to 0. Otherwise it would decay until its square is a denormal number, with which some processors are slow.
 FADED_SIZE = 1e-100
 
 
 def begin_trial(d, h):
-    """Begin to try a step of size h, whose outcome is ACCEPTED until a check rejects the step."""
+    """Begin to try a step of size h; its outcome is ACCEPTED until a check rejects the step."""
     d.trial.size = h
     set_outcome(d, 0.0, 1.0)
 
@@ -109,8 +108,8 @@ def set_outcome(d, error, cost_factor):
 
     Args:
         d: the instance.
-        error: the error of the step, relative to the tolerance.
-        cost_factor: a factor on the next size, below 1 if shorter steps would probably cost less.
+        error: the error relative to the tolerance or, if larger, the energy loss relative to the allowed one.
+        cost_factor: factor on the next size: < 1 for implicit steps (collocation.py), 1 for explicit steps.
     """
     d.trial.error, d.trial.cost_factor = error, cost_factor
     if error <= 1.0:
@@ -125,7 +124,7 @@ def reject_step(d, outcome):
 
 
 def accepted(d):
-    """Return whether the error estimate and the checks so far accept the tried step."""
+    """Return whether no check has rejected the tried step so far."""
     return d.trial.outcome == ACCEPTED
 
 
@@ -145,17 +144,17 @@ def scale_next_size(d, ratio):
 
 
 def store_flight_size(d):
-    """Store the proposed step size, a size for flight, for ``propose_flight_size``."""
+    """Store the proposed step size, before contacts with a force law begin, for ``propose_flight_size``."""
     d.step.flight_size = d.step.next_size
 
 
 def propose_flight_size(d):
-    """Propose the step size that ``store_flight_size`` has stored last, as at the end of a flight."""
+    """Propose the size that ``store_flight_size`` has stored, after the contacts with a force law end."""
     propose_size(d, d.step.flight_size)
 
 
 def next_size_factor(d):
-    """Return the next step size divided by the tried one, without the limit GROW, from the try's outcome."""
+    """Return the next size divided by the tried one: at least SHRINK, but not yet limited to GROW."""
     outcome, method = d.trial.outcome, d.step.method
     if outcome == INFINITE:
         return SHRINK
@@ -164,10 +163,10 @@ def next_size_factor(d):
 
 
 def size_in_flight(d, y, rate):
-    """Return a size ≤ 1 s for an explicit step in flight from the state y with the rate ẏ = ``rate``.
+    """Return a size [s] for an explicit step in flight from the state y with the rate ẏ = ``rate``.
 
-    In this time the fastest link turns by about FIRST_TURN × tolerance^(1/8) [rad], with the largest of all
-    |ω| and √|α| as its angular velocity.
+    It is the time in which a link turns by FIRST_TURN × tolerance^(1/8) [rad], with the largest |ω| or √|α|
+    of all links as the angular velocity; but at most 1 s.
     """
     n, fastest = d.links, 0.0
     for i in range(n):
@@ -177,9 +176,10 @@ def size_in_flight(d, y, rate):
 
 
 def size_at_onset(d, c, method):
-    """Return a size [s], in the step's variable, for the first step of candidate c's contact after an event.
+    """Return a size [s], in the step's variable, for the first step after an event in candidate c's contact.
 
-    The event is the onset or, for an explicit step, another one. ``method``: EXPLICIT or IMPLICIT.
+    The event is the onset of the contact or, for an explicit step, a later event. The contact has a force
+    law. ``method``: EXPLICIT or IMPLICIT.
     """
     return ONSET_SIZE[method] * contact_time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
@@ -205,27 +205,26 @@ def contact_time_scale(d, c):
 # The largest allowed error of a penetration, relative to max(δ, δ*) in ``penetration_scale``, at tolerances
 # up to this value. With more than some hundredths, a point that comes to rest would bounce again.
 LARGEST_ERROR = 0.01
-# POSITION_ROUND_OFF: the round-off of a position, relative to the largest coordinate or to an angle times the
-# longest link. POSITION_ROUND_OFF_AT_REST: a larger value for contacts that have lasted longer than
-# AGE_AT_REST/ω, with ω the contact's frequency. At such a contact, a single step with more round-off than
-# usual would excite a motion that short steps keep alive.
+# POSITION_ROUND_OFF: the round-off of a position, relative to the larger of two lengths: the largest
+# coordinate, and the largest angle times the longest link. POSITION_ROUND_OFF_AT_REST replaces it for
+# contacts that have lasted longer than AGE_AT_REST/ω, with the contact's frequency ω: there, a single step
+# with more round-off than usual would excite a motion that short steps keep alive.
 POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
 
 
 def set_scales(d, y, scale, contacts):
-    """Set ``scale``, the scales of errors in state y: the tolerance is the allowed error over the scale.
+    """Set ``scale``, the scales of errors in state y: the allowed error is the tolerance times the scale.
 
     The scale of an angle is 1 rad, and that of a position is the length of the longest link, whatever their
-    values are; so a rotation or a shift of the scene has no effect. The scale of a speed is its size plus one
-    longest link per second; that of an angular velocity is its size plus 1 rad/s. The scale of the dissipated
-    energy is its size plus constant and impact energies; that of the supplied energy is formed likewise. The
-    supplied energy is controlled only if motions of base, walls or belts are prescribed: its power then
-    changes with them, however slow the chain is. The power of other inputs depends only on components that
-    are controlled.
+    values are. The scale of a velocity component is its absolute value plus one longest link per second; that
+    of an angular velocity is its absolute value plus 1 rad/s. The scale of the dissipated energy is its value
+    plus `chain.energy_scale` and ``impact_energy``; that of the supplied energy is formed likewise. The
+    supplied energy has a scale, and is controlled, only if motions of base, walls or belts are prescribed:
+    its power then changes with these motions, however slow the chain is. The power of other inputs depends
+    only on components that are controlled.
 
-    The scales of the penetrations of the first ``contacts`` active contacts (``penetration_scale``) are
-    stored from the index of u on, where z of extended.py has the clearances. The points must be located for
-    y.
+    The scales of the clearances of the first ``contacts`` active contacts (``penetration_scale``) are stored
+    from the index of u on, where z of extended.py has the clearances. The points must be located for y.
 
     Other components have no scales, and their errors are not controlled: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.
@@ -243,12 +242,12 @@ def set_scales(d, y, scale, contacts):
 
 
 def raise_scales(d, y, scale, contacts):
-    """Raise the scales of ``set_scales`` where the tolerance would demand less error than the round-off.
+    """Raise the scales of ``set_scales`` where the tolerance would demand an error below the round-off.
 
     The round-off of positions excites, in each step, fast motions of a chain that rests on contacts. Shorter
-    steps do not reduce these motions, but longer implicit steps damp them. A contact with the frequency ω,
-    about v₀/δ* as in ``penetration_scale``, turns a round-off ε of a position into a speed ω ε, so the scales
-    of penetrations and of speeds are raised. The arguments are those of ``set_scales``.
+    steps do not reduce these motions, but longer implicit steps damp them. A contact with the frequency ω =
+    v₀/δ* (``penetration_scale``) turns a round-off ε of a position into a speed ω ε, so the scales of
+    clearances, velocities and angular velocities are raised. The arguments are those of ``set_scales``.
     """
     n, size, turned, fastest = d.links, d.chain.longest_link, 0.0, 0.0
     if contacts == 0:
@@ -268,7 +267,7 @@ def raise_scales(d, y, scale, contacts):
 
 
 def clear_faded(d, y):
-    """Set coordinates and rates of y with 0 < size < FADED_SIZE to 0; return whether there were any."""
+    """Set coordinates and rates in y with 0 < |value| < FADED_SIZE to 0; return whether y had such values."""
     count = 0
     # The first loop only counts, without branches, so that it is fast: in most calls nothing has to be
     # cleared. The coordinates and rates are the entries of y before the dissipated energy.
@@ -282,7 +281,7 @@ def clear_faded(d, y):
 
 
 def no_step_status(d):
-    """Return the status with which a run ends if even the smallest step is rejected."""
+    """Return the status with which a run ends because the next try of a step would be too short."""
     if d.constraints.unsolved == SQUEEZED:
         return NO_ROOM
     return NOT_FINITE if d.trial.outcome == INFINITE else STEP_TOO_SMALL
@@ -297,7 +296,7 @@ def controlled_count(d):
 def largest_errors(first_error, second_error, weight, count):
     """Return the largest |component| × weight of each of two error estimates, over ``count`` components.
 
-    Both results are infinity if any component of ``first_error`` or ``second_error`` is not finite.
+    Both results are infinity if any of these components of ``first_error`` or ``second_error`` is not finite.
     ``weight`` has the weight of each component.
     """
     first, second, total = 0.0, 0.0, 0.0
@@ -309,12 +308,12 @@ def largest_errors(first_error, second_error, weight, count):
 
 
 def scaled_errors(d):
-    """Return the largest scaled component of each of the two error estimates, relative to the tolerance.
+    """Return the largest scaled component of each error estimate of the explicit step, over the tolerance.
 
     While constraints act, the errors of drives' forces (``force_errors``) count as well. Estimate k, 0 or 1,
     of the tried step is row k of ``scratch.error`` and, for the clearances of active contacts, row k of
-    ``touch.gap_error``. Both results are infinity if the step is not finite. The points must be located at
-    the end of the step.
+    ``touch.gap_error``. Both results are infinity if the step is not finite. If any contact is active, the
+    points must be located at the end of the step.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
     first_error, second_error, first, second = d.scratch.error[0], d.scratch.error[1], 0.0, 0.0
@@ -337,11 +336,11 @@ def scaled_errors(d):
 
 
 def force_errors(d):
-    """Return the largest error of a drive's damper and spring force, by each of the two error estimates.
+    """Return the largest error of any drive's damper and spring force, by each estimate in ``scratch.error``.
 
-    Each error is relative to a usual moment: the energy scale times 1 + g/s, with gravity g [m/s²] and the
-    longest link s [m]. These errors must be small in a scene with rigid walls: the forces of rigid walls
-    depend on the drives, and a wrong sign of a wall's force would release a point.
+    Each error is relative to a usual moment: `chain.energy_scale` times 1 + g/s, with gravity g [m/s²] and
+    the longest link s [m]. These errors must be small where constraints act: the forces of rigid walls depend
+    on the drives, and a wrong sign of a wall's force would release a point.
     """
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):
@@ -354,17 +353,17 @@ def force_errors(d):
 
 
 def force_error(d, error, i, c, k):
-    """Return the error [N or N·m] of the spring and damper force of drive i, from the ``error`` of a state.
+    """Return a bound [N or N·m] on the error of drive i's spring and damper force, from a state's ``error``.
 
-    c is the damping and k the stiffness of the drive.
+    c is the damping and k the stiffness of the drive (``drive_slopes``).
     """
     return k * abs(along_drive(d, error, 0, i)) + c * abs(along_drive(d, error, velocity_at(d.links), i))
 
 
 def impact_energy(d):
-    """Return the kinetic energy [J] of the active contacts at their onsets: the sum of ½ m v₀² over them.
+    """Return the sum of ½ m v₀² [J] over all active contacts, a scale of the energies of their impacts.
 
-    m is the effective mass and v₀ the impact speed of a contact.
+    m is the effective mass and v₀ the impact speed in the law of a contact.
     """
     energy = 0.0
     for k in range(d.touch.active_count):
@@ -375,9 +374,9 @@ def impact_energy(d):
 
 
 def set_gap_errors(d, estimate):
-    """Set the errors [m] of the active contacts' clearances that an error estimate of the state implies.
+    """Set ``touch.gap_error``, the errors [m] of active contacts' clearances, from an estimate of the error.
 
-    ``estimate`` is the row of the estimate in ``scratch.error``, 0 or 1.
+    ``estimate`` is the row of the estimate in ``scratch.error`` and in ``touch.gap_error``, 0 or 1.
     """
     if d.touch.active_count > 0:
         move_points(d, d.scratch.link, d.scratch.error[estimate], d.scratch.motion)
@@ -386,12 +385,12 @@ def set_gap_errors(d, estimate):
 
 
 def penetration_scale(d, c):
-    """Return the scale [m] of errors in the penetration of active candidate c, for the located points.
+    """Return the scale [m] of errors in the clearance of active candidate c, for the located points.
 
     An error Δδ of the penetration soon causes an error of about ω Δδ in the speed, with ω ≈ v₀/δ*, the impact
     speed divided by the expected penetration. So Δδ may be as large as the tolerated error of a speed,
-    divided by ω. The scale is the larger of the penetration δ and δ*; if v₀ is below s, one longest link per
-    second, it is s/v₀ times as large, but not so large that the tolerated error exceeds 1 % of max(δ, δ*).
+    divided by ω. The scale is max(δ, δ*); if v₀ is below s, one longest link per second, the scale is larger
+    by a factor: s/v₀, or less, so that the factor raises no error above LARGEST_ERROR × max(δ, δ*).
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)

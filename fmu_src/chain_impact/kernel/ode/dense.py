@@ -1,4 +1,4 @@
-"""The last accepted step and its dense output: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1.
+"""The dense output of the last step: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1; and quadratures.
 
 y₀ is the state at the start of the step, θ the fraction of the step, and F₀ to F₆ are coefficients. In a
 regularized step, θ is the fraction in the step's own variable, not in time.
@@ -7,10 +7,10 @@ Quadratures are integrals along the motion, such as the impulses of the walls; Q
 They advance with the stages and the dense output of the state, have no effect on the motion, and are ignored
 by the error control. The change of the chain's momentum in a step equals what gravity, inputs and these
 impulses give, to the accuracy of the step. ``quadrature.total`` has the value of each quadrature at the most
-recent ``commit_quadratures``. Steps integrate only some quadratures: ``quadrature.index`` lists their indices
-in ``quadrature.total``. The fields ``state``, ``state_end``, ``tried``, ``stage`` and ``dense`` of
-``quadrature`` contain only these, in the order of the list; otherwise they are like the fields of y with
-these names. Quadratures cost nothing in a scene that does not request them.
+recent ``commit_quadratures`` or impact. Steps integrate only some quadratures: ``quadrature.index`` lists
+their indices in ``quadrature.total``. The fields ``state``, ``state_end``, ``rate_end``, ``tried``, ``stage``
+and ``dense`` of ``quadrature`` contain only these quadratures, in the order of the list. In a scene that does
+not request quadratures, none is integrated.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ from chain_impact.kernel.rows.geometry import at_wall
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
 DENSE_COEFFICIENTS = len(POWERS)
 # The number of guesses of a fast method for a root, such as Newton's, in an interval that contains the root;
-# three to ten guesses usually suffice. After this number each guess halves the interval.
+# three to ten guesses usually suffice. After FAST_GUESSES guesses each further guess halves the interval.
 FAST_GUESSES = 20
 # The largest number of guesses for a root: 64 halvings make an interval of length 1 shorter than any
 # resolution, or leave no floating-point number inside it.
@@ -32,10 +32,10 @@ FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularize
 
 
 def next_guess(low, high, guess, tries):
-    """Return ``guess``, or the middle of the interval from ``low`` to ``high`` if the guess lies outside.
+    """Return ``guess`` if it lies between ``low`` and ``high``, else the middle of this interval.
 
-    ``tries`` is the number of guesses before this one. From FAST_GUESSES on, the function always returns the
-    middle, so that the search ends also where the fast method of the guesses fails.
+    ``tries`` is the number of earlier calls in the search. From FAST_GUESSES on, the function always returns
+    the middle, so that the search ends also where the fast method of the guesses fails.
     """
     if tries < FAST_GUESSES and low < guess < high:
         return guess
@@ -48,18 +48,18 @@ def time_rate(u):
 
 
 def interpolate(step, theta, y):
-    """Set y to the state at the fraction θ ∈ [0, 1] of the last step."""
+    """Set y to the state at the fraction θ of the last step; outside [0, 1] the state is extrapolated."""
     for j in range(len(step.state)):
         y[j] = interpolate_component(step, theta, j)
 
 
 def interpolate_component(step, theta, j):
-    """Return component j of the state at the fraction θ ∈ [0, 1] of the last step."""
+    """Return component j of the state at the fraction θ of the last step."""
     return step.state[j] + change_within(step, theta, j)
 
 
 def change_within(step, theta, j):
-    """Return the change of component j from the start of the last step to its fraction θ ∈ [0, 1]."""
+    """Return the change of component j from the start of the last step to the fraction θ of this step."""
     remaining = 1.0 - theta
     high = step.dense[4, j] + remaining * (step.dense[5, j] + theta * step.dense[6, j])
     low = step.dense[2, j] + remaining * (step.dense[3, j] + theta * high)
@@ -77,9 +77,9 @@ def fraction(d, time):
 
 @has_dual_rule
 def event_fraction(_d):
-    """Return the fraction of the last step at which the event lies that began this step: 0, its start.
+    """Return 0, the fraction of the last step at which the event lies that began this step.
 
-    In a tangent instance the fraction has derivatives, because parameters shift the event.
+    In a tangent instance the result also has derivatives, because parameters shift the event.
     """
     return 0.0
 
@@ -112,7 +112,7 @@ def regularized_fraction(d, elapsed):
 
 
 def _basis_bounds():
-    """Return two tuples with an entry for each basis function: its largest |value| and |slope| on [0, 1]."""
+    """Return the largest |value| and the largest |slope| of each basis function, from samples of [0, 1]."""
     theta = np.linspace(0.0, 1.0, 10001)
     remaining = 1.0 - theta
     values = [theta**p * remaining**q for p, q in POWERS]
@@ -129,7 +129,7 @@ BASIS_BOUND, SLOPE_BOUND = _basis_bounds()
 
 
 def rate_bounds(step, j):
-    """Return bounds on |y_j| and on the rate |dy_j/ds| over the last step; s is the variable of the step.
+    """Return upper bounds of |y_j| and |dy_j/ds| over the whole last step; s is the variable of the step.
 
     The bounds follow from the coefficients of the interpolant of component j.
     """
@@ -142,7 +142,7 @@ def rate_bounds(step, j):
 
 
 def rate_bounds_along(step, j, nx, ny):
-    """Return bounds as ``rate_bounds`` does, for the sum nx y_j + ny y_{j+1} of two components."""
+    """Return upper bounds as ``rate_bounds`` does, for the sum nx y_j + ny y_{j+1} of two components."""
     value, slope = abs(nx * step.state[j] + ny * step.state[j + 1]), 0.0
     for m in range(DENSE_COEFFICIENTS):
         f = abs(nx * step.dense[m, j] + ny * step.dense[m, j + 1])
@@ -154,9 +154,9 @@ def rate_bounds_along(step, j, nx, ny):
 # the number of samples of a wall's impulse in a step from which ``quadrature_within`` makes an impulse that
 # never falls
 IMPULSE_SAMPLES = 16
-# The kinds of quadratures: name, number of entries, and a function for the rate of entry i, which is called
-# where the rate of the state has just been evaluated. The record has room for all kinds (record/contacts.py).
-# The impulses of the walls come first.
+# The kinds of quadratures: name, number of entries, and a function for the rate of entry i. This function is
+# called where the rate of the state has just been evaluated. The record has room for all kinds
+# (record/contacts.py). The impulses of walls and stops come first, with an entry for each candidate.
 QUADRATURES = (
     ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.touch.force[c]),
     ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
@@ -245,9 +245,9 @@ def correct_falling_impulses(d):
     The state at the end of the step must be final: a truncation after this call would undo the correction.
 
     The step sums forces with weights of both signs, so where a force is close to 0, its impulse may decrease
-    by an error. Such an impulse is set to its value at the start of the step. At a rigid wall, the amount
-    that is added so is subtracted again, from the largest impulse that the wall gives another held point in
-    the step: of points that nearly coincide, only the sum of the forces is accurate.
+    by an error. Such an impulse is set to its value at the start of the step. At a rigid wall, the added
+    amount is taken from the largest impulse that the wall gives another held point in the step, as far as
+    that impulse is large enough: of points that nearly coincide, only the sum of the forces is accurate.
     """
     quadrature = d.quadrature
     for k in range(min(quadrature.count, d.touch.active_count)):
@@ -260,9 +260,10 @@ def correct_falling_impulses(d):
 
 
 def reduce_largest_impulse(d, wall, amount):
-    """Reduce the largest impulse of the last step on any point that the rigid ``wall`` holds.
+    """Reduce the largest impulse in the last step on any point that a rigid wall holds.
 
-    The impulse of this step loses ``amount`` [N·s], but does not become negative.
+    This impulse loses ``amount`` [N·s], but does not become negative. ``wall`` is the wall's index, as in
+    `candidate.wall`. If no impulse on these points is positive, nothing changes.
     """
     quadrature, most, largest = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -276,8 +277,9 @@ def reduce_largest_impulse(d, wall, amount):
 def quadrature_within(d, theta, k):
     """Return the k-th of the integrated quadratures at the fraction θ of the last step.
 
-    Errors of the dense output must not let the impulse of a wall fall. So an impulse is at most the value of
-    any later sample in the step, and at least the value of the last sample before θ.
+    Errors of the dense output must not let the impulse of a wall or stop fall. So such an impulse is limited:
+    from above by each later sample in the step, from below by the last sample up to θ and by the impulse at
+    the start of the step.
     """
     quadrature, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
     value = interpolate_component(quadrature, theta, k)
@@ -323,11 +325,11 @@ def truncate_quadratures(d, theta):
 def commit_quadratures(d):
     """Store the totals and rates of the quadratures at the end of the last step.
 
-    Call this before contacts begin or end, and before a break in the sequence of steps. Afterwards
-    ``reset_quadratures`` lists the integrated quadratures again, and begins with these totals and rates.
+    Call this before contacts begin or end, and before ``reset_step``. Afterwards ``reset_quadratures`` lists
+    the integrated quadratures again, and begins with these totals and rates.
 
-    A quadrature that is not integrated gets the rate 0. Its later integration begins with this rate, because
-    the force of a new contact starts at 0; if it jumps there, ``store_end_rates`` is called again.
+    A quadrature that is not integrated gets the rate 0. A later integration begins with this rate, because
+    the force of a new contact starts at 0; if that force jumps, ``store_end_rates`` is called again.
     """
     quadrature = d.quadrature
     for i in range(len(quadrature.rate)):
@@ -352,6 +354,6 @@ def reset_quadratures(d):
 
 
 def add_impulses_of_impact(d):
-    """Add the impulses of rigid walls and stops in the impact just solved to the totals of quadratures."""
+    """Add the impulses of rigid walls and rigid stops in the present impact to the quadratures' totals."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])

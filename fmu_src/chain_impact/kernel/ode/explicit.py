@@ -1,13 +1,13 @@
 """The explicit step of order 8, DOP853, for flight and impact: coefficients and functions.
 
 Explicit Runge–Kutta method of order 8 with 12 stages, two embedded error estimates of orders 5 and 3, and
-dense output of order 7 by three further stages. The last stage of a step is the first stage of the next step.
+dense output of order 7 by three further stages. The rate at the end of a step is the first stage of the next.
 Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer
 1993, section II.5 and the authors' code; J. R. Dormand and P. J. Prince 1981, J Comput Appl Math 7:67 for the
 family.
 
-A stage k_j is the rate at a point within the step. Each row of coefficients is a dictionary from the number j
-of a stage to its coefficient; coefficients of zero are left out.
+A stage k_j is the rate dy/ds at a state y within the step; s is the step's integration variable. Each row of
+coefficients is a dictionary from the number j of a stage to its coefficient; zeros are left out.
 """
 
 import math
@@ -35,7 +35,7 @@ from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_accel
 STEP_STAGES = 12
 
 # fmt: off
-# row i has the coefficients A[i][j] of the point at which stage i is evaluated, y + h Σ_j A[i][j] k_j
+# row i has the coefficients A[i][j] of the state at which stage i is evaluated, y + h Σ_j A[i][j] k_j
 A: tuple[dict[int, float], ...] = (
     {},
     {0: 0.05260015195876773},
@@ -101,17 +101,17 @@ D: tuple[dict[int, float], ...] = (
 
 
 STAGES = len(A)
-# index of the stage at the end of a step; its rate is the first stage of the next step
+# index of the stage at the end of a step
 END_STAGE = STEP_STAGES
 # Near the first predicted end of a contact, a step is PAST_END times as long as the way to this end, in the
-# step's integration variable, if this is less than LARGEST_STRETCH times the size that the errors allow.
-# Otherwise it covers at most half of this way, so that the following step is not tiny.
+# step's integration variable, if this length is less than LARGEST_STRETCH times the size that the errors
+# allow. Otherwise the step covers at most half of this way, so that the following step is not tiny.
 LARGEST_STRETCH = 1.2
 # A contact whose predicted end is nearer than this part of the next step's size has practically no force
 # left: its penetration may be round-off. The step then ignores this end, and the search for events finds the
 # end in the step. A step up to such an end could be shorter than the resolution of time.
 UNRESOLVED_PART = 1e-6
-# An error, relative to the tolerance, outside of these limits is not squared, because the square could
+# An error, relative to the tolerance, beyond one of these limits is not squared, because the square could
 # underflow or overflow. Errors below the lower limit occur at rest, where held points hardly have a speed.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # If the phase of a sine signal of the base advances by more than FAST_SINE [rad] in a step, the sine
@@ -206,7 +206,7 @@ def size_toward_end(d, h):
     """Return the size of the next step; h is the size that the errors allow, both in the step's variable.
 
     Near the predicted end of a contact with a force law, the step either passes this end, and may then exceed
-    h a little, or covers at most half of the way to it.
+    h a little, or covers at most half of the way to this end (``size_up_to_end``).
     """
     if d.touch.compliant_count == 0:
         return h
@@ -217,7 +217,7 @@ def size_toward_end(d, h):
     if u + 2.0 * slope * h >= 0.0:
         return h
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
-    # the contact ends after s, where u, the root of the penetration, is zero: u + u′ s + ½ u″ s² = 0
+    # the contact ends after the fictitious time s at which u is zero: u + u′ s + ½ u″ s² = 0
     square = slope * slope - 2.0 * u * root_curve(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
     return size_up_to_end(h, left)
@@ -256,7 +256,8 @@ def size_up_to_end(h, left):
 def attempt(d, h):
     """Try a step of size h from the state ``step.state_end``.
 
-    ``trial`` gets the state at the end of the step, the outcome, and the error relative to the tolerance.
+    ``trial`` gets the state at the end of the step, the outcome and, unless the step runs back, the error
+    relative to the tolerance.
     """
     make_step(d, h)
     count_evaluations(d, STEP_EVALUATIONS)
@@ -269,8 +270,8 @@ def attempt(d, h):
 def error_estimate(d, h):
     """Return the error of the tried step of size h, relative to the tolerance.
 
-    The result is infinite if the step is not finite, or if one of its two error estimates, relative to the
-    tolerance, is larger than SQUARE_OVERFLOWS.
+    The result is infinite if the step is not finite, or if an error estimate is too large to be squared
+    (SQUARE_OVERFLOWS).
     """
     controlled = controlled_count(d)
     _errors(d.scratch.stage, h, d.scratch.error[0, :controlled], d.scratch.error[1, :controlled])
@@ -283,8 +284,8 @@ def error_estimate(d, h):
         return error_5
     if max(error_5, error_3) > SQUARE_OVERFLOWS:
         return math.inf
-    # the error of the step is e₅²/√(e₅² + e₃²/100), with the estimates e₅ and e₃ of orders 5 and 3; it is of
-    # order 8, because e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
+    # the error of the step is e₅²/√(e₅² + e₃²/100), with the estimates e₅ and e₃ of orders 5 and 3; the
+    # result is of order 8, because e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d, h) else 1.0)
 
@@ -294,9 +295,9 @@ def is_smooth(d, h):
 
     This holds in a regularized contact, and in flight with a fast sine signal of the base: the errors of
     steps within a period of the sine have both signs, and nearly cancel. In any other motion the order of the
-    estimate is 8, as a margin. It is also 8 in a regularized contact whose damping has an exponent of the
-    penetration between 0 and 1/2: at the onset the force then rises more steeply than u, and the step loses
-    its order.
+    estimate is 8, as a margin. The order is also 8 in a regularized contact whose damping has an exponent of
+    the penetration between 0 and 1/2: at the onset the force then rises more steeply than u, and the step
+    loses its order of accuracy.
     """
     c = d.step.regularized
     if d.touch.active_count == 0 and d.chain.base_moves:
@@ -314,10 +315,9 @@ def make_step(d, h):
 
 
 def step_increment(d, j):
-    """Return the change of component j of y in the tried explicit step.
+    """Return the change of component j of y in the tried explicit step, without the round-off of adding to y.
 
-    The difference of the states at both ends would contain the round-off of the addition to y; this sum does
-    not.
+    The difference of the states at both ends would contain this round-off.
     """
     return d.trial.size * _step_sum(d.scratch.stage, j)
 

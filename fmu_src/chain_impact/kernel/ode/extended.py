@@ -2,10 +2,10 @@
 
 As the links turn, the clearance that follows from the coordinates of a stage has an error of about ½ h² J̇ẏ,
 with the step size h and the gradient J of the clearances. This error is small, but often larger than the
-penetration of a stiff wall. So the clearances g of the active contacts and their rates are integrated
-together with the state: z = (y without u and t, g, ġ, Q), with g̈ the acceleration of the point along the
-normal and Q the quadratures. The contact forces are evaluated at the integrated g and ġ, which do not have
-that error.
+penetration of a stiff wall. So the clearances g of the active contacts with a force law, and their rates, are
+integrated together with the state: z = (y without u and t, g, ġ, Q), with the quadratures Q. The rate of ġ is
+g̈ (rows/geometry.py). The contact forces are evaluated at the integrated g and ġ, which do not have that
+error.
 
 A rigid wall has no force law and constrains its points as in an explicit step (forces/holding.py), so z has
 no entries for these points.
@@ -16,8 +16,8 @@ are the parts of x that belong to q, v, g and ġ, and r_q to r_ġ those of r. A 
 makes the equations stiff: the contact's own motions are far faster than the chain's, and decay. Dampers or
 springs of joints or of the slider make the equations stiff, too; their forces are −C v − S q, up to
 constants, with the damping c_i and the stiffness k_i of drive i, C = Σ c_i χ_i χ_iᵀ, S = Σ k_i χ_i χ_iᵀ and
-χ_i the gradient of the rate of its coordinate (chain/drives.py). All other terms are left out of A; Newton's
-iteration takes account of them. For z as above
+χ_i the gradient of the rate of the drive's coordinate (chain/drives.py). All other terms are left out of A;
+Newton's iteration takes account of them. For z as above
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ the same with −J M⁻¹,   ∂(q̇, ġ)/∂(v, ġ) = 1,
 
@@ -28,19 +28,20 @@ clearances. The solution needs no linear algebra except the recursion. Let Δ = 
     (M + Jᵀ D J + K) Δ = Jᵀ (D r_ġ + s k r_g) + K r_v + s S r_q,   D = s c + s² k,   K = s C + s² S,
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + s x_v,   x_g = r_g + s x_ġ,
 
-Δ is the response of the chain to impulses at the touching points and to moments in the joints. The impedance
+Δ is the response of the chain to impulses at the touching points and along the drives. The impedance
 D of the contacts adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper of
 drive i, and K r_v + s S r_q acts as an impulse on the drives (chain/response.py). A constraint is the
 condition J Δ = 0 for a point at a rigid wall or a sticking element; its impedance is far larger than the
 chain's mass (rows/constraints.py).
 
-The functions that solve these systems take a shift s, an array x and a scratch ``space``: all three are real,
-or all three are complex. ``space`` contains impedances, loads, the resulting motion and several slots for
-factors; ``slot`` is the number of the slot that is used.
+``factorize_shift`` and ``solve_shift`` take a shift s, a scratch ``space`` and an array x: all are real, or
+all are complex. ``space`` contains impedances, loads, the resulting motion and several slots for factors;
+``slot`` is the number of the slot that is used.
 
-At the end of a step a projection changes the coordinates, such that at stiff walls the clearances that follow
-from them almost equal the integrated clearances. Without the projection, their small difference would act as
-an impact on a stiff wall. The difference before the projection counts as an error of the step.
+At the end of a step a projection changes the coordinates and their rates, such that at stiff walls the
+clearances that follow from the coordinates almost equal the integrated clearances. Without the projection,
+the small difference would act as an impact on a stiff wall. The difference before the projection counts as an
+error of the step.
 """
 
 from chain_impact.kernel.chain.drives import (
@@ -83,7 +84,7 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def gap_at(d, k):
-    """Return the index in the extended state z of the clearance of the k-th active contact.
+    """Return the index in the extended state z of the clearance of active contact k, counted from 0.
 
     z has no u and t, which are the last two entries of y. So in z the clearances begin at the index that u
     has in y.
@@ -97,12 +98,12 @@ def clearance_count(d):
 
 
 def rate_at(d, k):
-    """Return the index in the extended state z of the rate of the k-th active contact's clearance."""
+    """Return the index in the extended state z of the rate of active contact k's clearance, k from 0."""
     return gap_at(d, clearance_count(d) + k)
 
 
 def quadrature_at(d, k):
-    """Return the index in the extended state z of the k-th quadrature.
+    """Return the index in the extended state z of the integrated quadrature k, counted from 0.
 
     If impulses are requested, the impulses of the contacts in z come first.
     """
@@ -130,13 +131,13 @@ def extend_start(d):
     clearance_rates(d, implicit.start, implicit.start_rate)
     if any_sticking(d):
         # This call computes the limits of friction at the start. A system that is factorized before the first
-        # stage, as in ``size_for_fast_motion``, needs them: the impedances of sticking elements are
-        # proportional to their limits.
+        # stage, as in ``size_for_fast_motion``, needs these limits: the impedances of sticking elements
+        # depend on them.
         apply_contacts(d)
 
 
 def clearance_rates(d, z, rate):
-    """Set the entries ġ and g̈ of ``rate``, the rate ż of z; the accelerations of points must be known."""
+    """Set the entries ġ and g̈ of ``rate``, the rate ż of z; the points must be accelerated."""
     for k in range(clearance_count(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
@@ -156,7 +157,7 @@ def extended_rate(d, z, elapsed, rate):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
-    # this call also writes to the indices of u and of time, where z has other components; their rates are set
+    # this call also writes to the indices of u and t in y; z has other components there, whose rates are set
     # below
     free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
@@ -169,9 +170,9 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set the slopes, by position and speed, of the forces of active contacts and drives at the state z.
+    """Set the slopes, by position and speed, of the forces of contacts with a force law and drives at z.
 
-    The function also stores the present link vectors, for the linear systems.
+    z is an extended state. The function also stores the present link vectors, for the linear systems.
     """
     implicit, link = d.implicit, d.scratch.link
     for i in range(d.links):
@@ -185,15 +186,15 @@ def extended_slopes(d, z):
 
 
 def contact_impedance(d, k, s):
-    """Return the impedance D = s c + s² k [kg] of the k-th contact, from its slopes c = ∂F/∂δ̇ and k = ∂F/∂δ.
+    """Return the impedance D = s ∂F/∂δ̇ + s² ∂F/∂δ [kg] of active contact k, which has a force law.
 
-    The clearance of this contact must be an entry of z.
+    s [s] is the shift, F the contact's force and δ the penetration.
     """
     return s * (d.implicit.damping[k] + s * d.implicit.stiffness[k])
 
 
 def drive_resistance(d, i, s):
-    """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i, from its slopes c and k."""
+    """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i for a shift s, by its slopes c and k."""
     return s * (d.implicit.drive_damping[i] + s * d.implicit.drive_stiffness[i])
 
 
@@ -215,9 +216,9 @@ def factorize_shift(d, s, space, slot):
 
 
 def solve_shift(d, s, space, slot, x):
-    """Solve (1 − s A) x = r for the shift s [s], ``space`` and ``slot`` of the last ``factorize_shift``.
+    """Solve (1 − s A) x = r, with a shift s [s], a ``space`` and a ``slot`` that are factorized for s.
 
-    The array x contains r at the start, and the solution at the end.
+    The array x contains r at the call, and the solution afterwards.
     """
     n, implicit, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
@@ -258,7 +259,7 @@ def factorize_real(d, s):
 def solve_real(d, s, x):
     """Solve (1 − s A) x = r for the real shift s [s] of the last ``factorize_real``.
 
-    The array x contains r at the start, and the solution at the end.
+    The array x contains r at the call, and the solution afterwards.
     """
     solve_shift(d, s, d.scratch, SHIFTED, x)
 
@@ -273,9 +274,9 @@ def factorize_complex(d, s, pair):
 
 
 def solve_complex(d, s, pair, x, y, size):
-    """Solve (1 − s A) (x + iy) = r for the complex shift s [s] that is factorized as number ``pair``.
+    """Solve (1 − s A) (x + iy) = r for the complex shift s [s] that is factorized in slot ``pair``.
 
-    The arrays x and y have ``size`` entries each: at the start the real and imaginary parts of r, at the end
+    The arrays x and y have ``size`` entries each: at the call the real and imaginary parts of r, afterwards
     those of the solution.
     """
     pairs = d.implicit.pairs
@@ -298,8 +299,9 @@ def project_coordinates(d, y, derivative, change):
 
     ``implicit.normal`` has the clearances or rates to be reached. ``derivative`` is 0 for coordinates and
     clearances, and 1 for velocities and rates. A contact whose impedance D is far larger than the chain's
-    mass almost reaches its value; a soft contact covers only a part of the way. The points must be located
-    for y. The change of the coordinates or velocities is stored in ``change``, shape (N+2,).
+    mass almost reaches the given value; a soft contact covers only a part of the way. The points must have
+    been located for y, but need not be located again after the coordinates in y have changed. The change of
+    the coordinates or velocities is stored in ``change``, shape (N+2,).
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.scratch.load)
@@ -318,7 +320,7 @@ def project_coordinates(d, y, derivative, change):
 def project_clearances(d, z, y):
     """Move the state y, whose points are located, toward the clearances and their rates in z.
 
-    A stiff contact almost reaches them, a soft one covers a part of the way (``project_coordinates``).
+    A stiff contact almost reaches these values, a soft contact covers a part of the way.
 
     Returns:
         Two numbers. The first is the largest change of a component of y, divided by the component's scale and

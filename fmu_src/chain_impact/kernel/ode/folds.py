@@ -1,10 +1,10 @@
-"""Forces of constraints near a fold, where equal links lie on each other: a correction for outputs.
+"""Forces of constraints near a fold, where equal links lie on each other: a correction for outputs and peaks.
 
-At a fold the mobility W of the held points, the acceleration per force, passes through 0. The constraint
-force p = m/W may have a limit there, but the numerator m also contains the error of the state, so close to
-the fold the error of p has any size. The motion depends on W p only, and stays right. For outputs near a
-fold, a force is therefore computed from the forces some time before and after, if these show that the force
-passes the fold smoothly. A force that grows without bound toward the fold is left unchanged, because it is
+At a fold the mobility W of a held point, the acceleration per force, is 0. The constraint force p = m/W may
+have a limit there, but the numerator m also contains the error of the state, so the error of p grows without
+bound toward the fold. The motion depends on W p only, and stays right. For outputs and peaks near a fold, a
+force is therefore computed from the forces some time before and after, if these show that the force passes
+the fold smoothly. A force that itself grows without bound toward the fold is left unchanged, because it is
 far larger than its error. Other toggle positions, where W is small, are treated in the same way.
 """
 
@@ -18,15 +18,15 @@ from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_count
 
-# The least and the largest time from an output to the two nearer samples of a force, relative to the step.
-# Samples may lie outside the step, the farther ones by up to half its size: there the dense output is
-# extrapolated, and an event at the end of the step has no effect on it.
+# The least and the largest time from an output to each of the two nearer samples of a force, relative to the
+# step. Samples may lie outside the step, the farther ones by up to half the step's size: there the dense
+# output is extrapolated, as if no event ended the step.
 LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
-# OFFSETS: the times of the four samples of a force, relative to the output's time, in units of their
-# distance. VALUE: the weights of the four forces with which a cubic polynomial through them gives the force
-# at the output. DIFFERENCE: weights with which the sum of the four forces is 0 for a polynomial of degree 2.
-# A part c/ε of the force, with the time ε since the fold, makes this sum about −3 c divided by the distance
-# of the samples.
+# OFFSETS: the times of the four samples of a force, counted from the output's time, in units of the time to
+# the nearer samples. VALUE: the weights of the four forces with which a cubic polynomial through them gives
+# the force at the output. DIFFERENCE: weights with which the sum of the four forces is 0 for a polynomial of
+# degree 2. A part c/ε of the force, with the time ε since the fold, makes this sum about −3 c divided by the
+# time to the nearer samples.
 OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
 # The forces of constraints pass a fold smoothly if the sum of the four samples of each force, with the
 # weights DIFFERENCE, has a size of at most UNEVEN times the largest of all forces that VALUE gives at the
@@ -35,11 +35,12 @@ UNEVEN = 1e-3
 
 
 def refine_rate(d, theta, y, rate):
-    """Improve the rate ẏ of state y at the fraction θ of the last step, and the forces of constraints.
+    """Correct ``rate``, ẏ of state y at the fraction θ of the last step, and constraint forces near a fold.
 
-    The rate must have just been evaluated. The function acts only near a fold or another toggle position.
-    There the rate is evaluated again with the true forces of contacts: a step uses beyond the kink of a force
-    the smooth continuation of this force.
+    Before the call, ``rate`` and the forces must have been evaluated for y. If y is not near a fold or
+    another toggle position, nothing changes. Otherwise ``rate`` is evaluated again, with contact forces that
+    are cut off at 0; if the constraint forces pass the fold smoothly, the forces that ``find_forces`` gives
+    then replace them, and ``rate`` gets the accelerations that belong to these forces.
     """
     if not any_point_held(d) or d.constraints.near_fold == 0:
         return
@@ -62,9 +63,9 @@ def find_forces(d, theta, distance, rate):
     """Compute the forces of constraints at the fraction θ of the last step from four samples at other times.
 
     ``distance`` is the distance of the two nearer samples from θ, relative to the step; ``rate`` is
-    overwritten. The forces are stored in ``refined``, and their sums with the weights DIFFERENCE in
-    ``uneven``. Return whether all samples are far enough from the fold; if one is near the fold, ``refined``
-    is meaningless.
+    overwritten. The forces at θ are stored in ``refined``, and the sums of the four samples with the weights
+    DIFFERENCE in ``uneven``. Return whether all samples are far enough from the fold; if not, ``refined`` and
+    ``uneven`` are meaningless.
     """
     constraints, y = d.constraints, d.scratch.nearby
     for k in range(constraint_count(d)):
@@ -82,7 +83,7 @@ def find_forces(d, theta, distance, rate):
 
 
 def passes_smoothly(d):
-    """Return whether the four samples of each force show that the forces pass the fold smoothly (UNEVEN)."""
+    """Return whether the samples of ``find_forces`` show that all forces pass the fold smoothly (UNEVEN)."""
     constraints, largest, uneven = d.constraints, 0.0, 0.0
     for k in range(constraint_count(d)):
         largest = max(largest, abs(constraints.refined[k]))

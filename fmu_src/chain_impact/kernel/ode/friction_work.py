@@ -2,7 +2,7 @@
 
 The rates of a step contain the power of friction. But two corrections change the motion of the step after its
 rates have been evaluated. The first is the last iteration of an implicit step. The second is made at the end
-of any step: round-off and the projection onto constraints. At rest these corrections are larger than the
+of any step: round-off and the projection onto constraints. At rest these corrections may be larger than the
 motion itself, and friction forces stay large although the speed is zero. If the work of friction along the
 corrections were not counted, the energy balance would have an error that grows in every step.
 """
@@ -18,7 +18,7 @@ from chain_impact.kernel.rows.geometry import along, any_sticking, tangent_row
 
 
 def store_friction_forces(d, stage):
-    """Store the forces of dry friction at a stage of an implicit step, whose rate was just evaluated."""
+    """Store the forces of dry friction at a ``stage`` of an implicit step; its rate was just evaluated."""
     for k in range(d.friction.count):
         e = d.element.index[k]
         d.implicit.friction[stage, e] = d.element.force[e]
@@ -58,7 +58,7 @@ def uncounted_work(d):
 
     In an implicit step, this part is the motion from the last stage to the projected end of the step. In an
     explicit step, it is the change of the end by round-off and by the projection. The points must be located
-    at the end. The work is negative if friction dissipates energy.
+    at the projected end. The work is negative if friction dissipates energy.
     """
     change, y, z = d.scratch.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):
@@ -77,10 +77,9 @@ def uncounted_work(d):
 
 
 def change_in_step(d, j):
-    """Return the change of component j of y in the tried step.
+    """Return the change of component j of y in the tried step, without the round-off of its addition to y.
 
-    The difference of the states at both ends would contain the round-off of the addition to y; this result
-    does not.
+    The difference of the states at both ends would contain this round-off.
     """
     if d.step.method == IMPLICIT:
         return d.implicit.stages[RADAU_STAGES - 1, j]
@@ -128,7 +127,7 @@ def count_holding_work(d, h):
 
 
 def holding_at(d, z, elapsed):
-    """Return the work [J] of all sticking forces, each along the way from an anchor to its element.
+    """Return the work [J] of the present sticking forces along the ways from the anchors to the elements.
 
     The elements are at their places in the extended state z, ``elapsed`` [s] after the step's start.
     """

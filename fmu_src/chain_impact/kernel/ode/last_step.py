@@ -1,9 +1,9 @@
-"""The last accepted step: its state at both ends, dense output, rate and points; other modules set them here.
+"""The last accepted step: its state at both ends, its dense output, and rate and points at its end.
 
-Other modules derive data from a step, such as clearances over time. These data are valid until a break in the
-sequence of steps: the next step then does not start at the end of this step, or has another integration
-variable. `step.breaks` counts the breaks. An impact changes the state at the end of a step; the changed state
-belongs to the step that follows (advance.py).
+Other modules change these data by the functions of this module. Data that other modules derive from a step,
+such as clearances over time, are valid until a break in the sequence of steps: the next step then does not
+start at the end of this step, or has another integration variable. `step.breaks` counts the breaks. An impact
+changes the state at the end of a step; the changed state belongs to the step that follows (advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import (
@@ -36,16 +36,15 @@ from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
 
-# values of step.dense_for: for whom the step's dense output was computed; NOT_REQUESTED: it does not exist
-# yet
+# values of step.dense_for: for whom the step's dense output was completed; NOT_REQUESTED: for nobody yet
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2
 
 
 def reset_step(d, time, y):
-    """Set the last step to a step of zero length at ``time`` [s] in state y, and count a break of the motion.
+    """Set the last step to a step of zero length at ``time`` [s] in state y, and count a break.
 
-    The quadratures get their stored totals and rates. ``step.start_delay``, which is 0 and has only
-    derivatives, does not change.
+    The communication point is set to ``time``, too. The quadratures get their stored totals and rates.
+    ``step.start_delay``, which is 0 and has only derivatives, does not change.
     """
     step = d.step
     for j in range(len(step.state)):
@@ -67,7 +66,7 @@ def reset_step(d, time, y):
 
 
 def reset_times(d, time):
-    """Set all times of the last step to ``time`` [s]."""
+    """Set start, end and clock of the last step, and the communication point, to ``time`` [s]."""
     step = d.step
     step.time, step.start, step.end, step.clock = time, time, time, time
 
@@ -75,16 +74,16 @@ def reset_times(d, time):
 def set_start_delay(d, delay):
     """Set ``step.start_delay`` to a ``delay`` [s]: the shift of the event at the start of the next step.
 
-    The value of the delay is 0. In a tangent instance it has derivatives, because parameters shift the event.
+    The delay is 0; in a tangent instance it has derivatives, because parameters shift the event.
     """
     d.step.start_delay = delay
 
 
 def make_last_step(d):
-    """Make the tried step the last step, after its end has been projected onto the constraints.
+    """Project the end of the tried step onto the constraints, and make the tried step the last step.
 
-    For an explicit step the function also finds the rate at the end; for an implicit one it keeps the stages
-    and sets the dense output.
+    For an explicit step the function also finds the rate at the end; for an implicit step it stores the
+    stages and sets the dense output.
     """
     step, y = d.step, d.trial.state
     step.remainder = step.remainder_end
@@ -110,18 +109,18 @@ def make_last_step(d):
     if step.last_method == IMPLICIT:
         collocation.store_stages(d, faded)
     else:
-        # with active contacts, the error estimate of the explicit step has located the points at the end
+        # with active contacts, the points have already been located at the end of the explicit step
         find_rate(d, d.touch.active_count > 0)
 
 
 def project_trial(d):
-    """Project the end of the tried step onto the constraints, and count the work of dry friction in it.
+    """Project the end of the tried step onto the constraints, and count the work of friction in this change.
 
     The projection moves points back to rigid walls and sticking elements back to their anchors; other
     elements move with them, and dry friction does work. At rest this work, and the energy that the step
-    dissipates, are smaller than the last digit of the dissipated energy. The part that is lost in the
-    rounding of their sum is therefore stored in ``remainder_end``, and added in the next step; otherwise the
-    lost parts would add up.
+    dissipates, may be smaller than the last digit of the dissipated energy. The rounding of the sum loses
+    such a part. The lost part is therefore stored in ``remainder_end``, and added in the next step; otherwise
+    the lost parts would add up.
     """
     step, y, lost = d.step, d.trial.state, dissipated_at(d.links)
     if d.friction.count == 0:
@@ -133,7 +132,7 @@ def project_trial(d):
 
 
 def add_dissipated(d, y, change, before):
-    """Set the dissipated energy in y to ``before`` + ``change`` [J]; store what the rounded sum loses."""
+    """Set the dissipated energy in y to ``before`` + ``change`` [J]; store the sum's error of rounding."""
     lost = dissipated_at(d.links)
     y[lost] = before + change
     d.step.remainder_end = change - (y[lost] - before)
@@ -145,7 +144,7 @@ def count_dissipated(d, energy):
 
 
 def evaluate_start(d):
-    """Evaluate the rate at the start of the next step again, because forces or inputs have changed there."""
+    """Evaluate rates at the start of the next step again, because forces or inputs have changed there."""
     rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     store_end_rates(d)
     count_evaluations(d, 1)
@@ -168,7 +167,7 @@ def roll_back(d):
 
 
 def truncate_step(d, theta):
-    """Cut the last step at its fraction θ, where its dense output becomes the state at the end."""
+    """Cut the last step at its fraction θ: the state at the end becomes that of the dense output there."""
     ensure_dense(d, SOLVER)
     end_at_fraction(d, theta)
     d.step.end = d.step.start + d.step.state_end[time_at(d.links)]
@@ -182,8 +181,8 @@ def end_at_fraction(d, theta):
     step, lost = d.step, dissipated_at(d.links)
     interpolate(step, theta, step.state_end)
     # Rounding has made the dissipated energy too small by ``remainder`` at the start of the step, and by
-    # ``remainder_whole`` at its end. At θ the interpolant is too small by ``grown``, a number between these:
-    # ``part`` is θ or, in an explicit step, where the slopes at both ends are exact, a cubic.
+    # ``remainder_whole`` at its end. At θ the interpolant is too small by ``grown``, a number between these
+    # two: ``part`` is θ or, in an explicit step, where the slopes at both ends are exact, a cubic of θ.
     part = theta if step.last_method == IMPLICIT else theta * theta * (3.0 - 2.0 * theta)
     grown = step.remainder + part * (step.remainder_whole - step.remainder)
     add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])
@@ -202,7 +201,7 @@ def set_own_output_time(d, time):
 
 
 def truncate_to_output_time(d):
-    """Cut the last step at the communication point, where its dense output becomes the state at the end."""
+    """Cut the last step at the communication point: the state at the end becomes that of the dense output."""
     ensure_dense(d, OUTPUTS)
     end_at_fraction(d, fraction(d, d.step.time))
     correct_falling_impulses(d)
@@ -215,16 +214,16 @@ def store_output_state(d):
 
 
 def return_to_stored_state(d):
-    """Set the last step to a step of zero length at the communication point, without a start delay.
+    """Set the last step to a step of zero length at the communication point, in the stored state.
 
-    The state is the one that ``store_output_state`` has stored.
+    ``store_output_state`` has stored this state. The start delay becomes 0, without derivatives.
     """
     reset_step(d, d.step.time, d.trial.state)
     d.step.start_delay = 0.0
 
 
 def mark_jump(d):
-    """Count a break in the sequence of steps; mark rate and points at the end of the last step as unknown."""
+    """Count a break; mark rate and points at the end of the last step as unknown."""
     d.step.rate_known = 0
     note_points_elsewhere(d)
     d.step.breaks += 1
@@ -257,9 +256,10 @@ def ensure_rate(d):
 
 
 def find_rate(d, located):
-    """Evaluate the rate at the end of the last step.
+    """Evaluate the rates of the state and of the quadratures at the end of the last step.
 
-    ``located`` tells whether the points are located there already.
+    In a scene with candidates, the points are then located and accelerated there. ``located`` tells whether
+    they are already located at the call.
     """
     y, rate = d.step.state_end, d.scratch.rate_end
     touching = d.touch.active_count > 0 or d.friction.count > 0
@@ -308,7 +308,7 @@ def largest_turn(d):
 
 
 def ensure_dense(d, reader):
-    """Ensure that the last step has its dense output; call this before any change of its data.
+    """Ensure that the last step has its dense output; call this before any change of the step's data.
 
     The evaluations for a dense output that only outputs need are not counted, so that the solver's count does
     not depend on the outputs.

@@ -1,31 +1,30 @@
-"""The maximum of a quantity within the last step, from its dense output."""
+"""The maximum of a quantity, such as a contact force, within the last step, by parabolas through values."""
 
 from chain_impact.kernel.ode.dense import event_fraction
 
 
 def maximum_of(value_at):
-    """Return a function that finds the maximum of a quantity near a given time in the last step.
+    """Return a function that estimates the maximum of a quantity near a given fraction of the last step.
 
     Args:
-        value_at: function (d, index, θ) that returns the quantity at the fraction θ of the step.
+        value_at: function (d, index, θ) that returns the quantity at the fraction θ of the last step.
     """
 
     def maximum_near(d, index, middle, reach, end):
-        """Return the maximum of the quantity near the fraction ``middle`` of the last step.
+        """Return the maximum of the quantity near the fraction ``middle`` of the last step, but at least 0.
 
-        Values before ``event_fraction`` and after ``end`` do not count. ``event_fraction`` is 0, the start of
-        the step; in a tangent instance it has derivatives.
-
-        The search uses up to three parabolas, each through three points. The second and the third parabola
-        lie around the maximum of the one before. If a parabola has no maximum, the search ends. The result is
-        the largest of the values at all these points, the maximum of the third parabola, and 0.
+        The search uses up to three parabolas, each through three values of the quantity. The second and the
+        third parabola are centred at the maximum of the parabola before, and each is a tenth as wide as that
+        parabola. The search ends at a parabola without a maximum. The result is the largest of all values
+        and, after three parabolas, the maximum of the third one, if it lies between the outer two values.
 
         Args:
             d: the instance.
             index: the index of a candidate or a joint.
-            middle: fraction of the step at which the search begins.
-            reach: distance from ``middle`` that the search covers.
-            end: fraction of the step beyond which values do not count.
+            middle: fraction of the step at the middle of the first parabola.
+            reach: half the width of the first parabola, as a fraction of the step. The caller ensures that
+                ``middle`` ± ``reach`` lies between ``event_fraction``, the start of the step, and ``end``.
+            end: fraction of the step after which no value is used.
         """
         best, summit = 0.0, 0.0
         for _ in range(3):

@@ -6,11 +6,11 @@ contact has the rate ρ = max(c/m, √(k/m)), with its damping c, its stiffness 
 onset; with the step size h, the explicit method is stable for about hρ < 6. Explicit steps of an impact have
 hρ below 1, so an explicit step with hρ above STIFF_STEP shows that the contact is sustained. A sustained
 contact that oscillates also limits hρ; implicit steps may be cheaper for such a contact, too. An implicit
-step costs as much as two or three explicit steps, so it must be longer than the last explicit step by this
-factor. The comparison uses the proposed size of the next implicit step, because the first implicit steps
-after an event grow fast.
+step costs as much as two or three explicit steps, so the implicit method is kept only if its next step is
+longer than the last explicit step by this factor. The comparison uses the proposed size of the next implicit
+step, because the first implicit steps after an event grow fast.
 
-A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A spring
+A drive with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A spring
 oscillates rather than decays. If the oscillation is larger than the tolerance, the error control keeps hρ of
 explicit steps below STIFF_STEP. If explicit steps have a larger hρ, the oscillation is so small that implicit
 steps may damp it. Rigid walls cause no stiffness.
@@ -45,14 +45,14 @@ STIFF_STEP_IN_CONTACT = 0.1
 # sustained.
 SUSTAINED_AFTER = 20.0
 # An implicit step costs about as much as EQUAL_COST_RATIO explicit steps. If the next implicit step is
-# shorter than EQUAL_COST_RATIO times the last explicit step, the explicit method takes over again.
+# shorter than EQUAL_COST_RATIO times the last explicit step, it suggests the explicit method.
 EQUAL_COST_RATIO = 2.5
-# If the size of the last explicit step is not known, the explicit method takes over again at an implicit step
-# with hρ < NOT_STIFF_STEP, with the size h and the rate ρ as for STIFF_STEP: two stable explicit steps then
-# cover the same time at a lower cost.
+# If the size of the last explicit step is not known, an implicit step with hρ < NOT_STIFF_STEP suggests the
+# explicit method, with the size h and the rate ρ as for STIFF_STEP: two stable explicit steps then cover the
+# same time at a lower cost.
 NOT_STIFF_STEP = 5.0
-# If explicit steps are shorter than the implicit steps that they have replaced by more than the factor
-# FAR_SHORTER, the implicit method takes over again: far from the origin the round-off of positions causes
+# If an explicit step is shorter than the implicit steps before the last change of the method by more than the
+# factor FAR_SHORTER, it suggests the implicit method: far from the origin the round-off of positions causes
 # errors of the forces at random, which only very short explicit steps keep below the tolerance.
 FAR_SHORTER = 25.0
 # The largest product hρ of an explicit step that is limited to a stable size, with its size h and the fastest
@@ -63,15 +63,15 @@ STABLE_STEP = 4.0
 # explicit step stiff (hρ > STIFF_STEP). With a value of 1, implicit steps would continue although explicit
 # ones cost less: in an impact, implicit steps are cheaper only if joints are far stiffer than the contact.
 IMPACT_PART = 0.1
-# The number of steps in a row that must favour the other method before the method changes. With fewer steps
-# the method would change in the compression of an impact.
+# The least number of steps in a row that must suggest the other method before the method changes. With fewer
+# steps the method would change in the compression of an impact.
 MIN_SWITCH_STEPS = 3
 
 
 def choose_method(d):
-    """Choose the method of the next step: by `solver.method`, or from contacts, joints and sizes of steps.
+    """Choose the method of the next step: by `solver.method`, or from contacts, drives and sizes of steps.
 
-    With rigid walls and stops only, and without springs and dampers, the method is always explicit. The
+    If all walls and stops are rigid, and no drive has a spring or damper, the method is always explicit. The
     points must be located at the start of the next step.
     """
     step = d.step
@@ -89,8 +89,8 @@ def choose_method(d):
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
             if step.method == IMPLICIT:
-                # the change to the implicit method has not saved cost, so the next change needs twice as many
-                # steps that favour it
+                # the change to the implicit method has not saved cost, so the next changes of the method need
+                # twice as many steps in a row that suggest the other method
                 step.switch_hysteresis *= 2
                 step.method, step.other_size = EXPLICIT, step.next_size
                 limit_to_stable(d)
@@ -106,9 +106,9 @@ def choose_method(d):
 def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
-    If the present method is implicit, the proposed size of the next step decides. If it is explicit, the
-    length of the last step decides; the other method also costs less if the explicit method has replaced the
-    implicit one, and its next step is shorter than the implicit steps were by more than the factor
+    If the present method is implicit, the proposed size of the next step decides. If the present method is
+    explicit, the length of the last step decides; the implicit method also costs less if the explicit method
+    has replaced it, and the next step is shorter than the implicit steps were by more than the factor
     FAR_SHORTER.
     """
     step = d.step
@@ -149,8 +149,8 @@ def begin_impact(d, c):
     """Choose the method at the onset of candidate c, and reset the counts for a change of the method.
 
     The proposed step size must be the result of ``size_at_onset`` for the explicit method. The explicit
-    method begins, unless the last steps were implicit and joints make even the steps of the impact stiff;
-    then the implicit method continues, with at most its own ``size_at_onset``.
+    method begins, unless the last step was implicit and drives make even the steps of the impact stiff
+    (IMPACT_PART); then the implicit method continues, with at most the size of ``size_at_onset`` for it.
     """
     if find_joint_stiffness(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:
         d.step.method = EXPLICIT
@@ -160,9 +160,9 @@ def begin_impact(d, c):
 
 
 def begin_flight(d):
-    """Choose the method after the end of the last contact or after an impact on a rigid wall.
+    """Choose the method after events that leave no active contact with a force law.
 
-    The implicit method continues only if joints make the proposed step stiff. The first explicit step gets a
+    The implicit method continues only if drives make the proposed step stiff. The first explicit step gets a
     stable size. The counts for a change of the method are reset.
     """
     z = find_joint_stiffness(d, d.step.next_size)
@@ -174,7 +174,7 @@ def begin_flight(d):
 
 
 def stable_size(d, h):
-    """Return a stable size [s] for the first explicit step: h, or less if joints are stiff.
+    """Return a stable size [s] for the first explicit step: h, or less if drives are stiff.
 
     At rest the error estimate does not show that a step is far too long: the state at the end of such a step
     is correct, but the dense output is not.
@@ -189,9 +189,9 @@ def begin_explicit(d):
 
 
 def reset_stiff_count(d):
-    """Reset the data for a change of the method: no step has favoured the other method so far.
+    """Reset the data for a change of the method: no step has suggested the other method so far.
 
-    The number of such steps that a change needs becomes the least one, and the size of the other method's
+    The number of such steps that a change needs becomes MIN_SWITCH_STEPS, and the size of the other method's
     steps becomes unknown.
     """
     step = d.step
@@ -200,7 +200,10 @@ def reset_stiff_count(d):
 
 
 def stiffness_number(d, h):
-    """Return the product hρ for a step of size h [s]; ρ is the fastest rate of contacts and of joints."""
+    """Return the product hρ for a step of size h [s]; ρ [1/s] is the fastest rate of contacts and drives.
+
+    The part of the drives may be an upper bound, as in ``find_joint_stiffness``. The points must be located.
+    """
     z = h * fastest_contact(d)
     return max(z, find_joint_stiffness(d, h)) if d.chain.has_springs_or_dampers else z
 
@@ -208,10 +211,10 @@ def stiffness_number(d, h):
 def find_joint_stiffness(d, h):
     """Return hρ for a step of size h [s], or an upper bound of hρ if this bound is at most STIFF_STEP.
 
-    ρ is the largest rate that the damper or the spring of a single joint or slider causes alone
-    (chain/joints.py). The bound is the product of h and ``chain.joint_rate_bound``. If it exceeds STIFF_STEP,
-    ρ is computed, which overwrites the loads on all places; afterwards the load at the tip is the input force
-    there, and all other loads are 0.
+    ρ [1/s] is the largest rate that the damper or the spring of a single drive causes alone
+    (chain/joints.py). The bound is the product of h and ``chain.joint_rate_bound``. If the bound exceeds
+    STIFF_STEP, ρ is computed, which overwrites the loads on all places; afterwards the load at the tip is the
+    input force there, and all other loads are 0.
     """
     z = h * d.chain.joint_rate_bound
     if z > STIFF_STEP:
@@ -221,7 +224,7 @@ def find_joint_stiffness(d, h):
 
 
 def fastest_contact(d):
-    """Return the fastest rate [1/s] of the active contacts that have a force law; 0 if there are none.
+    """Return the fastest rate [1/s] of the active contacts with a force law; 0 without such a contact.
 
     The rate of a contact is max(c/m, √(k/m)), with c = ∂F/∂δ̇, k = ∂F/∂δ and the effective mass m at the
     onset. The points must be located.

@@ -5,20 +5,20 @@ L-stable and stiffly accurate. Source: E. Hairer and G. Wanner 1996, *Solving Or
 II*, 2nd ed., Springer, section IV.5; for 5 stages, the same authors 1999, J Comput Appl Math 111:93. The
 coefficients are verified in tests/kernel/ode/test_radau.py.
 
-The matrix Q of the method has one real eigenvalue and two pairs of complex ones. The rows of LEFT are the
-left eigenvectors, with the real and imaginary parts of a pair in successive rows; the columns of RIGHT are
-the right eigenvectors, such that RIGHT · LEFT = 1. RIGHT includes the factor 2 for the two conjugate
+The matrix Q of the method has one real eigenvalue and two pairs of complex eigenvalues. The rows of LEFT are
+the left eigenvectors, with the real and imaginary parts of a pair in successive rows; the columns of RIGHT
+are the right eigenvectors, such that RIGHT · LEFT = 1. RIGHT includes the factor 2 for the two conjugate
 eigenvalues of a pair.
 
 A step of size h starts at the state z_0 and has the states z_i at its stages. The increments u_i = z_i − z_0,
 the rows of U, solve U = h Q F(z_0 + U), where F are the rates at the stages. With one approximate Jacobian A
-for all stages, an iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q this becomes
+for all stages, an iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q there is
 one system (1 − h μ A) w = r for the real eigenvalue μ of Q and one for each pair of complex eigenvalues. The
 right-hand sides r are the rows of LEFT · R; with the solutions w as the rows of W, ΔU = RIGHT · W.
 
 The terms that A leaves out cause more iterations, but no loss of accuracy: each correction is about θ ≈ h
-|∂f/∂z − A| times the correction before. The iteration has converged when the remaining error, θ/(1 − θ) times
-the last correction, is a small part of the tolerance.
+|∂f/∂z − A| times the correction before. The iteration has converged when the estimate of the remaining error,
+θ/(1 − θ) times the last correction or, if less, this correction, is at most ITERATION_ERROR.
 """
 
 import math
@@ -85,7 +85,7 @@ LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(RADAU_STAGES))
     for one in LEFT
 )
-# the largest number of Newton iterations in a step: if more are needed, shorter steps cost less
+# the largest number of Newton iterations in a step: if a step needs more, shorter steps cost less
 MOST_ITERATIONS = 10
 ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
 # if a correction, from the third on, is more than this part of the correction before (their ratio θ is the
@@ -146,7 +146,8 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
 
     Args:
         begin: function (d) that each iteration calls before it evaluates the stages.
-        rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
+        rate: function (d, z, elapsed, out) that sets ``out`` to the rate f(z) at the state z, ``elapsed`` [s]
+            after the start of the step.
         note: function (d, stage) that is called after the rate at a stage has been evaluated.
         linearize: function (d, z) that evaluates the derivatives in A at the state z, for which ``rate`` was
             just called.
@@ -155,9 +156,9 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             the solutions w.
 
     Returns:
-        Three functions (d, h, size). The first sets the right-hand sides of an iteration, the second corrects
-        the stages in ``implicit.stages`` by the solutions. The third iterates until the stages are accurate
-        to the tolerance, and returns whether the iteration has converged.
+        Three functions (d, h, size) for a step of size h [s]; ``size`` is the length of z. The first sets the
+        right-hand sides of an iteration, the second corrects the stages in ``implicit.stages`` by the
+        solutions. The third iterates, and returns whether the iteration has converged; if not, it ends early.
     """
 
     def find_residuals(d, h, size):
@@ -198,8 +199,8 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
                 return False
             theta = implicit.correction / before if before > 0.0 else 0.0
             before, implicit.contraction = implicit.correction, theta
-            # The first correction does not show the convergence rate, so the iteration does not end with it:
-            # at rest the first correction is small, but what remains may be large compared with it.
+            # The first correction does not show the convergence rate, so there is always a second one: at
+            # rest the first correction is small, but the remaining error may be larger than this correction.
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0

@@ -7,11 +7,11 @@ variable s of Sundman's transformation,
 
     dt = p ds,   p = u/(1 + u²),   u = √(δ/δ*),   du/ds = δ̇/(2 δ* (1 + u²)),
 
-with δ* the expected penetration: at onset and end δ is proportional to s², and F to s³. The denominator 1 +
-u² makes the motion vary as slowly with s in the middle of the impact as at its ends, so that one step size
-suits the whole impact. The state y contains u and t, and the variable of a step is s, the fictitious time of
-the *regularized contact*, which must be the only active contact. Without a regularized contact p = 1, and s
-is time.
+with δ* the expected penetration: near onset and end δ is proportional to s², and F to s³, with s counted from
+there. The denominator 1 + u² makes the motion vary as slowly with s in the middle of the impact as at its
+ends, so that one step size suits the whole impact. The state y contains u and t, and the variable of a step
+is s [s], the fictitious time of the *regularized contact*, which must be the only active contact. Without a
+regularized contact p = 1, and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
 distance of two bodies takes the place of p.
@@ -28,8 +28,8 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
 # value of step.regularized if no contact is regularized: the integration variable of the step is time
 NO_CONTACT = -1
-# The least u = √(δ/δ*) to which a step may go, with the penetration δ. Where u < 0 the step has passed the
-# end of the contact, and time runs backwards.
+# The least u to which a regularized step may go. u is integrated, so it may become negative: then the step
+# has passed the end of the contact, and time runs backwards.
 LEAST_ROOT = -0.5
 # A point with u + |δ̇|/v₀ ≤ RESTING_SUM counts as resting on the wall, not as hitting it; |δ̇|/v₀ is its
 # normal speed relative to the impact speed. A step from such a state runs in time: with s as the variable,
@@ -39,7 +39,7 @@ RESTING_SUM = 0.1
 
 @inlined
 def regularized_rate(d, y, rate):
-    """Set ``rate`` to dy/ds at the state y; s is the integration variable of the step."""
+    """Set ``rate`` to dy/ds at the state y; s is the integration variable of the tried or last step."""
     rate_from_state(d, y, rate)
     if d.step.regularized != NO_CONTACT:
         to_fictitious_time(d, y, rate)
@@ -48,7 +48,7 @@ def regularized_rate(d, y, rate):
 def regularize(d, y, time_rate, rate):
     """Set ``rate`` to dy/ds in state y, from ``time_rate``, which is dy/dt in this state.
 
-    y is the state at the start or at the end of a step. The points must be located.
+    y is the state at the start or at the end of a step. In a regularized step the points must be located.
     """
     for j in range(len(rate)):
         rate[j] = time_rate[j]
@@ -100,7 +100,7 @@ def time_rate_of(d, u):
 
 
 def time_rate_now(d, y):
-    """Return dt/ds in state y, but at least RESTING_SUM; it converts step sizes to and from seconds.
+    """Return dt/ds in state y, but at least RESTING_SUM, to convert step sizes to and from seconds.
 
     Without the lower limit a size would be divided by almost 0 where the contact begins or ends.
     """
@@ -110,7 +110,8 @@ def time_rate_now(d, y):
 def runs_back(d, y):
     """Return whether a regularized step to state y goes too far beyond the contact's end or back in time.
 
-    It does if u < LEAST_ROOT, or if the time at its end is not later than the time at its start.
+    This is so if u < LEAST_ROOT in y, or if the end of the step is not later in time than its start. For a
+    step that runs in time, the result is False.
     """
     return d.step.regularized != NO_CONTACT and (
         y[sundman_u_at(d.links)] < LEAST_ROOT or y[time_at(d.links)] <= 0.0
@@ -121,8 +122,8 @@ def lone_contact(d):
     """Return the active contact and its u if the next step can be regularized; else NO_CONTACT and u = 1.
 
     The contact must have a force law, must not be at rest or at its end, and must be the only active contact:
-    several contacts end at different times, and the fictitious time of one does not suit the others. An
-    implicit step always runs in time. The points must be located at the start of the step.
+    several contacts end at different times, and the fictitious time of one contact does not suit the others.
+    An implicit step always runs in time. The points must be located at the start of the step.
     """
     if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
         return NO_CONTACT, 1.0
