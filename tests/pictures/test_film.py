@@ -14,17 +14,19 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
-from chain_impact import Recording, SceneWarning, load_scene, record_slowly
+from chain_impact import Recording, SceneWarning, load_scene, parse_scene, record_slowly, simulate
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.film_caption import CAPTION_FRAMES, caption_starts
+from chain_impact.pictures.film_charts import largest_forces
 from chain_impact.pictures.film_figure import CHAIN, FILM_STYLE, FORCE, Film
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import LOAD, force_text
 from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
 from chain_impact.recording.view import LONGEST_ARROW
+from chain_impact.scene.models import scene_path
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.pictures import pictures as made
 from tests.tiers import needs_interop
@@ -73,6 +75,17 @@ def test_a_gif_lasts_as_long_as_the_motion_on_the_screen(recording, tmp_path):
         picture = np.asarray(shown.convert("RGB"))
         assert coloured(picture, CHAIN) > 100
         assert picture[2, SIZE[0] // 2].tolist() == [255, 255, 255]
+
+
+def test_walls_may_have_the_names_of_stops_that_the_chain_does_not_have():
+    text = scene_path("ramp").read_text(encoding="utf-8")
+    renamed = text.replace('name = "ramp"', 'name = "joint_min"').replace(
+        'name = "stop"', 'name = "slider_min"'
+    )
+    usual, other = (simulate(parse_scene(each, "ramp"), 1.5, output_step=1e-3) for each in (text, renamed))
+    assert {touch.wall for touch in other.touches} == {"joint_min", "slider_min"}
+    np.testing.assert_array_equal(largest_forces(other)["wall"], largest_forces(usual)["wall"])
+    assert other.touching == usual.touching != {}
 
 
 def test_a_film_is_dark_in_a_dark_style(tmp_path):
@@ -216,7 +229,8 @@ def test_no_text_runs_out_of_a_film(size):
     labels = [panels[-1].xaxis.label, panels[0].yaxis.label] if panels else []
     written = [text for text in (*figure.texts, *shown, *labels) if text.get_text()]
     boxes = [text.get_window_extent() for text in written]
-    assert [label.get_text().endswith(" J") for label in labels] == [False, True][: len(labels)]
+    moved = [text.get_text() for text in shown if text.get_text().endswith(" J")]
+    assert [text.split()[0] for text in moved] == ["potential", "total"] * page.tells_energies
     assert page.tells_energies == (size[0] >= 480 and size[1] >= 270)
     assert ("point 1 hits ramp\n" in page.caption.text.get_text()) == page.tells_energies
     assert (page.caption.text in written) == page.tells_energies

@@ -24,6 +24,7 @@ from chain_impact.recording.joint_stops import (
     ranges_of,
     touching_place,
 )
+from chain_impact.recording.stick_slip import JOINT_STOP
 from chain_impact.results.result import Result
 from tests.helpers.scenes.stops import UP, knee
 
@@ -121,7 +122,7 @@ def test_a_table_of_all_outputs_is_the_same_recording(tmp_path):
 @pytest.mark.parametrize(("up", "stop"), [(False, "joint_min"), (True, "joint_max")])
 def test_touches_have_the_moments_of_stops(up, stop):
     result = swung(up)
-    moments = {touch.wall: touch.force for touch in result.touches if not touch.at_wall}
+    moments = {touch.wall: touch.force for touch in result.touches if touch.kind == JOINT_STOP}
     sign = 1.0 if stop == "joint_min" else -1.0
     np.testing.assert_array_equal(moments[stop], np.maximum(sign * result["joint[2].stop_moment"], 0.0))
     assert moments[stop].max() > 0.0

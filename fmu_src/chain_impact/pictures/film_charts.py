@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from chain_impact.pictures.bands import plot_curves
-from chain_impact.pictures.over_time import energy_curves, mark_impacts, offset_text, shown_energies
-from chain_impact.pictures.style import INK, LOAD, give_ticks
+from chain_impact.pictures.over_time import energy_curves, mark_impacts
+from chain_impact.pictures.style import INK, LOAD, give_ticks, load_unit
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import prefixed
-from chain_impact.scene.names import STOPS
+from chain_impact.recording.stick_slip import SLIDER_STOP, WALL
 
 FORCE = "#d9480f"  # the colour of wall forces in a film
 CHARTS = (0.69, 0.12, 0.29, 0.6)
@@ -48,9 +47,9 @@ def draw_charts(figure: Figure, recording: Recording, top: float) -> list[Line2D
 def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
     """Return the largest normal force at walls and the largest force in joints over time, shape (T,) [N].
 
-    Forces that are always 0 or unknown are left out.
+    Stops of a slider count as walls. Forces that are always 0 or unknown are left out.
     """
-    at_walls = [touch.force for touch in recording.touches if touch.wall not in STOPS]
+    at_walls = [touch.force for touch in recording.touches if touch.kind in (WALL, SLIDER_STOP)]
     known = {
         "wall": [force for force in at_walls if force is not None],
         "joint": [np.hypot(*force.T) for force in recording.loads.values()],
@@ -61,7 +60,7 @@ def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
 
 def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> None:
     peak = max(float(force.max()) for force in forces.values())
-    factor, unit = prefixed(peak, "N")
+    factor, unit = load_unit(peak, "N")
     for name, force in forces.items():
         axes.plot(recording.time, factor * force, color={"wall": FORCE, "joint": LOAD}[name], linewidth=1.2)
     axes.set_title(f"largest force [{unit}]", loc="left", fontsize=8, pad=2.0)
@@ -70,11 +69,9 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
 
 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
-    curves = [curve for curve in energy_curves(recording, tells_zero=False) if curve[0].any()]
+    curves = [curve for curve in energy_curves(recording) if curve[0].any()]
     plot_curves(axes, recording.detailed_energies[0], curves)
-    offset = shown_energies(recording)[1]
-    note = f"\npotential, total {offset_text(offset)}" if offset else ""
-    axes.set_ylabel(f"energy [J]{note}", fontsize=8)
+    axes.set_ylabel("energy [J]", fontsize=8)
     position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
     for columns in (3, 2):
         key = axes.legend(**position, ncols=columns, fontsize=8, handlelength=1.0, columnspacing=1.0)

@@ -20,7 +20,7 @@ from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_caption import Caption
-from chain_impact.pictures.film_charts import FORCE, draw_charts
+from chain_impact.pictures.film_charts import FORCE, draw_charts, largest_forces
 from chain_impact.pictures.film_labels import Number, write_numbers
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.room import draw_pin, draw_room, moves
@@ -30,9 +30,9 @@ from chain_impact.pictures.trace import trace_of
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import FRICTION, JOINT_STOP
 from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
 from chain_impact.scene.bodies import placed
-from chain_impact.scene.names import STOPS
 
 MUTED, CHAIN, TIP = "#566076", "#2b4a9f", "#c2255c"
 FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
@@ -116,9 +116,7 @@ class Film:
             for colour, edge, size in ((CHAIN, CHAIN, 4), ("white", CHAIN, 5), (TIP, "white", 7))
         )
         peaks = recording.impacts["peak_force"][~recording.at_stops]
-        at_walls = [touch.force for touch in self.touches if touch.wall not in STOPS]
-        seen = [force.max(initial=0.0) for force in at_walls if force is not None]
-        seen += [np.hypot(*force.T).max() for force in recording.loads.values()]
+        seen = [force.max() for force in largest_forces(recording).values()]
         peak = max([np.nanmax(peaks, initial=0.0), *seen])
         self.scale = ArrowScale(peak, self.side)
         if peak > 0.0:
@@ -261,11 +259,11 @@ class Film:
             if touch.wall in self.plane and force > 0.0:
                 along = 0.0 if touch.friction is None else self._at(touch.friction, frame)
                 self._add_contact(self.points[frame, touch.point], touch.wall, (force, along), sticks)
-            elif not touch.wall and sticks:
+            elif touch.kind == FRICTION and sticks:
                 self._add_line(
                     self.points[frame, max(touch.point - 1, 0)], "o", markeredgecolor=CHAIN, markersize=7
                 )
-            elif force > 0.0:
+            elif touch.kind == JOINT_STOP and force > 0.0:
                 mark, (dx, dy) = touching_place(self.points[frame], touch.point)
                 self._add_line(mark, "o", markersize=9)
                 across = np.array([dy, -dx])

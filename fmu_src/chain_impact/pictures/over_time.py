@@ -126,15 +126,13 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
     legend_above(axes)
 
 
-def energy_curves(
-    recording: Recording, *, tells_zero: bool = True
-) -> list[tuple[np.ndarray, dict[str, Any]]]:
+def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """Return a curve for each energy to draw: values, shape (T,), and properties with matplotlib's names.
 
     The values are those of ``recording.detailed_energies``, but ``without_gap`` may have added a number [J]
-    to the potential and the total energy. If so, and with ``tells_zero``, the labels of these two energies
-    tell the number. The curve of the total energy is wide and behind the others. Another curve is dashed if
-    it would hide an earlier curve, or if its energy is in ENERGY_PARTS.
+    to the potential and the total energy. If so, the labels of these two energies tell the number. The curve
+    of the total energy is wide and behind the others. Another curve is dashed if it would hide an earlier
+    curve, or if its energy is in ENERGY_PARTS.
     """
     shown, offset = shown_energies(recording)
     if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):
@@ -142,9 +140,8 @@ def energy_curves(
     others = [name for name in shown if name != "total"]
     hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
     is_dashed = {name: name in ENERGY_PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
-    told = offset if tells_zero else 0.0
     return [
-        (energy, part_look(name, told) | {"linestyle": "--" if is_dashed.get(name) else "-"})
+        (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
         for name, energy in shown.items()
     ]
 

@@ -11,7 +11,7 @@ from chain_impact.recording.bodies import is_of_body
 from chain_impact.recording.impacts import NO_IMPACTS, impacts_shown
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.recording import Recording, StoredRecording
-from chain_impact.recording.stick_slip import phases_from
+from chain_impact.recording.stick_slip import WALL, phases_from
 from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
@@ -61,12 +61,12 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         point_names=scene.point_names if scene else {},
     )
     for touch in bare.touches:
-        if touch.at_wall and scene is None:
+        if touch.kind == WALL and scene is None:
             raise NeedsSceneError(
                 f"{path}: it has contact[{touch.point}].{touch.wall}.force, but a CSV file has no positions "
                 "of walls: give its scene"
             )
-        if touch.at_wall and touch.wall not in walls:
+        if touch.kind == WALL and touch.wall not in walls:
             raise SceneError(
                 f"{path}: contact[{touch.point}].{touch.wall}.force: the scene has no wall {touch.wall}; "
                 f"it has {', '.join(walls) or 'none'}"

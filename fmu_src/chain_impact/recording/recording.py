@@ -17,7 +17,7 @@ from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.joint_stops import JointRange, is_stop
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.stick_slip import NO_PHASES, Touch
+from chain_impact.recording.stick_slip import FRICTION, NO_PHASES, SLIDER_STOP, WALL, Touch
 from chain_impact.recording.tables import save_impacts
 from chain_impact.recording.text import plural, toucher_name
 from chain_impact.scene.bodies import Rail, outlines_from, rail_from
@@ -183,7 +183,7 @@ class Recording:
     def touching(self) -> dict[int, float]:
         """Number of each point that can touch a wall → its radius [m], 0 if unknown."""
         radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
-        points = sorted({touch.point for touch in self.touches if touch.at_wall})
+        points = sorted({touch.point for touch in self.touches if touch.kind == WALL})
         radius_of = dict(enumerate(radii, self.link_count + 1))
         return {point: radius_of.get(point, radius) for point in points}
 
@@ -221,10 +221,12 @@ class Recording:
         """Each pair of point and wall, each stop, and each joint or slider with dry friction, over time."""
         touches = [
             Touch(
-                *at,
-                *map(values.get, ("force", "penetration", "penetration_rate", "friction_force", "sticking")),
+                *(point, wall, values["force"]),
+                *(values.get("penetration"), values.get("penetration_rate")),
+                *(values.get("friction_force"), values.get("sticking")),
+                SLIDER_STOP if self._is_slider_stop(wall) else WALL,
             )
-            for at, values in self.columns_of("contact").items()
+            for (point, wall), values in self.columns_of("contact").items()
             if "force" in values
         ]
         for (joint, _), values in self.columns_of("joint").items():
@@ -232,11 +234,11 @@ class Recording:
                 touches += Touch.of_stops(joint, values["stop_moment"])
             if "sticking" in values:
                 moment = values.get("friction_moment")
-                touches.append(Touch(joint, "", None, friction=moment, sticking=values["sticking"]))
+                touches.append(Touch(joint, "", None, None, None, moment, values["sticking"], FRICTION))
         slider = self.columns_of("slider").get((0, ""), {})
         if "sticking" in slider:
             force = slider.get("friction_force")
-            touches.append(Touch(0, "", None, friction=force, sticking=slider["sticking"]))
+            touches.append(Touch(0, "", None, None, None, force, slider["sticking"], FRICTION))
         return touches
 
     def __repr__(self) -> str:
@@ -260,11 +262,13 @@ class Recording:
     def toucher(self, impact: np.void) -> str:
         """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider"."""
         wall = self.wall_names[impact["wall"]]
-        of_slider = wall in SLIDER_STOPS and (
-            "slider.angle" in self.parameters or "slider.position" in self.columns
-        )
-        stop = wall if of_slider or self.is_stop(impact["wall"]) else ""
+        stop = wall if self._is_slider_stop(wall) or self.is_stop(impact["wall"]) else ""
         return toucher_name(int(impact["point"]), stop, self.point_names)
+
+    def _is_slider_stop(self, wall: str) -> bool:
+        """Return whether a name is that of a stop of a slider; a wall may have it if there is no slider."""
+        has_slider = "slider.angle" in self.parameters or "slider.position" in self.columns
+        return has_slider and wall in SLIDER_STOPS
 
     @cached_property
     def at_stops(self) -> np.ndarray:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
-from chain_impact.scene.names import SLIDER_STOPS, STOPS, point_label
+from chain_impact.scene.names import STOPS, point_label
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
 """A change of the mode of dry friction, as the kernel logs it. The columns are: the time [s] from which on
@@ -85,6 +85,10 @@ def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) 
     return f"{phase['start']:.6f}", end, element_label(phase, walls, names), MODES[int(phase["mode"])]
 
 
+WALL, SLIDER_STOP, JOINT_STOP, FRICTION = "wall", "stop of a slider", "stop of a joint", "friction"
+"""The kinds of ``Touch``; FRICTION is dry friction in a joint or on a slider."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Touch:
     """A contact with a wall or with a stop of a joint or slider; or dry friction in a joint or on a slider.
@@ -103,6 +107,8 @@ class Touch:
             position to larger values. None without dry friction.
         sticking: shape (T,); above 0 in the rows in which the contact, joint or slider sticks, else 0. None
             without dry friction.
+        kind: WALL, SLIDER_STOP, JOINT_STOP or FRICTION; ``wall`` does not tell it, because a wall may have
+            the name of a stop if the chain has no such stop.
     """
 
     point: int
@@ -112,6 +118,7 @@ class Touch:
     rate: np.ndarray | None = None
     friction: np.ndarray | None = None
     sticking: np.ndarray | None = None
+    kind: str = WALL
 
     @classmethod
     def of_stops(cls, joint: int, moment: np.ndarray) -> Iterator[Touch]:
@@ -121,12 +128,7 @@ class Touch:
         positive while the link touches joint_min, and negative while the link touches joint_max.
         """
         for stop, sign in zip(STOPS, (1.0, -1.0), strict=True):
-            yield cls(joint, stop, np.maximum(sign * moment, 0.0))
-
-    @property
-    def at_wall(self) -> bool:
-        """Whether this is a contact with a wall: not at a stop, nor friction in a joint or slider."""
-        return self.wall not in ("", *STOPS, *SLIDER_STOPS)
+            yield cls(joint, stop, np.maximum(sign * moment, 0.0), kind=JOINT_STOP)
 
 
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
