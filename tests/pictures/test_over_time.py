@@ -12,7 +12,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.contact_times import impacts_at_peaks
-from chain_impact.pictures.impact_marks import MOST_OWN_MARKS, POINT_MARKS, STOP_MARKS, heights, point_groups
+from chain_impact.pictures.impact_marks import MOST_OWN_MARKS, POINT_MARKS, STOP_MARKS, marks_of, point_groups
 from chain_impact.pictures.message import impulses_of_hits
 from chain_impact.pictures.over_time import ENERGIES, VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
 from chain_impact.pictures.overview import fill
@@ -134,13 +134,13 @@ def test_points_have_marks_of_their_own_without_the_colours_of_energies():
 def test_many_points_are_not_told_apart():
     hits = [hit(0.1 * k, k, "y_min", float(k)) for k in range(15)]
     many, less = (swing(some, {"y_min": 0.0}) for some in (hits, hits[:3]))
-    groups = point_groups(many, heights(many, 1.0))
+    groups = point_groups(many, marks_of(many)[1])
     names = [name for name, _, _ in groups]
     assert names == ["others", *(f"point {k}" for k in range(15 - MOST_OWN_MARKS + 1, 15))]
     assert groups[0][1]["color"] == GREY
     assert len({(mark["marker"], mark["color"]) for _, mark, _ in groups}) == len(groups)
     assert sorted(np.concatenate([found for _, _, found in groups])) == list(range(15))
-    few = point_groups(less, heights(less, 1.0))
+    few = point_groups(less, marks_of(less)[1])
     assert [name for name, _, _ in few] == ["point 0", "point 1", "point 2"]
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.pages.recorded import data
-from chain_impact.pictures.impact_marks import heights, point_groups
+from chain_impact.pictures.impact_marks import marks_of, point_groups
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
@@ -112,7 +112,7 @@ def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     assert shown.toucher(run.impacts[0]) == "point 3"
     places = {element_label(phase, run.wall_names, run.point_names) for phase in run.stick_slip}
     assert {"point 3 (heel) at y_min", "point 4 (toe) at y_min"} <= places
-    groups = point_groups(run, heights(run, 1.0))
+    groups = point_groups(run, marks_of(run)[1])
     assert [name for name, *_ in groups] == ["point 3 (heel)", "point 4 (toe)", "point 6"]
     assert "  3 (heel)  " in str(run)
     assert [impact["what"] for impact in data(run)["impacts"]] == told

@@ -27,12 +27,13 @@ from chain_impact.pictures.style import (
     force_text,
     give_ticks,
     is_narrow,
+    load_unit,
     styled,
     write_foot,
 )
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import LOAD_UNITS, few, plural, prefixed
+from chain_impact.recording.text import LOAD_UNITS, few, plural
 from chain_impact.scene.names import AXES, name_parts
 from chain_impact.scene.unit_text import in_brackets, unit_text
 
@@ -43,9 +44,6 @@ AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
 # the largest number of characters of a name with which the legend is beside the panel, or a panel with one
 # curve has the name as its label; with a longer name the legend is above
 WIDEST = 28
-# a unit in LOAD_UNITS gets a prefix if the largest |value| in the panel is not 0, and is less than
-# SMALL_VALUE or at least LARGE_VALUE
-SMALL_VALUE, LARGE_VALUE = 1e-2, 1e3
 # table: unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
 VECTORS = {
@@ -361,12 +359,10 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     """Return the factor from ``unit`` to the unit of an axis for some curves, and this unit: kN for 5000 N.
 
-    Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix, for small and
-    large values.
+    Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``).
     """
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
-    is_usual = SMALL_VALUE <= largest < LARGE_VALUE or largest == 0.0 or unit not in LOAD_UNITS
-    return (1.0, unit) if is_usual else prefixed(largest, unit)
+    return load_unit(largest, unit) if unit in LOAD_UNITS else (1.0, unit)
 
 
 def vector_of(names: Sequence[str]) -> str:

@@ -73,12 +73,11 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     row of these lines, and the axis of time is below all rows. If there are impacts both at walls and at
     stops of joints, the values at stops have an axis on the right.
     """
-    stopped, scale = recording.at_stops, stop_scale(recording)
-    onsets, times = recording.impacts["onset"], impacts_at_peaks(recording)["onset"]
-    tops = heights(recording, scale)
+    stopped, onsets, scale = recording.at_stops, recording.impacts["onset"], stop_scale(recording)
+    times, tops = marks_of(recording)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     groups, lanes = point_groups(recording, tops), 0
-    sizes = mark_sizes(recording, tops, [hits for *_, hits in groups])
+    sizes = mark_sizes(recording, times, tops, [hits for *_, hits in groups])
     strongest = {peak.row for peak in marked_peaks(recording)}
     lines = np.stack([onsets, np.zeros(len(tops)), times, tops], axis=1).reshape(-1, 2, 2)
     for name, mark, hits in groups:
@@ -170,13 +169,14 @@ def stop_scale(recording: Recording) -> float:
     return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
 
 
-def heights(recording: Recording, scale: float) -> np.ndarray:
-    """Return the height of each impact's mark in the panel, in the unit of the left axis, shape (I,).
+def marks_of(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Return the position of each impact's mark in the panel: times [s] and heights, each of shape (I,).
 
-    The height is the value by ``measure``; at stops it is multiplied by ``scale``, from ``stop_scale``.
+    The time is that of the largest force (``impacts_at_peaks``). The height, in the unit of the left axis, is
+    the value by ``measure``; at stops it is multiplied by ``stop_scale``.
     """
     at_walls, at_stops = (measure(recording, is_stop=is_stop)[-1] for is_stop in (False, True))
-    return np.asarray(at_walls + scale * at_stops)
+    return impacts_at_peaks(recording)["onset"], at_walls + stop_scale(recording) * at_stops
 
 
 def hardest(tops: np.ndarray) -> np.ndarray:
@@ -184,9 +184,13 @@ def hardest(tops: np.ndarray) -> np.ndarray:
     return np.argsort(-tops, kind="stable")
 
 
-def common_marks(recording: Recording, tops: np.ndarray) -> dict[tuple[int, int], list[int]]:
-    """Return groups of impacts with nearly coincident marks: cell (ONE_MARK) → rows in ``impacts``."""
-    times = impacts_at_peaks(recording)["onset"]
+def common_marks(
+    recording: Recording, times: np.ndarray, tops: np.ndarray
+) -> dict[tuple[int, int], list[int]]:
+    """Return groups of impacts with nearly coincident marks: cell (ONE_MARK) → rows in ``impacts``.
+
+    ``times`` and ``tops`` are the result of ``marks_of``.
+    """
     scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
     marks: dict[tuple[int, int], list[int]] = {}
@@ -195,17 +199,19 @@ def common_marks(recording: Recording, tops: np.ndarray) -> dict[tuple[int, int]
     return marks
 
 
-def mark_sizes(recording: Recording, tops: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
+def mark_sizes(
+    recording: Recording, times: np.ndarray, tops: np.ndarray, groups: Sequence[np.ndarray]
+) -> np.ndarray:
     """Return the size of each impact's mark, shape (I,) [points].
 
     Marks of several groups may coincide; then the groups that are drawn later cover the earlier ones. A
     covered mark is larger, so that its rim is seen around the marks above it. ``groups`` has the rows of the
-    impacts in each group, in the order of drawing; ``tops`` is the result of ``heights``.
+    impacts in each group, in the order of drawing; ``times`` and ``tops`` are the result of ``marks_of``.
     """
     sizes, looks = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
     for look, hits in enumerate(groups):
         looks[hits] = look
-    for rows in common_marks(recording, tops).values():
+    for rows in common_marks(recording, times, tops).values():
         present = np.unique(looks[rows])
         covering = len(present) - np.searchsorted(present, looks[rows], side="right")
         sizes[rows] += COVERED_RIM * covering
@@ -242,12 +248,12 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 
     Returns words for the impacts without a number; "" if there are none.
     """
-    high = heights(recording, stop_scale(recording))
-    tops = list(zip(impacts_at_peaks(recording)["onset"].tolist(), high.tolist(), strict=True))
+    times, high = marks_of(recording)
+    tops = list(zip(times.tolist(), high.tolist(), strict=True))
     order, step = hardest(high), numbered_step(axes, recording)
     if step > 1:
         order = np.arange(step - 1, len(tops), step)
-    common = {row: rows for rows in common_marks(recording, high).values() for row in rows}
+    common = {row: rows for rows in common_marks(recording, times, high).values() for row in rows}
     strongest = {peak.row: peak.value for peak in marked_peaks(recording)}
     wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
     numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib as mpl
-
 from chain_impact.pictures.dark import PLUM, UMBER
 from chain_impact.pictures.style import (
     BLACK,
@@ -45,9 +43,5 @@ USER_LAW: dict[str, Any] = {"color": BROWN}
 
 
 def law_look(law: str) -> dict[str, Any]:
-    """Return the colour and dashes of a law's lines; a law from a user's file has those of USER_LAW.
-
-    Black is the colour of the text in the style in use, so that it is visible on a dark ground.
-    """
-    look = LAW_LOOKS.get(law, USER_LAW)
-    return look | {"color": mpl.rcParams["text.color"]} if look["color"] == BLACK else look
+    """Return the colour and dashes of a law's lines; a law from a user's file has those of USER_LAW."""
+    return LAW_LOOKS.get(law, USER_LAW)

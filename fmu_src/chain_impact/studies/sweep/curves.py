@@ -61,7 +61,8 @@ def draw_curves(
         drawn = [curve[:, np.isfinite(curve[1])] for curve in curves]
         usable = [curve.shape[1] > 1 and runs.design.samples is None for curve in drawn]
         dashes = iter(merged_dashes([curve for curve, use in zip(drawn, usable, strict=True) if use]))
-        for (text, rows), look, use in zip(lines.items(), looks_of(lines, choice), usable, strict=False):
+        for (names, rows), look, use in zip(lines.items(), looks_of(lines, choice), usable, strict=False):
+            text = " = ".join(names)
             label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
             marks: dict[str, Any] = {}
             if runs.design.samples is not None:
@@ -83,7 +84,7 @@ def draw_curves(
         _dress(axes, quantity, shown)
         if (own := own_value(runs, across)) is not None:
             is_line = choice is None and runs.design.samples is None
-            _mark_own(axes, own, curves[0] if is_line else np.full((2, 1), np.nan), quantity)
+            _mark_own(axes, own, quantity, curves[0] if is_line else None)
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
         figure = panels[0].get_figure(root=True)
@@ -95,38 +96,41 @@ def draw_curves(
             figure.legend(handles, labels, loc="outside right center", title=label_of(runs, choice))
 
 
-def looks_of(lines: Iterable[str], choice: Variation | None) -> list[dict[str, Any]]:
-    """Return the looks of lines by their labels: contact laws have theirs, other lines have COLOURS."""
+def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list[dict[str, Any]]:
+    """Return the looks of lines by their names: contact laws have theirs, other lines have COLOURS."""
     if choice is not None and choice.name == "contact.model":
-        return [law_look(text.partition(" = ")[0]) for text in lines]
+        return [law_look(names[0]) for names in lines]
     return [{"color": colour} for colour in COLOURS]
 
 
-def _mark_own(axes: Axes, own: float, curve: np.ndarray, quantity: Quantity) -> None:
+def _mark_own(axes: Axes, own: float, quantity: Quantity, curve: np.ndarray | None) -> None:
     """Draw the mark of the scene's value on a drawn line, or at the foot where there is no line.
 
-    ``curve`` has the positions, ascending, and the values, shape (2, S). A count has steps between its
-    values.
+    ``curve``: the positions, ascending, and the values of the line, shape (2, S); None if the panel has no
+    line, or several. A count has steps between its values.
     """
-    scale = axes.transScale
-    across, up = scale.transform(curve.T).T
-    at = scale.transform((own, 1.0))[0]
-    height = up[np.abs(across - at).argmin()] if quantity.is_count else np.interp(at, across, up)
-    if np.isfinite(height):
-        axes.plot([own], [scale.inverted().transform((at, height))[1]], **SCENE_MARK)
-    else:
-        axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
+    if curve is not None:
+        scale = axes.transScale
+        across, up = scale.transform(curve.T).T
+        at = scale.transform((own, 1.0))[0]
+        height = up[np.abs(across - at).argmin()] if quantity.is_count else np.interp(at, across, up)
+        if np.isfinite(height):
+            axes.plot([own], [scale.inverted().transform((at, height))[1]], **SCENE_MARK)
+            return
+    axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
 
 
-def lines_of(runs: Runs, across: Variation, choice: Variation | None = None) -> dict[str, np.ndarray]:
-    """Return the lines of each panel: label → the line's runs, sorted by the parameter ``across``.
+def lines_of(
+    runs: Runs, across: Variation, choice: Variation | None = None
+) -> dict[tuple[str, ...], np.ndarray]:
+    """Return the lines of each panel: names → the line's runs, sorted by the parameter ``across``.
 
-    Each choice or number of ``choice`` has a line. Choices with equal results in all runs share one line,
-    whose label is as "flores = ye".
+    The names are those of the line's choices. Each choice or number of ``choice`` has a line, but choices
+    with equal results in all runs share one. Without ``choice`` there is a single line, without a name.
     """
     rows = np.argsort(runs[across.name], kind="stable")
     if choice is None:
-        return {"": rows}
+        return {(): rows}
     names = [*dict.fromkeys(choice.shown(choice.values))]
     results = np.array([quantity.of(runs) for quantity in results_of(runs).every])
     lines: list[tuple[list[str], np.ndarray]] = []
@@ -137,7 +141,7 @@ def lines_of(runs: Runs, across: Variation, choice: Variation | None = None) -> 
             texts.append(text)
         else:
             lines.append(([text], mine))
-    return {" = ".join(texts): mine for texts, mine in lines}
+    return {tuple(texts): mine for texts, mine in lines}
 
 
 def _equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
