@@ -16,32 +16,35 @@ _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 
 def degrees_pattern(unit: str) -> str | None:
-    """Return the regular expression for an angle as text, ``"90 deg"``.
+    """Return the regular expression for a text in degrees: for the unit "rad" it matches ``"90 deg"``.
 
-    The result is None if the unit is not a unit of angles.
+    The result is None for a unit that is not in DEGREES.
     """
     return rf"\s*({_NUMBER})\s*{DEGREES[unit]}\s*" if unit in DEGREES else None
 
 
 def in_radians(value: Any, unit: str) -> Any:
-    """Return an angle as text, ``"90 deg"``, as a number in radians; return any other value unchanged."""
+    """Return a text in degrees, such as ``"90 deg"`` for the unit "rad", as a number in ``unit``.
+
+    Any other value is returned unchanged.
+    """
     pattern = degrees_pattern(unit) if isinstance(value, str) else None
     match = re.fullmatch(pattern, value) if pattern else None
     return math.radians(float(match[1])) if match else value
 
 
 def or_degrees(unit: str) -> str:
-    """Return the words of an error that say that a text such as "90 deg" is allowed.
+    """Return the words of an error that allow a text in degrees: "90 deg" for "rad", "90 deg/s" for "rad/s".
 
-    The result is "" for a unit without [rad]. For angular velocities the text is such as "90 deg/s".
+    The result is "" for a unit that is not in DEGREES.
     """
     return f', or text in degrees as "90 {DEGREES[unit]}"' if unit in DEGREES else ""
 
 
 def radians_hint(name: str, value: float, unit: str) -> str | None:
-    """Return a hint that an angle of more than one turn, in [rad], may be in degrees by mistake.
+    """Return a hint that an angle of more than one turn in either direction may be in degrees by mistake.
 
-    The result is None for an angle of at most one turn, and for a value in another unit than [rad].
+    The result is None if ``unit`` is not "rad", or for an angle ``value`` of at most one turn [rad].
     """
     if unit != "rad" or not abs(value) > 2.0 * math.pi:
         return None
@@ -50,10 +53,10 @@ def radians_hint(name: str, value: float, unit: str) -> str | None:
 
 
 def turns_hint(joint: float, low: float, high: float) -> str:
-    """Return a hint for the angle of a joint that lies beyond its stops ``low`` and ``high``, all in [rad].
+    """Return a hint for the angle ``joint`` of a joint below its stop ``low`` or above ``high`` [rad].
 
-    The hint names the angle between the stops that differs from ``joint`` by whole turns. The hint is "" if
-    there is no such angle.
+    Of the angles between the stops that differ from ``joint`` by whole turns, the hint names the nearest one.
+    The hint is "" if there is no such angle.
     """
     turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
     same = joint + turns * math.tau

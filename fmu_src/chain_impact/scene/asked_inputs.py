@@ -17,10 +17,9 @@ from chain_impact.scene.table_file import read_table, samples_of
 
 
 def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
-    """Yield the names of the inputs that the keys of [inputs] add to the scene.
+    """Yield the names of the inputs that the keys of [inputs] add to the scene, driven by signals or not.
 
-    A signal may drive such an input or not. If ``asked`` is False, the names are those of all inputs that the
-    keys of [inputs] could add to this scene, but not of walls that ``inputs.wall_motion`` does not name.
+    If ``asked`` is False, also yield the inputs that other keys of [inputs] than ``wall_motion`` would add.
     """
     templates = [
         name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) or not asked for name in names
@@ -42,7 +41,10 @@ def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
 
 
 def _lacking_owner(scene: Contents, name: str) -> str:
-    """Return why the wall or the joint of an input cannot be driven; "" if it can, or for another input."""
+    """Return why the scene cannot have the input ``name``; "" if none of the following reasons applies.
+
+    The reasons are: there is no such wall, no point can touch a wall, or a free base has no joint 1.
+    """
     wall = name.split(".")[1] if input_key(name) == "wall_motion" else ""
     if wall and wall not in scene.half_planes:
         return f"there is no wall {wall}"
@@ -54,7 +56,11 @@ def _lacking_owner(scene: Contents, name: str) -> str:
 
 
 def how_asked(scene: Contents, name: str) -> str:
-    """Return advice for an error on an input that the scene lacks: how to add it, or which inputs exist."""
+    """Return the end of an error on the input ``name``, which the scene lacks.
+
+    The end tells why the scene cannot have the input, or how to add the input; else it names the input with
+    the most similar name or, if no name is similar, all inputs that the scene has.
+    """
     key, there = input_key(name), list(inputs_of(scene))
     possible = [*there, *(other for other in inputs_of(scene, asked=False) if other not in there)]
     if lacking := _lacking_owner(scene, name):
@@ -69,16 +75,18 @@ def how_asked(scene: Contents, name: str) -> str:
 
 
 def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any:
-    """Return the scene with one more signal: a table file, each column of which drives an input.
+    """Return the scene with one more signal: a table file whose columns drive the inputs of the same names.
 
     Args:
         scene: the scene, which must have these inputs.
-        file: CSV or Parquet, with the column ``time`` [s].
-        interpolation: ``hold``, ``linear`` or ``spline``; by default the usual interpolation of each input.
+        file: CSV or Parquet, with the column ``time`` [s] and at least one column for an input.
+        interpolation: ``hold``, ``linear`` or ``spline``; by default ``spline`` for a motion of the base or a
+            wall, and ``hold`` for any other input.
 
     Raises:
-        SceneError: when the table cannot drive the scene.
+        SceneError: when the table is not valid, or the scene lacks an input or already drives it.
         OSError: when the file cannot be read.
+        MissingExtraError: for Parquet, when pyarrow is not installed.
     """
     _, columns = samples_of(read_table(file), scene.simulation.stop_time)
     numbered = (f"inputs_{k}" for k in count(2))

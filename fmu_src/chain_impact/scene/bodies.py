@@ -16,21 +16,26 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
 CIRCLE_CORNERS = 24  # number of corners of the polygon that is drawn for each circle
-# half the length of the mark of a slider's stop, and of the drawn carriage, relative to ``Rail.size``
-STOP_MARK = 0.06
-# length of the drawn line beyond the outermost positions of the base, on a side without a stop, relative to
+# half the length of the drawn carriage, and half the length of the mark of a slider's stop, both divided by
 # ``Rail.size``
+STOP_MARK = 0.06
+# on a side of the slider's line without a stop: length of the drawn line beyond the outermost position of the
+# base, divided by ``Rail.size``
 FREE_END = 0.12
-# [1] corners of the drawn carriage: coordinates along the slider's line and to its left, relative to
-# ``Rail.half``
+# [1] corners of the drawn carriage relative to the base, shape (4, 2): coordinates along the slider's line
+# and to the left of the line, divided by ``Rail.half``
 CARRIAGE = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
 Disc = tuple[float, float, float]
-"""A disc as three numbers [m]: its centre's coordinates along a link and to the link's left, and its
-radius."""
+"""A disc as three numbers [m]: the coordinates of the centre along a link and to the left of the link, from
+the proximal end of the link; and the radius."""
 
 
 def outline(discs: Iterable[Disc]) -> np.ndarray:
-    """Return the corners of the convex hull of discs, anticlockwise, shape (C, 2) [m] (Andrew, 1979)."""
+    """Return the corners of the convex hull of discs, anticlockwise, shape (C, 2) [m] (Andrew, 1979).
+
+    Each disc counts as a regular polygon with CIRCLE_CORNERS corners on its rim, or as a point if its radius
+    is 0.
+    """
     turn = math.tau / CIRCLE_CORNERS
     rims = [
         (x + radius * math.cos(k * turn), y + radius * math.sin(k * turn))
@@ -42,9 +47,10 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
 
 
 def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return one half of a convex hull, from the first of the sorted corners to the last one.
+    """Return the corners of a convex hull, anticlockwise from the first to the last of ``corners``.
 
-    The last corner is left out, because the other half begins with it.
+    ``corners`` are sorted by x, and by y for equal x, upward or downward. The last corner is left out of the
+    result, because the other half of the hull begins with it.
     """
     hull: list[tuple[float, float]] = []
     for x, y in corners:
@@ -58,10 +64,10 @@ def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
-    """Return number of a link → the discs of its points other than its ends, for each link with such points.
+    """Return number of a link → discs of the points of this link, for each link with points beside its ends.
 
-    The centres of the discs are in the link's axes. The discs have the order of the points' numbers, so the
-    corners of a box come first.
+    ``values`` has value by name of a parameter. The discs are in the order of the numbers of the points, so
+    the corners of a box come first; these have the radius ``contact.radius``.
     """
     discs_of: dict[int, list[Disc]] = {}
     for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
@@ -80,12 +86,15 @@ def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
 
 
 def outlines_from(values: Mapping[str, Any], touching: Container[int]) -> dict[int, np.ndarray]:
-    """Return number of a link → its outline in the link's axes, shape (C, 2) [m], for each link with points.
+    """Return number of a link → outline of the link, for each link that has points beside its ends.
+
+    An outline has the corners of a polygon, shape (C, 2) [m]: x along the link from its proximal end, y to
+    the left.
 
     Args:
         values: name of a parameter → value.
-        touching: the numbers of the points that can touch a wall; an end of a link has the radius
-            ``contact.radius`` if it is one of these points, else 0.
+        touching: the numbers of the points that can touch a wall. An end of a link has the radius
+            ``contact.radius`` if its number is one of these, else 0.
     """
     radius, outlines = values.get("contact.radius", 0.0), {}
     for n, discs in discs_of_links(values).items():
@@ -98,30 +107,33 @@ def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarra
     """Return the positions in space, shape (C, 2) [m], of corners that are given in the axes of a link.
 
     Args:
-        corners: x along the link and y to its left, shape (C, 2) [m].
-        start: the end of the link that is nearer to the base, shape (2,) [m].
-        end: the other end, shape (2,) [m].
+        corners: x along the link from ``start``, and y to the left of the link, shape (C, 2) [m].
+        start: position of the proximal end of the link, shape (2,) [m].
+        end: position of the far end of the link, shape (2,) [m].
     """
     along = (end - start) / np.hypot(*(end - start))
     return np.asarray(start + corners @ [along, [-along[1], along[0]]])
 
 
 def size_of_motion(points: np.ndarray) -> float:
-    """Return the longer side [m] of the smallest upright rectangle around positions, shape (T, P, 2) [m]."""
+    """Return the longer side [m] of the smallest rectangle along x and y that contains all ``points``.
+
+    ``points`` are the positions of P points at T times, shape (T, P, 2) [m].
+    """
     return float(np.ptp(points, axis=(0, 1)).max())
 
 
 @dataclass(frozen=True, slots=True)
 class Rail:
-    """The line along which a base slides.
+    """The line along which a base slides; a position on the line is the distance [m] from ``origin``.
 
     Attributes:
         origin: the point of the line with the position 0, shape (2,) [m].
-        angle: direction of the line, from +x [rad].
-        low: the least position [m]; −∞ without a stop.
-        high: the largest position [m]; ∞ without a stop.
-        size: the longer side of the rectangle around the motion of all points [m]; the drawn carriage and
-            marks of stops are in proportion to ``size``.
+        angle: direction in which positions grow, from +x [rad].
+        low: position of the stop ``slider_min`` [m]; −∞ without this stop.
+        high: position of the stop ``slider_max`` [m]; ∞ without this stop.
+        size: the result of ``size_of_motion`` for all points [m]; the lengths of the drawn carriage and of
+            the marks of stops are in proportion to ``size``.
     """
 
     origin: np.ndarray
@@ -134,13 +146,13 @@ class Rail:
     def between(
         cls, origin: np.ndarray, angle: float, low: float | None, high: float | None, size: float
     ) -> Rail:
-        """Return the line that ends at ``low`` and ``high`` [m], or has no stop where one of them is None."""
+        """Return the line with stops at ``low`` and ``high`` [m]; None stands for a stop that is missing."""
         ends = (-math.inf if low is None else low, math.inf if high is None else high)
         return cls(origin, angle, *ends, size)
 
     @property
     def direction(self) -> np.ndarray:
-        """The unit vector along the line, shape (2,)."""
+        """The unit vector along the line, in the direction in which positions grow, shape (2,)."""
         return np.array([math.cos(self.angle), math.sin(self.angle)])
 
     @property
@@ -150,10 +162,10 @@ class Rail:
 
     @property
     def stops(self) -> dict[str, HalfPlane]:
-        """The half-plane of each existing stop, by the stop's name, in which the drawn carriage lies.
+        """Name of each existing stop → the half-plane in which the drawn carriage lies.
 
-        ``low`` and ``high`` are the positions of the carriage's middle at which it meets the stops, so the
-        edge of a half-plane is half a carriage beyond ``low`` or ``high``.
+        ``low`` and ``high`` are positions of the middle of the carriage, so the edge of a half-plane is half
+        the length of the carriage beyond ``low`` or ``high``.
         """
         (x, y), start = self.direction, float(self.origin @ self.direction)
         low, high = start + self.low - self.half, start + self.high + self.half
@@ -164,11 +176,11 @@ class Rail:
     def lines(self, bases: np.ndarray) -> list[np.ndarray]:
         """Return the line segments to draw: the slider's line, then a mark across it for each existing stop.
 
-        Each segment is an array of its two ends, shape (2, 2) [m].
+        Each segment is an array with the positions of its two ends, shape (2, 2) [m].
 
         Args:
-            bases: the positions of the base, shape (T, 2) [m]; on a side without a stop, they tell how far
-                the line is drawn.
+            bases: the positions of the base at T times, shape (T, 2) [m]. On a side without a stop, the line
+                ends FREE_END · ``size`` beyond the outermost of these positions.
         """
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         reached = (bases - self.origin) @ along
@@ -183,26 +195,28 @@ class Rail:
         return [np.array(positions), *ticks]
 
     def carriage(self, base: np.ndarray) -> np.ndarray:
-        """Return the corners of the carriage for a position of the base, shape (4, 2) [m]."""
+        """Return the corners of the drawn carriage, shape (4, 2) [m], for a position of the base [m]."""
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         return np.asarray(base + self.half * CARRIAGE @ [along, across])
 
 
 def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
-    """Return the line of a slider; None if ``values`` has no ``slider.angle`` and ``positions`` is None.
+    """Return the line of a slider.
 
-    Then there is no slider, or nothing tells the direction of its line.
+    The result is None if ``values`` has no ``slider.angle`` and ``positions`` is None: then there is no
+    slider, or the direction of its line is unknown.
 
     Args:
-        points: the positions of all points, of which the first is the base, shape (T, P, 2) [m].
-        positions: the outputs ``slider.position``, shape (T,) [m]; None if they are not known.
+        points: the positions of all points at T times, the base first, shape (T, P, 2) [m].
+        positions: the output ``slider.position`` at these times, shape (T,) [m]; None if it is unknown. The
+            slider is then at the position 0 at the first time.
         values: name of a parameter → value.
     """
     bases = points[:, 0]
     if "slider.angle" in values:
         angle = float(values["slider.angle"])
-    # without slider.angle, two positions of the base tell the direction: from the least to the largest
-    # ``slider.position``
+    # without slider.angle, the line is taken to point from the base at the least ``slider.position`` to the
+    # base at the largest one
     elif positions is not None:
         x, y = bases[positions.argmax()] - bases[positions.argmin()]
         angle = math.atan2(y, x)

@@ -9,10 +9,11 @@ from chain_impact.scene.contents import Contents
 
 
 def candidates(scene: Contents) -> list[tuple[int, int]]:
-    """Return the candidates as pairs: the number of a point or joint, and the index in ``scene.wall_names``.
+    """Return the candidates as pairs: a number, and an index in ``scene.wall_names``.
 
-    First come the pairs of a point and an existing wall that can touch. The stops of joints follow, with the
-    number of the joint in place of the number of a point. The stops of a slider come last, with the number 0.
+    First come the pairs of a point and an existing wall that can touch: number of the point, index of the
+    wall. Then come the existing stops of joints: number of the joint, index of the stop. Last come the
+    existing stops of a slider: 0, index of the stop.
     """
     pairs, names = point_wall_pairs(scene), scene.wall_names
     joints = stop_pairs(scene)
@@ -20,11 +21,11 @@ def candidates(scene: Contents) -> list[tuple[int, int]]:
 
 
 def parts_in_words(scene: Contents) -> list[str]:
-    """Return words for each part of a scene that can be the reason for a fault of a run.
+    """Return words for each part of a scene that can be the cause of a fault of a run.
 
-    The record's field ``fault.part`` has the number of a part in this list, from 1. The list has, in this
-    order: the candidates; the links; the joints; the slider, if there is one; and, for each pair of a point
-    and a wall that may touch, the base at the wall of this pair.
+    The record's field ``fault.part`` has the number of a part in this list, from 1; 0 if no part is known.
+    The list has, in this order: the candidates; the links; the joint of each link; the slider, if there is
+    one; and, for each pair of a point and a wall that can touch, the base at the wall of this pair.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)
@@ -41,13 +42,16 @@ def parts_in_words(scene: Contents) -> list[str]:
 
 
 def stop_pairs(scene: Contents) -> list[tuple[int, int]]:
-    """Return the stops of joints as pairs (joint, index in ``scene.wall_names``)."""
+    """Return the existing stops of joints as pairs: number of the joint, index in ``scene.wall_names``."""
     names = scene.wall_names
     return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 
 
 def point_wall_pairs(scene: Contents) -> list[tuple[int, int]]:
-    """Return the pairs of a point and a wall that can touch: number of the point, index in ``wall_names``."""
+    """Return the pairs of a point and an existing wall that can touch each other.
+
+    A pair has the number of the point and the index of the wall in ``scene.wall_names``.
+    """
     numbers = {name: w for w, name in enumerate((*WALLS, *(wall.name for wall in scene.walls)))}
     pairs = product(scene.touching_points, scene.half_planes.items())
     return [(k, numbers[name]) for k, (name, plane) in pairs if not scene.keeps_distance(k, plane)]

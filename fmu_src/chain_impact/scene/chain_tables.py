@@ -15,7 +15,7 @@ OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """A point of a link in addition to its two ends, such as a heel or a corner; it may touch walls."""
+    """A point of a link beside the link's two ends, such as a heel or a corner; it may touch walls."""
 
     x: float = quantity("m", "position along the link, from the joint nearer to the base", label="Along")
     y: float = quantity("m", "position to the left of the link's line", 0.0, label="Left")
@@ -24,13 +24,13 @@ class Site:
 
     @property
     def is_at_joint(self) -> bool:
-        """Whether the point is at its link's proximal joint, so that a turn of the link does not move it."""
+        """Whether the point is at the proximal end of its link: both ``x`` and ``y`` are 0."""
         return self.x == self.y == 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its proximal joint to its far end; with a ``count``, that many equal links."""
+    """One rigid link and its proximal joint; an entry of a file with a ``count`` is that many such links."""
 
     count: int | None = quantity(
         "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
@@ -84,16 +84,16 @@ class Link:
 
     @property
     def corners(self) -> int:
-        """The number of corners of a box, which come first among the link's points.
-
-        The result is 0 for a link that is no box.
-        """
+        """The number of entries of ``points`` that are corners of a box; they come first. 0 without a box."""
         return CORNERS if self.shape else 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slider:
-    """The carriage of a base that slides along a straight line through the initial position."""
+    """The carriage of a base that slides along a straight line through the base's initial position.
+
+    Positions of the carriage count along the line from this initial position.
+    """
 
     angle: float = quantity("rad", "direction of the line, from +x", 0.0, label="Slider: angle")
     mass: float = quantity("kg", "mass of the carriage", 1.0, minimum=0.0, label="Mass")
@@ -133,9 +133,9 @@ class ChainTable:
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
-        """Replace each link that has a `count` by this number of equal links.
+        """Replace each link that has a `count` by this number of equal links without a `count`.
 
-        Refuse more than MAX_LINKS links.
+        Refuse more than MAX_LINKS links together.
         """
         if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
             raise refusal(("chain", "links"), "links", count=total, most=MAX_LINKS)
@@ -144,31 +144,34 @@ class ChainTable:
 
     @property
     def movable_points(self) -> range:
-        """The numbers of the joints and link ends that can move: 0 to N, without 0 if the base is pinned."""
+        """The numbers of the ends of links that ``contact.points`` may list.
+
+        These are 0 to N, without 0 (the base) if the base is pinned, because walls do not act on it.
+        """
         return range(1 if self.base == "pinned" else 0, len(self.links) + 1)
 
     @property
     def has_base_joint(self) -> bool:
-        """Whether a joint connects link 1 with the base: the base is pinned, or slides."""
+        """Whether a joint connects link 1 with the base; True unless the base is free."""
         return self.base != "free"
 
     @property
     def sites(self) -> tuple[tuple[int, Site], ...]:
-        """Pairs of a link's index, from 0, and a point of this link other than its ends, in order of number.
+        """All points of links beside their ends, as pairs: index of the link, from 0, and the point.
 
-        The numbers of these points begin at N + 1.
+        The pairs are in the order of the points' numbers, which begin at N + 1.
         """
         return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
 
     @property
     def stops(self) -> tuple[tuple[int, str], ...]:
-        """The existing stops as pairs: the number of the joint's link, and ``joint_min`` or ``joint_max``."""
+        """The existing stops as pairs: the number of the joint, and ``joint_min`` or ``joint_max``."""
         links = enumerate(self.links, 1)
         return tuple((i, stop) for i, link in links for stop in STOPS if getattr(link, stop) is not None)
 
     @property
     def joint_ranges(self) -> dict[int, tuple[float, float]]:
-        """Number of a joint with a stop → joint_min and joint_max [rad]; −∞ or ∞ for a missing stop."""
+        """Number of each joint with a stop → joint_min and joint_max [rad]; a missing stop is −∞ or ∞."""
         links = {joint: self.links[joint - 1] for joint, _ in self.stops}
         none = (-math.inf, math.inf)
         return {

@@ -24,17 +24,19 @@ from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
 
-# LONG [m], LIGHT [kg/m]: A link that is longer than LONG with less mass per length than LIGHT probably has
-# its length in mm: only a long rope is so light.
+# LONG [m], LIGHT [kg/m]: The length of a link is probably given in mm if it is above LONG and the mass per
+# length is below LIGHT: in metres, only a long rope would be so light.
 LONG, LIGHT = 20.0, 0.2
 IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the earth's gravity in mm/s²
-FAR = 30.0  # [1] a point farther from its link's joint than this times the chain's length is probably in mm
+# [1] the coordinates of a point of a link are probably in mm if its distance from the link's proximal joint
+# is above FAR times the sum of the lengths of all links
+FAR = 30.0
 
 
 def check(scene: Contents) -> None:
-    """Refuse a scene that fails any check of this module or of signal_checks.py.
+    """Raise a SceneError if the scene fails a check of this module or of signal_checks.py.
 
-    The error also has the sentences of ``angle_hints``, because an angle in degrees by mistake is often the
+    The error ends with the sentences of ``angle_hints``, because an angle in degrees by mistake is often the
     cause.
     """
     try:
@@ -47,10 +49,10 @@ def check(scene: Contents) -> None:
 
 
 def check_masses(chain: ChainTable) -> None:
-    """Refuse links without inertia that can turn without moving any mass.
+    """Refuse links without inertia that can turn, in some position of the chain, without moving any mass.
 
     Nothing would determine the angular acceleration of such links. ``loose_links`` in kernel/chain/inertia.py
-    finds them.
+    finds them. The carriage of a slider counts as movable mass only if its own mass is > 0.
     """
     (first, last), other = loose_links(chain_view(chain), False), ""
     if first < 0 and chain.slider is not None and chain.slider.mass == 0.0:
@@ -72,7 +74,7 @@ def check_masses(chain: ChainTable) -> None:
 
 
 def check_together(scene: Contents) -> None:
-    """Refuse values of the chain, the walls and the contacts that are valid alone, but not together."""
+    """Refuse keys whose values are valid alone, but contradict each other, except signals and the start."""
     check_masses(scene.chain)
     contact, movable = scene.contact, scene.chain.movable_points
     for point in contact.points:
@@ -95,7 +97,7 @@ def check_together(scene: Contents) -> None:
 
 
 def check_rules(scene: Contents) -> None:
-    """Refuse values that a rule in ``RULES`` refuses."""
+    """Raise the error of the first rule of ``RULES`` whose condition is true in the scene."""
     whole = partial(value_at, scene)
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
         "": [((), whole)],
@@ -117,9 +119,10 @@ def check_rules(scene: Contents) -> None:
 
 
 def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
-    """Return, for each table with a contact law: path of the table → values by their names in ``RULES``.
+    """Return path → values of [contact], of each table [contact.wall.<name>], and of [stops] if it is used.
 
-    A name is a key of the table, or a property of the table's law, such as "law.id".
+    The values are by their names in ``RULES``: a key of the table, or a property of the contact law that the
+    table belongs to, such as "law.id".
     """
     contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
@@ -143,11 +146,11 @@ def _of_law(
 
 
 def check_reach(scene: Contents) -> None:
-    """Refuse a wall of ``walls`` that no point can reach, if the kernel's record has no room for the wall.
+    """Refuse an entry of ``walls`` that no point can reach, if the kernel's record has no room for it.
 
-    The record has room for as many of these walls as there are pairs of a point and a wall that can touch.
-    Only in a scene with a slider can a wall be out of reach of all points: a wall parallel to the slider's
-    line.
+    The record has room for as many entries of ``walls`` as there are pairs of a point and a wall, of
+    ``walls`` or of the box, that can touch. A wall is out of reach only if it is parallel to the line of a
+    slider, and all points that may touch are at the base.
     """
     if scene.chain.slider is None or not scene.may_touch:
         return
@@ -162,7 +165,7 @@ def check_reach(scene: Contents) -> None:
 
 
 def check_moved_walls(scene: Contents) -> None:
-    """Refuse a name in inputs.wall_motion that is neither the name of a wall nor "*", all walls."""
+    """Refuse a name in inputs.wall_motion that is neither that of an existing wall nor "*" (all walls)."""
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
@@ -170,9 +173,9 @@ def check_moved_walls(scene: Contents) -> None:
 
 
 def coefficients(contact: Contact, material: Material | Contact) -> tuple[float, float]:
-    """Return the coefficients of sliding and of static friction at a wall.
+    """Return the coefficients of sliding friction and of static friction at the wall with ``material``.
 
-    Missing values of ``material`` follow from ``contact`` by the rule of the kernel.
+    A coefficient that is None in ``material`` follows by the rule of the kernel's ``wall_friction``.
     """
     own = (-1.0 if value is None else value for value in (material.friction, material.static_friction))
     sliding, static = wall_friction(contact.friction, contact.static_friction, *own)
@@ -180,7 +183,10 @@ def coefficients(contact: Contact, material: Material | Contact) -> tuple[float,
 
 
 def check_start(scene: Contents) -> None:
-    """Refuse a start in which a point that may touch a wall already penetrates it."""
+    """Refuse a start in which a point penetrates an existing wall by more than OVERLAP.
+
+    Checked are the ends of links in ``contact.points``, and all other points of links, with their radii.
+    """
     walls, start, links = scene.walls_at_start, scene.start, len(scene.chain.links)
     candidates = {k: start[k] for k in start if k > links or k in scene.contact.points}
     for point, (x, y, radius) in candidates.items():
@@ -198,13 +204,13 @@ def check_start(scene: Contents) -> None:
 
 
 def _position(x: float, y: float) -> str:
-    """Return a position as text; a coordinate that is only round-off is written as 0."""
+    """Return the text "(x, y) m" of a position [m]; a coordinate of at most OVERLAP is written as 0."""
     x, y = (0.0 if abs(coordinate) <= OVERLAP else coordinate for coordinate in (x, y))
     return f"({x:.6g}, {y:.6g}) m"
 
 
 def check_joint_angles(scene: Contents) -> None:
-    """Refuse a start in which a joint is beyond one of its stops."""
+    """Refuse a start in which the angle of a joint is more than OVERLAP [rad] beyond a stop of this joint."""
     angles = (0.0, *scene.initial.angles)
     for i, (low, high) in scene.chain.joint_ranges.items():
         joint = angles[i] - angles[i - 1]
@@ -216,7 +222,10 @@ def check_joint_angles(scene: Contents) -> None:
 
 
 def angle_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each angle of more than one turn [rad]: it may be in degrees by mistake."""
+    """Return a sentence for each angle of more than one turn: this angle may be in degrees by mistake.
+
+    The angles are those of the start, of springs at rest, of stops, of the slider's line and of walls [rad].
+    """
     links, name, angles = enumerate(scene.chain.links, 1), "angle", scene.initial.angles
     if scene.has_joint_angles:
         name = "joint_angles"
@@ -231,7 +240,7 @@ def angle_hints(scene: Contents) -> list[str]:
 
 
 def hints(scene: Contents) -> list[str]:
-    """Return sentences on values of a scene that are allowed, but are probably mistakes of the user."""
+    """Return a sentence for each value of a scene that is allowed, but is probably a mistake of the user."""
     texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
         if link.center_of_mass > link.length:
@@ -249,7 +258,7 @@ def hints(scene: Contents) -> list[str]:
 
 
 def size_hints(scene: Contents) -> list[str]:
-    """Return questions on the first link that is probably in mm, and on a gravity probably in mm/s²."""
+    """Return the questions of ``length_hints``, and one on a gravity that is probably in mm/s²."""
     texts, pull = length_hints(scene), math.hypot(*scene.gravity)
     if IN_MM[0] < pull < IN_MM[1]:
         strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
@@ -258,10 +267,10 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def length_hints(scene: Contents) -> list[str]:
-    """Return at most two questions, whether a length is in mm: on the first link, and on the first point.
+    """Return at most two questions whether a length is in mm.
 
-    The first link is the first one that is long for its mass, the first point the first one that is far from
-    the proximal joint of its link.
+    One is on the first link that is long for its mass (LONG, LIGHT), one on the first point of a link that is
+    far from the proximal joint of the link (FAR).
     """
     links, whole = scene.chain.links, sum(link.length for link in scene.chain.links)
     long = [
@@ -281,8 +290,8 @@ def length_hints(scene: Contents) -> list[str]:
 def start_hints(scene: Contents) -> list[str]:
     """Return a sentence for each coordinate in which a pinned base does not start at initial.position.
 
-    This is so if a signal gives the motion of the base: the base starts at the value of the signal at t = 0,
-    and initial.position has no effect.
+    If a signal gives a coordinate of the base, the base starts at the value of the signal at t = 0, and
+    initial.position has no effect.
     """
     if scene.chain.base != "pinned":
         return []
@@ -293,13 +302,13 @@ def start_hints(scene: Contents) -> list[str]:
 def start_hint(axis: str, start: float, given: float) -> str:
     """Return the sentence of ``start_hints`` on the coordinate ``axis``, "x" or "y".
 
-    The base starts at ``start`` [m], although the file says ``given`` [m].
+    ``start`` is the coordinate at which the base starts, ``given`` that in initial.position [m].
     """
     return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
 
 
 def base_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each wall that a pinned base penetrates at the start.
+    """Return a sentence for each wall beyond which a pinned base, taken without radius, is at the start.
 
     Such a start is allowed, because walls do not act on a pinned base; but the wall is probably misplaced.
     """
@@ -316,11 +325,11 @@ def base_hints(scene: Contents) -> list[str]:
 
 
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
-    """Return a list with a sentence if ``changes`` set the angle of a link, but not that of the next link.
+    """Return a list with one sentence if ``changes`` set the start angle of a link, but not of the next link.
 
-    ``changes`` are names of parameters. The angles are absolute, so the next link does not turn. The list is
-    empty if no such link exists, or if the file of the scene does not give ``initial.joint_angles``: only
-    with these may the user expect that all further links turn as well.
+    ``changes`` are names of parameters or paths. Angles are absolute, so the next link does not turn with
+    the link. The list is empty if there is no such link, or if the scene's file does not give
+    ``initial.joint_angles``: only then may the user expect that the further links turn, too.
     """
     if not scene.has_joint_angles:
         return []
@@ -331,7 +340,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
 
 
 def law_hints(scene: Contents) -> list[str]:
-    """Return a sentence, in a list, if the scene names a user's law file, but no contact uses this law."""
+    """Return a list with one sentence if the scene has ``contact.law_file``, but no table uses its law."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model

@@ -1,4 +1,4 @@
-"""The completion of a scene that has been read: values that follow from others, contents of other files."""
+"""The completion of a scene after reading: values that follow from other keys, contents of table files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ def completed(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the full path of the user's law file; refuse a file that does not hold a law."""
+    """Return the scene with the absolute path of its ``contact.law_file``, which begins at ``folder``.
+
+    A scene without such a file is returned unchanged; a file that has no valid law is refused.
+    """
     file = scene.contact.law_file
     if not file:
         return scene
@@ -39,7 +42,7 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with an angle for each wall that is given by a normal; the normal becomes None.
+    """Return the scene with an angle for each entry of ``walls``; a given normal becomes None.
 
     Refuse a wall with both an angle and a normal, or with neither, and a normal of length 0.
     """
@@ -54,9 +57,9 @@ def with_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_radii(scene: AnyScene) -> AnyScene:
-    """Return the scene with a radius for each point of links.
+    """Return the scene with a radius for each point that a link has beside its ends.
 
-    A point without its own radius gets ``contact.radius``; this is a derived value of the point.
+    A point without a given radius gets ``contact.radius``, and this radius counts as derived.
     """
     links, paths = [], [*scene.derived_paths]
     for i, link in enumerate(scene.chain.links):

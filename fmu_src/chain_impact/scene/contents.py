@@ -40,7 +40,7 @@ PARALLEL = 1e-12
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Contents:
-    """The contents of a scene: its keys and tables, and values that follow from them alone."""
+    """The keys and tables of a scene file, and properties that follow from these alone."""
 
     name: str = quantity("", "model name", pattern=MODEL_NAME)
     description: str = quantity("", "what the scene shows", "", pattern=XML_TEXT)
@@ -66,11 +66,11 @@ class Contents:
 
     @property
     def wall_names(self) -> tuple[str, ...]:
-        """The names of the walls and stops in the order of their numbers, from 0.
+        """The names of walls and stops; the index of a name is the index of its wall or stop in the record.
 
-        The four walls of the box come first, also those that do not exist, so that each has the same number
-        in all scenes. Then come ``walls``, if any point may touch a wall; then ``joint_min`` and
-        ``joint_max``, if a joint has stops; and last the existing stops of a slider.
+        The four walls of the box come first, also those that do not exist, so that each has the same index
+        in all scenes. Then come the entries of ``walls``, if a point may touch a wall (``may_touch``); then
+        ``joint_min`` and ``joint_max``, if any joint has a stop; and last the existing stops of a slider.
         """
         walls = self.walls if self.may_touch else ()
         return (
@@ -87,14 +87,15 @@ class Contents:
 
     @property
     def slider_stops(self) -> tuple[str, ...]:
-        """The names of the existing stops of a slider."""
+        """The names of the existing stops of the slider; empty without a slider."""
         return self.chain.slider.stops if self.chain.slider else ()
 
     @property
     def may_touch(self) -> bool:
-        """Whether there are ``touching_points``, which may touch walls; true also in a scene without walls.
+        """Whether a point may touch a wall.
 
-        If the scene has walls, one of these points must also be able to reach a wall: see ``keeps_distance``.
+        In a scene without walls: whether there are ``touching_points``. In a scene with walls: whether one of
+        these points can also reach a wall (``keeps_distance``).
         """
         if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
@@ -108,9 +109,10 @@ class Contents:
 
     @property
     def touching_points(self) -> tuple[int, ...]:
-        """The numbers of the points that may touch walls: those of ``contact.points``, and points of links.
+        """The numbers of the points that may touch walls.
 
-        A point of link 1 that lies on a pinned base is left out, because it cannot move.
+        These are ``contact.points``, then all points of links beside their ends. A point of link 1 at a
+        pinned base is left out, because walls do not act on a pinned base.
         """
         first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
         sites = enumerate(self.chain.sites, first)
@@ -118,7 +120,10 @@ class Contents:
         return *self.contact.points, *moving
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
-        """Return whether a point never reaches a wall: it is at a base that slides parallel to this wall."""
+        """Return whether the point with number ``point`` is at a base that slides parallel to a wall.
+
+        Such a pair of point and wall is no candidate. ``plane`` is the free side of the wall.
+        """
         slider = self.chain.slider
         if slider is None:
             return False
@@ -131,13 +136,13 @@ class Contents:
 
     @property
     def law_names(self) -> tuple[str, ...]:
-        """The contact laws in the order of their numbers in the FMU; a user's law comes last."""
+        """The names of the contact laws in the order of their numbers in the FMU, with a user's law last."""
         file = self.contact.law_file
         return *CONTACT_LAWS, *([Path(file).stem] if file else [])
 
     @property
     def start(self) -> dict[int, tuple[float, float, float]]:
-        """Number of a point → its position x, y [m] and its radius [m] at the start."""
+        """Number of a point → its position x, y [m] at the start, and its radius [m]."""
         x, y = self.base_at_start
         points, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
         sites = []
@@ -151,20 +156,24 @@ class Contents:
 
     @property
     def base_at_start(self) -> tuple[float, float]:
-        """The position x, y [m] of the base at t = 0: initial.position, or the value of a signal."""
+        """The position x, y [m] of the base at t = 0.
+
+        A coordinate is the value of the signal that drives it, if there is one, else that of
+        initial.position.
+        """
         x, y = self.initial.position
         return self._at_start("base.x", x), self._at_start("base.y", y)
 
     @property
     def walls_at_start(self) -> dict[str, HalfPlane]:
-        """Name of each existing wall → its free side at the start, with the displacement by a signal."""
+        """Name of each existing wall → its free side at t = 0, displaced by a signal that moves the wall."""
         return {
             name: replace(plane, offset=plane.offset + self._at_start(f"wall.{name}.displacement", 0.0))
             for name, plane in self.half_planes.items()
         }
 
     def _at_start(self, name: str, otherwise: float) -> float:
-        """Return the value of an input at t = 0; ``otherwise`` if no signal drives the input."""
+        """Return the value of the input ``name`` at t = 0; ``otherwise`` if no signal drives the input."""
         for signal in self.signals.values():
             if name in signal.input:
                 return value_at_start(signal, name, self.simulation.stop_time)
@@ -172,7 +181,7 @@ class Contents:
 
     @property
     def point_names(self) -> dict[int, str]:
-        """Number of a point → its name, for the points that have names."""
+        """Number of a point → its name, for each point of a link to which the file gives a name."""
         sites = enumerate(self.chain.sites, len(self.chain.links) + 1)
         return {number: site.name for number, (_, site) in sites if site.name}
 
@@ -181,25 +190,22 @@ class Contents:
         return point_label(number, self.point_names)
 
     def stop_name(self, wall: int) -> str:
-        """Return the name of the stop with the index ``wall`` in ``wall_names``; "" if this is a wall.
-
-        All joints share the names joint_min and joint_max; a slider has its own.
-        """
+        """Return the name of the stop with the index ``wall`` in ``wall_names``; "" if this is a wall."""
         name, stops = self.wall_names[wall], STOPS if self.chain.stops else ()
         return name if name in (*stops, *self.slider_stops) else ""
 
     @property
     def half_planes(self) -> dict[str, HalfPlane]:
-        """Name of each existing wall → its free side, without the displacement that a signal may give."""
+        """Name of each existing wall → its free side, without the displacement by an input or a signal."""
         box = {name: at for name in WALLS if (at := getattr(self.box, name)) is not None}
         return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
 
 
 def named_point_hint(scene: Contents, name: str, known: Collection[str]) -> str | None:
-    """Return a hint for a name that contains a point's name in place of the point's number.
+    """Return a hint for the name of a value that has a point's name in place of the point's number.
 
-    For example "toe is the name of a point: point[4].x" for ``toe.x`` or ``point[toe].x``. The result is None
-    if the name with the point's number is not in ``known`` either.
+    The hint for ``toe.x`` or ``point[toe].x`` is "toe is the name of a point: point[4].x". The result is None
+    if no point's name is in ``name``, or if the name with the number is not in ``known``.
     """
     entries = Counter[int]()
     for number, (link, site) in enumerate(scene.chain.sites, len(scene.chain.links) + 1):
@@ -215,7 +221,7 @@ def named_point_hint(scene: Contents, name: str, known: Collection[str]) -> str 
 
 
 def slider_hint(scene: Contents, name: str) -> str | None:
-    """Return a hint for the name of a value of the slider, if the scene has no slider; else None."""
+    """Return a hint if ``name`` is the name of a value of a slider and the scene has no slider; else None."""
     if scene.chain.slider or not name.removeprefix("chain.").startswith("slider."):
         return None
     return 'only a base on a slider has it: chain.base = "slider"'

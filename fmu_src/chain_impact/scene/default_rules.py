@@ -12,9 +12,12 @@ from chain_impact.scene.key_rules import Derived
 def _quotient(text: str, *terms: tuple[str, ...], divisor: int, of_box: Derived | None = None) -> Derived:
     """Return the rule for a default that is a sum of products of values, divided by ``divisor``.
 
-    ``text`` is the rule in words, for documents. Each of ``terms`` is a product: the keys whose values are
-    multiplied, from the same table as the default. ``of_box`` is the rule that applies in place of this one
-    to a link that is a box, if there is such a rule.
+    Args:
+        text: the rule in words, for documents.
+        terms: for each product, the keys whose values are multiplied, of the same table as the default.
+        divisor: the number that divides the sum.
+        of_box: the rule for a link with a ``height``, which applies in place of this one; None for no such
+            rule.
     """
 
     def value(table: Mapping[str, Any]) -> float:
@@ -40,9 +43,9 @@ ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), const
 
 
 def as_in_contact(key: str) -> Derived:
-    """Return the rule for a default of [stops] that equals a key of [contact].
+    """Return the rule for a default of [stops] that equals the value of ``key`` in [contact].
 
-    The default is None in a scene without stops of joints.
+    The default is None in a scene in which no joint has a stop.
     """
     return Derived(
         "as in [contact]",
@@ -52,9 +55,9 @@ def as_in_contact(key: str) -> Derived:
 
 
 def with_stops(value: float) -> Derived:
-    """Return the rule for a default of [stops] that is ``value``.
+    """Return the rule for a default of [stops] that is the number ``value``.
 
-    The default is None in a scene without stops of joints.
+    The default is None in a scene in which no joint has a stop.
     """
     return Derived(
         f"{value:g}",
@@ -64,7 +67,7 @@ def with_stops(value: float) -> Derived:
     )
 
 
-# This rule gives None, because the table [contact] is read after the links; ``with_radii`` in completion.py
-# fills in contact.radius when the whole file has been read.
+# The rule gives None, because the reader reads [contact] after the links; ``with_radii`` in completion.py
+# sets the radius when the whole file has been read.
 CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
 SLIDER_TABLE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)

@@ -1,8 +1,8 @@
 """Derived values of a scene: defaults that follow from other values.
 
-A value is derived as long as the user does not give it; a given value does not follow other values. Only
-given values are written to files. ``Scene.derived_paths`` has the paths of the derived values. The kernel
-derives parameters of a record in the same way: kernel/chain/inertia.py.
+A value is derived as long as the user does not give it, and then follows changes of the other values; a given
+value does not. Only given values are written to files. ``Scene.derived_paths`` has the paths of the derived
+values. The kernel derives parameters of a record in the same way: kernel/chain/inertia.py.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from chain_impact.scene.names import DataPath
 
 
 def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
-    """Yield the paths of values in the scene, for the paths of the same values in the data of a file.
+    """Yield the paths in the scene of the values that have the ``paths`` in ``data``, the data of a file.
 
-    In the file, an entry of links with a count stands for several links. In the scene, each link has an
-    entry, so a path into such an entry gives a path for each of its links.
+    In the file, an entry of links with a count stands for several links; in the scene, each link has an
+    entry. So the path of a key of such an entry gives a path for each of these links.
     """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]
@@ -35,7 +35,7 @@ def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterat
 
 
 def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
-    """Return the path in the data of a file for a path in the scene.
+    """Return the path in ``data``, the data of a file, of the value with the ``path`` in the scene.
 
     In the file, an entry of links with a count stands for several links; in the scene, each link has an
     entry.
@@ -48,7 +48,7 @@ def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
 
 
 def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[DataPath] = ()) -> None:
-    """Remove from the plain data of a scene all derived values, except values at the paths ``kept``."""
+    """Remove the values at the paths ``derived``, except those ``kept``, from the plain data of a scene."""
     # long paths come first: a derived table is removed after the derived values in it
     for path in sorted(derived, key=len, reverse=True):
         if path not in kept:
@@ -57,9 +57,9 @@ def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[Data
 
 
 def above(paths: Iterable[Any]) -> set[DataPath]:
-    """Return the paths of all tables and lists that contain a value at one of the ``paths``.
+    """Return the paths of all tables and lists that contain one of the values at ``paths``.
 
-    An entry that is no path, such as the name of a value, is ignored.
+    An entry of ``paths`` that is no path, such as the name of a value, is ignored.
     """
     proper = [
         path
@@ -70,9 +70,10 @@ def above(paths: Iterable[Any]) -> set[DataPath]:
 
 
 def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
-    """Return the rule that derives the value at ``path``.
+    """Return the rule that derives the value at ``path``, whose key has the default ``rule``.
 
-    The result is ``rule`` or, if the link is a box and this rule has another one for boxes, ``rule.of_box``.
+    The result is ``rule.of_box`` if there is one and ``path`` leads to a key of a link that is a box; else
+    ``rule``.
     """
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
@@ -81,9 +82,9 @@ def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
 
 
 def rule_of(path: DataPath, rules: Mapping[str, Any]) -> Derived:
-    """Return the rule that the metadata of the key at ``path`` have for its default.
+    """Return the rule for the default of the key at ``path``, from the metadata of the key's dataclass field.
 
-    ``rules`` maps a key of ``scene_keys``, such as "chain.links[].inertia", to its dataclass field.
+    ``rules`` has the field for each key of ``scene_keys``, such as "chain.links[].inertia".
     """
     key = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
     rule: Derived = rules[key].metadata["default"]

@@ -11,19 +11,19 @@ from chain_impact.scene.bodies import outlines_from, placed, rail_from
 from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
-# both relative to the size of the chain, the longer side of the rectangle around its points: MARGIN is the
-# width of the free border around the drawing; a wall at a larger distance from all points than NEAR is not
-# drawn
+# both divided by the size of the chain, the longer side of the rectangle around all points: MARGIN is the
+# width of the free border around the drawing; NEAR is the largest distance from the nearest point at which a
+# wall is drawn
 MARGIN, NEAR = 0.15, 1.0
-# all relative to the longer side of the drawing: LINE is the width of links, THIN of other lines; POINT is
-# the radius of points
+# all divided by the longer side of the drawing: LINE is the width of links, THIN the width of other lines,
+# POINT the radius of points
 LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 
 def svg(scene: Contents, values: Mapping[str, Any]) -> str:
-    """Return the drawing as SVG, in the text colour of the page that shows it.
+    """Return the text of an SVG element with the chain at its start, in the text colour of the page.
 
-    ``values`` are the values of the scene by their names.
+    ``values`` has value by name of a value of the scene (``Scene.values``).
     """
     positions = np.array([point[:2] for point in scene.start.values()])
     points = positions[: len(scene.chain.links) + 1]
@@ -63,5 +63,5 @@ def svg(scene: Contents, values: Mapping[str, Any]) -> str:
 
 
 def _listed(points: np.ndarray | list[np.ndarray]) -> str:
-    """Return points as the text "x,−y x,−y …" for SVG, whose y axis points downward."""
+    """Return points, shape (C, 2) [m], as the text "x,−y x,−y …" for SVG, whose y axis points downward."""
     return " ".join(f"{x:.6g},{-y:.6g}" for x, y in points)

@@ -1,9 +1,9 @@
-"""Facts of a scene, such as whether it has friction, and lists of its parts: most are found by one rule.
+"""Facts of a scene, such as whether it has friction, and lists of its parts.
 
-The tables FACTS and LISTS have the rules; rules.py has their language. A page evaluates the same rules
-(pages/browser/scene/owners.js). Lists without a rule are found by code, in Python by FOUND. Example: a link
-with ``joint_friction`` is a member of "links" with ``has_friction``, which makes the facts "joint_friction"
-and "friction" true.
+The tables FACTS and LISTS have the rules that give facts and lists; rules.py has the language of the rules. A
+page evaluates the same rules (pages/browser/scene/owners.js). Lists without a rule are found by code, in
+Python by FOUND. Example: a link that a joint holds and whose file gives ``joint_friction`` has the value
+``has_friction`` 1 in "links", which makes the facts "joint_friction" and "friction" true.
 """
 
 from __future__ import annotations
@@ -33,19 +33,19 @@ _OFF_KEYS = {
     for entry in keys(table)
     if entry.metadata["default"] is OFF
 }
-"""Keys with the default OFF. If the file lacks such a key, its value in the scene is 0, but for a rule the
-value is missing."""
+"""The names of keys with the default OFF. A key of this kind that the file lacks has the value 0 in the
+scene, but is missing for a rule."""
 
 
 class Members(NamedTuple):
-    """One of LISTS: what the members of a list are, and the rules for membership and for members' values.
+    """One of LISTS: the meaning of a list, and the rules that find its members and their values.
 
     Attributes:
-        meaning: what the members are, and the values that each member has.
-        over: the list whose members can be members of this one; "" for a list that FOUND and the page's code
-            find without a rule.
-        has: the rule by which a member of ``over`` is a member of this list.
-        values: name of a member's value → the rule for this value.
+        meaning: words for the members, and for the values that each member has.
+        over: the list from which the members of this list are taken; "" for a list that FOUND and the page's
+            code find without a rule.
+        has: the rule that is true if a member of ``over`` is a member of this list.
+        values: name of a value that each member has → the rule for this value.
     """
 
     meaning: str
@@ -57,8 +57,9 @@ class Members(NamedTuple):
 LISTS = {
     "sites": Members("points of links; link and entry: indices; corner: of a box, from 1, or 0; label"),
     "candidates": Members(
-        "pairs, stops, slider_stops; n: point or joint; wall: index; name: of the wall, a joint's stop has "
-        "none; stop: code of the stop, 0 for none; at_joint: it is a joint's stop"
+        "pairs, stops, slider_stops; n: number of the point or joint, 0 at the slider; wall: index; "
+        "name: of the wall or the slider's stop, missing at a joint; stop: STOP_CODES, 0 for a wall; "
+        "at_joint: it is a joint's stop"
     ),
     "walls": Members("numbered walls; name; exists: it is a wall, no stop; touched: a point can touch it"),
     "lines": Members("walls at any angle; name"),
@@ -87,7 +88,7 @@ value."""
 
 
 class Fact(NamedTuple):
-    """A fact of a scene: the rule that makes it true or gives its number, and its meaning in words."""
+    """A fact of a scene, which is 0 or 1 or a count: the rule for its number, and its meaning in words."""
 
     rule: str
     meaning: str
@@ -134,8 +135,8 @@ FACTS = {
     ),
     "knots": Fact("sum(signals, knot_count)", "the number of knots of all signals"),
 }
-"""Name → fact of a scene. A fact comes after the facts that its rule names. The keys of [inputs] and
-[outputs], such as ``inputs.tip_force``, are facts, too."""
+"""Name → fact of a scene. A fact comes after the facts that its rule names. ``SceneFacts`` has further facts:
+the keys of [inputs] and [outputs], such as ``inputs.tip_force``."""
 
 
 class SceneFacts(dict[str, Any]):
@@ -149,10 +150,13 @@ class SceneFacts(dict[str, Any]):
         self.scene = scene
 
     def __missing__(self, name: str) -> Any:
-        """Compute, store and return the fact or list of this name, which is asked for for the first time.
+        """Compute, store and return the fact or list ``name``; Python calls this at the first use of a name.
 
         A fact is a whole number: 0 or 1, or a count. A list is a list of dicts, one for each member. A key of
-        [inputs] or [outputs] is a fact, too: 0 or 1, or the number of entries if its value is a list.
+        [inputs] or [outputs] gives its value as a whole number; a list as value gives the number of entries.
+
+        Raises:
+            KeyError: when there is no such fact or list.
         """
         value: Any
         if name in FACTS:
@@ -168,10 +172,10 @@ class SceneFacts(dict[str, Any]):
         return value
 
     def value_of(self, name: str) -> Any:
-        """Return the value that a name has in a rule; None if the value is missing.
+        """Return the value that ``name`` has in a rule; None if the value is missing.
 
-        A name with a dot is a key of the scene's file; another name is a fact, or a list of ``LISTS``. A key
-        whose default is the rule ``OFF`` has a value only if the file gives the key.
+        A name with a dot is a key of the scene's file, any other name a fact or a list of ``LISTS``. The
+        value of a key with the default ``OFF`` is missing unless the file gives the key.
         """
         if "." not in name:
             return self[name]
@@ -211,9 +215,9 @@ class SceneFacts(dict[str, Any]):
 
 
 def friction_joints(scene: Contents) -> tuple[int, ...]:
-    """Return the numbers, from 1, of the joints whose ``joint_friction`` is given, even as 0.
+    """Return the numbers of the existing joints whose ``joint_friction`` the file gives, even as 0.
 
-    With a free base joint 1 does not exist, and its number is not returned.
+    With a free base, joint 1 does not exist.
     """
     return tuple(n for n, link in enumerate(SceneFacts(scene)["links"], 1) if link["has_friction"])
 

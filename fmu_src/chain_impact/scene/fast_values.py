@@ -1,7 +1,7 @@
-"""The fast path of ``with_values``: it changes numbers and choices on which few other values depend.
+"""The fast path of ``with_values``, for changes of numbers and choices on which few other values depend.
 
-It makes only the checks that these values need: reading and checking the whole scene again would take longer
-than a short simulation.
+The fast path makes only the checks that these values need. To read and check the whole scene again would take
+longer than a short simulation.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _TABLES: dict[DataPath, Any] = {
 
 @functools.cache
 def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
-    """Return a table of the values that may change alone: path or name → (path, metadata of the key)."""
+    """Return path or name → (path, metadata of the key), for each value with the rule ``alone``."""
     rule_of: dict[DataPath, Mapping[str, Any]] = {}
     for path, table in _TABLES.items():
         rule_of |= {(*path, name): rule for name, rule in _alone(table).items()}
@@ -53,16 +53,17 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
 
 
 def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
-    """Return key → metadata for the keys of a table that have the rule ``alone``."""
+    """Return key → metadata for the keys of the dataclass ``table`` that have the rule ``alone``."""
     return {entry.name: entry.metadata for entry in keys(table) if entry.metadata["alone"]}
 
 
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:
     """Return the scene with some numbers or choices changed, equal to the result of ``with_values``.
 
-    The result is None if only ``with_values`` can make the scene: if the scene has a user's law file, which
-    must be read again; if ``_with_number`` cannot make one of the changes; if the new start fails its checks
-    or needs a warning; or if the communication step is longer than the run.
+    ``changes`` is name or path → new value. The result is None if ``with_values`` must read the whole scene
+    again: if the scene has a user's law file, which may have changed; if ``_with_number`` cannot make one of
+    the changes; if the new start fails a check or needs a warning; or if the communication step is longer
+    than the run.
     """
     start, changed = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():
@@ -74,11 +75,11 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath,
 
 
 def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
-    """Return the scene with one number or choice changed.
+    """Return the scene with the value ``given`` at a path; ``rule`` is the metadata of the key.
 
-    The result is None if ``with_values`` must read the whole scene. This is so if the path is empty, because
-    ``_numbers`` lacks the name; if the path leads nowhere; if the new value is not allowed; if the present
-    value is derived; or if values other than the derived inertia of a link must change or be checked, too.
+    The result is None if ``with_values`` must read the whole scene again: if the path is empty (``_numbers``
+    lacks the name) or leads nowhere; if the new value is not allowed; if the present value is derived; or if
+    values other than the derived inertia of a link must change or be checked, too.
     """
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):
@@ -89,7 +90,7 @@ def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given
 
 
 def _value(given: Any, rule: Mapping[str, Any]) -> Any:
-    """Return a finite number as a float, or any text if the rule has choices; None for another value."""
+    """Return ``given`` as a finite float or, if the rule has choices, as a text; None if it is neither."""
     if rule["choices"]:
         return given if isinstance(given, str) else None
     if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST_NUMBER:
@@ -98,9 +99,9 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
 
 
 def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
-    """Return the scene with another number or choice at a path.
+    """Return the scene with the number or choice ``value`` at a path.
 
-    The result is None if ``with_values`` must read the whole scene.
+    The result is None if ``with_values`` must read the whole scene again.
     """
     match path:
         case "chain", "links", int(i), str(key):
@@ -119,18 +120,19 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
 
 
 def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
-    """Return whether other values of the scene depend on a number, or must be checked together with it."""
-    # the table of a signal may move a base or a wall; if the table ends before the stop time, this motion
-    # ends at rest, so its last polynomial depends on the stop time
+    """Return whether other values depend on the value at ``path``, or must be checked together with it."""
+    # the table of a signal may move the base or a wall; if the table ends before the stop time, the motion
+    # ends at rest, so the last polynomial of the motion depends on the stop time
     if path == ("simulation", "stop_time"):
         return any(signal.samples for signal in scene.signals.values())
     return path[0] == "contact" and (value == 0.0 or ("stops", *path[1:]) in scene.derived_paths)
 
 
 def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | None:
-    """Return the scene with a number of a link changed; a derived inertia follows the mass.
+    """Return the scene with another ``value`` of the ``key`` of the link with index ``i``.
 
-    The result is None if the link does not exist, or if its inertia would not be a finite number > 0.
+    If the key is ``mass``, a derived inertia follows. The result is None if the link does not exist, or if a
+    change of the mass or inertia would give an inertia that is not a finite number > 0.
     """
     links = scene.chain.links
     if i >= len(links):
@@ -148,7 +150,7 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
 
 
 def _with(table: SceneTable, **changes: Any) -> SceneTable:
-    """Return a copy of a table with some values changed.
+    """Return a copy of the dataclass object ``table`` with some fields changed, without any check.
 
     ``dataclasses.replace`` would take twice the time.
     """
@@ -161,7 +163,7 @@ def _with(table: SceneTable, **changes: Any) -> SceneTable:
 
 @functools.cache
 def _slots(table: type) -> list[tuple[str, Callable[..., Any], Callable[..., None]]]:
-    """Return for each field of a table its name, and the functions that read and write the field."""
+    """Return (name, function that reads it, function that writes it) for each field of a dataclass."""
     slots = [(entry.name, getattr(table, entry.name)) for entry in fields(table)]
     return [(name, slot.__get__, slot.__set__) for name, slot in slots]
 
@@ -172,7 +174,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
 
 
 def _starts(scene: Contents) -> bool:
-    """Return whether the start of the scene passes its checks and causes no warning."""
+    """Return whether the positions and angles at the start pass all checks and cause no warning."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles) or start_hints(scene):
         return False
     try:

@@ -14,19 +14,19 @@ from chain_impact.kernel.rows.geometry import NORMALS, WALLS
 
 @dataclass(frozen=True, slots=True)
 class HalfPlane:
-    """The free side of a wall: the points p with n·p ≥ offset.
+    """The free side of a wall: all positions p with n·p ≥ offset.
 
     Attributes:
-        normal: n, the unit vector across the wall into the free side.
-        offset: n·p for points p on the wall [m]: the wall's distance from the origin, negative if the origin
-            is on the free side.
+        normal: n, the unit vector at right angles to the wall, into the free side.
+        offset: n·p for positions p on the wall [m]: the distance of the wall from the origin, negative if the
+            origin is on the free side.
     """
 
     normal: tuple[float, float]
     offset: float
 
     def clearance(self, x: float, y: float) -> float:
-        """Return the distance [m] of a point from the wall; negative beyond the wall."""
+        """Return the distance [m] of the position (x, y) from the wall; negative beyond the wall."""
         return self.normal[0] * x + self.normal[1] * y - self.offset
 
 
@@ -51,9 +51,9 @@ def half_planes(
 
 
 def direction(normal: tuple[float, float]) -> float:
-    """Return the angle [rad] from +x of a wall's direction, from its normal, which may have any length.
+    """Return the angle [rad] from +x of a wall's direction, which has the wall's free side at its left.
 
-    The normal points to the left of this direction.
+    ``normal`` is a vector of any length > 0 into the free side. The angle is from −π to π.
     """
     # adding 0.0 turns the angle −0 into 0, so that it is written without a sign
     return math.atan2(-normal[0], normal[1]) + 0.0

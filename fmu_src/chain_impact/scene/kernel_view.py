@@ -1,7 +1,4 @@
-"""Stand-ins for the kernel's record: objects with values of a scene under the names of the record's fields.
-
-Functions of the kernel can read them like a record.
-"""
+"""Objects that functions of the kernel can read like a record: their attributes stand for the fields."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -13,13 +10,16 @@ MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 
 
 def chain_view(chain: Any) -> SimpleNamespace:
-    """Return the table ``chain`` of a scene as the argument of ``loose_links`` in kernel/chain/inertia.py."""
+    """Return the argument of ``loose_links`` (kernel/chain/inertia.py) for the table ``chain`` of a scene."""
     columns = {name: [getattr(link, name) for link in chain.links] for name in MASSES}
     return SimpleNamespace(has_base_joint=chain.has_base_joint, **columns)
 
 
 def signals_view(signals: np.ndarray, knots: np.ndarray) -> SimpleNamespace:
-    """Return the parts ``signal`` and ``knot`` of a record as ``d`` for kernel/chain/signals.py."""
+    """Return the argument ``d`` of the functions in kernel/chain/signals.py for a single signal.
+
+    ``signals`` and ``knots`` are the parts ``signal`` and ``knot`` of a record.
+    """
     parts = {"signal": signals, "knot": knots}
     views = {
         name: SimpleNamespace(**{field: part[field] for field in part.dtype.names or ()})

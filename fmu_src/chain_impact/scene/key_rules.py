@@ -13,7 +13,8 @@ from typing import Any, TypedDict, Unpack, get_args
 
 from chain_impact.scene.unit_text import in_brackets
 
-# name of a rule → function of a value and the rule's content: whether the value keeps the rule
+# name of a rule → function that tells whether a value keeps the rule; its arguments are the value, and the
+# rule's entry in the metadata
 _KEEPS: dict[str, Callable[[Any, Any], Any]] = {
     "minimum": operator.ge,
     "above": operator.gt,
@@ -24,12 +25,12 @@ _KEEPS: dict[str, Callable[[Any, Any], Any]] = {
 
 
 class KeyRules(TypedDict, total=False):
-    """The rules of a key's value; if it is a list, of each entry, except rules on the list itself."""
+    """The rules of a key; for a list, the rules up to ``pattern`` hold for each entry of the list."""
 
     minimum: float  # least allowed number
-    above: float  # lower limit: a number must be larger
+    above: float  # limit that a number must exceed
     maximum: float  # largest allowed number
-    choices: tuple[str, ...]
+    choices: tuple[str, ...]  # the allowed texts
     # a regular expression that the whole text must match, and the words for the texts that match it
     pattern: tuple[str, str]
     per_link: bool  # whether the list must have one entry for each link
@@ -39,38 +40,39 @@ class KeyRules(TypedDict, total=False):
     # whether `with_values` may change the key without reading the whole scene again (fast_values.py)
     alone: bool
     or_one: bool  # whether one text may be given in place of a list with this text alone
-    # the head of the key's column in the page's editor of the scene; the editor has no column for a key
-    # without label
+    # the head of the key's column in the page's editor of the scene; without it, the editor has no column for
+    # the key
     label: str
-    # whether the key is a short form in files only: other keys replace it when the file is read
+    # whether only files have the key: the reading of a file replaces it by other keys
     file_only: bool
-    # name of a key, in the same table or as "table.key", that names a user's file: the name of this file
-    # without its suffix is one more choice of the value, as for the law of a user
+    # name of another key, in the same table or as "table.key", whose value is the path of a user's file: the
+    # file's name without suffix is one more choice, as for a user's law
     extended_by: str
-    # function from the values of the keys read before to the unit of this value, if other keys decide the
-    # unit
+    # function that returns the unit of the value from the values of keys read before; only for a key whose
+    # unit depends on other keys
     unit_by: Callable[[Mapping[str, Any]], str]
 
 
 @dataclass(frozen=True, slots=True)
 class Derived:
-    """A default that follows from the values read before it.
+    """The rule for a default that follows from the values read before it.
 
     Attributes:
         text: the rule in words.
-        value: function from the values read before to the default; the default is None if the value does not
-            exist, and ``MISSING`` if the file must give the key.
-        terms: for a parameter of the FMU: for each term, the keys whose values are multiplied. The default is
-            the sum of these products, divided by ``divisor``. A key without a dot belongs to the same table.
+        value: function from the values read before to the default; the default is None if the scene has no
+            such value, and ``MISSING`` if the file must give the key.
+        terms: for each product of a sum, the keys whose values are multiplied; the default is the sum divided
+            by ``divisor``. A key without a dot belongs to the same table. Empty if the default is no such
+            sum.
         divisor: the number that divides the sum of the products.
-        constant: whether the default has the same content in all scenes; other values may decide only its
-            length, or whether there is a default.
-        of_box: the rule that replaces this one for a link that is a box, if there is one.
-        or_key: the key of the same table that can be given in place of this key, if there is one.
-        with_stops: the constant default in a scene with stops of joints, if there is one.
-        off: the constant default of a value that describes a part which the scene has only if the value is
-            given, such as dry friction. For rules (rules.py), a value that is not given is missing; a given 0
-            is not.
+        constant: whether the default is the same in all scenes, except for the length of a list, and except
+            that some scenes have no such value.
+        of_box: the rule that replaces this one for a link that is a box; None if this rule holds for it.
+        or_key: the key of the same table that can be given in place of this key; "" if there is none.
+        with_stops: the default in each scene in which a joint has a stop; None for a rule of another kind.
+        off: the default of a value that describes a part, such as dry friction, which the scene has only if
+            the file gives the value, even as 0; None for a rule of another kind. For the rules of rules.py, a
+            value that the file does not give is missing.
     """
 
     text: str
@@ -92,15 +94,16 @@ NO_KEY = {"key": False}
 
 @functools.cache
 def keys(table: Any) -> tuple[Field[Any], ...]:
-    """Return the fields of a table that are keys of the scene file."""
+    """Return those fields of the dataclass ``table`` that are keys of the scene file."""
     return tuple(entry for entry in fields(table) if entry.metadata.get("key", True))
 
 
 def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpack[KeyRules]) -> Any:
     """Return a dataclass field with the metadata of one key of the scene file.
 
-    The metadata are `unit` ("1" for a pure number, "" for other values), `description`, `default` (a value,
-    a `Derived`, or `dataclasses.MISSING` if it must be given) and the keys of `KeyRules`, None for no rule.
+    The metadata are `unit` ("1" for a pure number, "" for a value that is no number), `description`,
+    `default` (a value, a `Derived`, or `dataclasses.MISSING` if the file must give the key), and an entry for
+    each key of `KeyRules`, None without such a rule.
     """
     metadata = {"unit": unit, "description": description, "default": default}
     metadata |= dict.fromkeys(KeyRules.__annotations__) | rules
@@ -111,9 +114,10 @@ def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpac
 
 
 def simple_default(rule: Mapping[str, Any]) -> Any:
-    """Return the default that the metadata ``rule`` have.
+    """Return the default in the metadata ``rule`` of a key.
 
-    A `Derived` with ``off`` is replaced by the constant ``off``; any other default is returned unchanged.
+    The result is the number ``off`` for a `Derived` that has ``off``; any other default is returned
+    unchanged.
     """
     default = rule["default"]
     return default if not isinstance(default, Derived) or default.off is None else default.off
@@ -121,12 +125,12 @@ def simple_default(rule: Mapping[str, Any]) -> Any:
 
 @functools.cache
 def without_none(kind: Any) -> Any:
-    """Return the type ``kind``; for a union with None, ``X | None``, return X."""
+    """Return X for the type ``X | None``; return any other type unchanged."""
     return get_args(kind)[0] if NoneType in get_args(kind) else kind
 
 
 def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
-    """Return whether a value, no list, keeps the rules of ``_KEEPS`` that the metadata `rule` have."""
+    """Return whether a number or text keeps those rules of ``_KEEPS`` that the metadata `rule` have."""
     for name, keep in _KEEPS.items():
         bound = rule[name]
         if bound is not None and not keep(value, bound):
@@ -135,13 +139,13 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
 
 
 def extended(rule: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the metadata `rule` of a key, completed with what the values of other keys decide.
+    """Return the metadata `rule` of a key with the unit or the further choice that other keys decide.
 
-    The name of a user's law becomes a choice of a key, and the unit of a key may depend on another key.
+    See ``unit_by`` and ``extended_by`` in ``KeyRules``; other metadata are returned unchanged.
 
     Args:
         rule: the metadata.
-        tables: key → value or table, as far as they have been read.
+        tables: key → value or table, for all that have been read before.
     """
     if unit_by := rule.get("unit_by"):
         return {**rule, "unit": unit_by(tables)}
@@ -154,7 +158,7 @@ def extended(rule: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str,
 
 
 def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
-    """Return in words which values of type `kind` the metadata `rule` allow: "a finite number > 0 [m]"."""
+    """Return words for the values of type `kind` that the metadata `rule` allow: "true or false"."""
     if rule["choices"] is not None:
         return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
     if kind is str:

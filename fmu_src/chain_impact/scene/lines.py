@@ -1,4 +1,4 @@
-"""Lines of a scene file: the number of the line with a key, and hints for a line that is not valid TOML."""
+"""Finds the line of a scene file that has a key, and gives hints for a line that is not valid TOML."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from chain_impact.scene.text_file import comma_in
 from chain_impact.scene.unit_text import number_hint
 
 LISTS_OF_TABLES = ("chain.links", "walls")
-"""Tables of which a file may have several, each under the head ``[[…]]``; hints know these only."""
+"""Keys of lists of tables, each table with the head ``[[…]]``, for which ``fault_hint`` has a hint."""
 _KEY_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_KEY_NAME}(?:\s*\.\s*{_KEY_NAME})*"
 _HEAD = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]\]?")
@@ -21,20 +21,21 @@ _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)
 
 
 def line_of(text: str, path: DataPath) -> int | None:
-    """Return the number, from 1, of the line with a key.
+    """Return the number, from 1, of the line of ``text`` that has a key.
 
-    If the text does not have the key itself, the result is the line of the innermost list or table that
-    contains the key; None if the text has none of them.
+    If no line has the key itself, the result is the line of the innermost list or table that would contain
+    the key; None if no line has any of these.
 
     Args:
         text: a scene file.
         path: the path of the key, ``("chain", "links", 0, "mass")``.
     """
-    # the best line so far, as two numbers: how many entries of ``path`` it matches, and the line's number
+    # the best line so far: the number of entries of ``path`` that the line matches, and the number of the
+    # line
     best: tuple[int, int | None] = (0, None)
     table: DataPath = ()
     counts: dict[DataPath, int] = {}
-    # the quotes that began a text over several lines, in which no keys are sought; "" outside of such a text
+    # the quotes that began a text over several lines; "" outside of such a text, in which no keys are sought
     inside = ""
     for number, line in enumerate(text.splitlines(), 1):
         if not inside and (head := _HEAD.match(line)):
@@ -58,9 +59,9 @@ def line_of(text: str, path: DataPath) -> int | None:
 def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
     """Return the path of the table whose head has the keys ``steps``.
 
-    A head has no indices. If one of its keys, except the last one, names a list, the head belongs to the last
-    entry of this list so far. The index of this entry, from 0, follows the key in the returned path;
-    ``counts`` has it for the path of each list.
+    A head has no indices. If one of its keys, except the last one, names a list, the table belongs to the
+    last entry of this list so far. The path has the index of this entry, from 0, after the key. ``counts`` is
+    path of each list → this index.
     """
     path: DataPath = ()
     for step in steps[:-1]:
@@ -70,12 +71,12 @@ def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
 
 
 def _steps(dotted: str) -> DataPath:
-    """Return the keys in a dotted key, without quotes: ("a", "b") for ``a."b"``."""
+    """Return the parts of a dotted key, without quotes: ("a", "b") for ``a."b"``."""
     return tuple(step.strip("\"'") for step in re.findall(_KEY_NAME, dotted))
 
 
 def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
-    """Return the keys, as paths in their table, in those lines of a TOML file that follow the last head."""
+    """Return the keys after the last head in ``lines`` of a TOML file, as paths in the table of this head."""
     keys: set[DataPath] = set()
     for line in lines:
         if _HEAD.match(line):
@@ -86,7 +87,7 @@ def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
 
 
 def _other_file_hint(line: str) -> str:
-    """Return a hint for a file that is a table or XML, from its first line; "" for any other file."""
+    """Return a hint if the first line of a file shows a table of data or XML; "" for any other line."""
     if _COLUMNS.fullmatch(line):
         return "; it is a table of data, must be a scene: in `fit` the scene comes first, then the data"
     if line.lstrip().startswith("<"):
@@ -95,7 +96,7 @@ def _other_file_hint(line: str) -> str:
 
 
 def fault_hint(text: str, fault: str) -> str:
-    """Return a hint how to correct the line of a TOML file that the parser's message ``fault`` names.
+    """Return a hint how to correct the line of ``text`` that the TOML parser's message ``fault`` names.
 
     The result is "" if no hint is known.
     """

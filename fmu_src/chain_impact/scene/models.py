@@ -20,7 +20,11 @@ def model_names() -> list[str]:
 
 
 def scene_path(source: str | os.PathLike[str]) -> Path:
-    """Return the path of the scene file that `load_scene` reads for ``source``; the file need not exist."""
+    """Return the path that `load_scene` reads for ``source``; the file need not exist.
+
+    The path is that of the scene file in the folder ``source``; if there is none and ``source`` is no file,
+    that of the model with this name; else ``source``.
+    """
     path = Path(source)
     if path.is_dir() and (path / SCENE_FILE).exists():
         return path / SCENE_FILE
@@ -30,10 +34,10 @@ def scene_path(source: str | os.PathLike[str]) -> Path:
 
 
 def unreadable(source: object, error: Exception) -> str:
-    """Return the message for a ``source`` of which ``scene_path`` gives no readable file.
+    """Return the message for a ``source`` that `load_scene` cannot read; ``error`` is the reason.
 
-    It tells the reason, what is allowed, and the scene that is probably meant: a file in the same folder, or
-    a model. For an FMU it names the commands that take FMUs instead.
+    The message has the reason, the allowed kinds of sources, and a similar name: of a file in the same folder
+    or of a model. If ``source`` is an existing FMU, it has the commands that take FMUs in place of these.
     """
     path = Path(str(source))
     if path.suffix.lower() == ".fmu" and isinstance(error, ValueError):

@@ -1,7 +1,7 @@
-"""The names of the values of a scene: each value has one name in all commands, functions and outputs.
+"""The names of the values of a scene, which are the same in all commands, functions and outputs.
 
-A parameter has the name of the FMU's variable: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. Another
-value has the dotted key of the file as its name: ``simulation.stop_time``, ``contact.points``. Links count
+A parameter has the name of the FMU's variable: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. Any
+other value has the dotted key of the file as name: ``simulation.stop_time``, ``contact.points``. Links count
 from 1, at the base.
 """
 
@@ -12,16 +12,16 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 DataPath = tuple[str | int, ...]
-"""A path in nested tables and lists; indices of lists count from 0."""
+"""A path in nested tables and lists: the keys, and the indices of lists, from 0."""
 AT = "{at}"
-"""The placeholder of an index in the template of a path: ("chain", "links", "{at}", "mass").
+"""The placeholder of an index in the template of a path, such as ("chain", "links", "{at}", "mass").
 
-The template of the name has {n} in its place: link[{n}].mass. For a wall the name has {name}.
+The template of the name of the value has {n} there, as in link[{n}].mass, and {name} for a wall.
 """
 LINK_AT, ENTRY_AT = "{link}", "{entry}"
-"""The placeholders of two indices in the template of a path: LINK_AT of a link, ENTRY_AT of a point on it.
+"""The placeholders of the indices of a link (LINK_AT) and of its point (ENTRY_AT) in the template of a path.
 
-The template of the name has {of} and {n} in their places: link[{of}].point[{n}].x.
+The template of the name of the value has {of} for LINK_AT and {n} for ENTRY_AT: link[{of}].point[{n}].x.
 """
 AXES = ("x", "y")
 STOPS = ("joint_min", "joint_max")
@@ -31,14 +31,15 @@ SLIDER_STOPS = ("slider_min", "slider_max")
 
 
 def point_label(number: int, names: Mapping[int, str]) -> str:
-    """Return the words for a point: "point 5", or "point 5 (heel)" for a point with a name."""
+    """Return "point 5" for the point 5, or "point 5 (heel)" if ``names`` has the name "heel" for it."""
     return f"point {number} ({names[number]})" if number in names else f"point {number}"
 
 
 def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
-    """Return the name of the value at a path of the scene; ``walls`` are the names of the walls at any angle.
+    """Return the name of the value at a path of the scene.
 
     For the template of a path, which has placeholders (AT) for indices, the result is the template of a name.
+    ``walls`` has the names of the entries of the scene's ``walls``, in order.
     """
     match path:
         case "gravity", int(j):
@@ -69,12 +70,11 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
 
 
 def _of_signal(path: DataPath) -> DataPath:
-    """Return the path of a signal's key as the steps of its name.
+    """Return the steps of the name of a value of a signal, from the path of the value.
 
-    An entry of a list has a word in the singular: ("signals", "a", "times", 0) becomes ("signal", "a",
-    "time", 0).
-
-    Any other path is returned unchanged.
+    The steps have the word "signal" for "signals". In the path of an entry of a list, the key of the list is
+    in the singular, too: ("signals", "a", "times", 0) gives ("signal", "a", "time", 0). Any other path is
+    returned unchanged.
     """
     if path[:1] != ("signals",) or len(path) < 3:  # noqa: PLR2004
         return path
@@ -83,34 +83,33 @@ def _of_signal(path: DataPath) -> DataPath:
 
 
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:
-    """Return the name of the wall with an index in ``walls``; None if this entry of ``walls`` is no text.
+    """Return entry ``number`` of ``walls``, the names of the walls; None if this entry is no text.
 
-    For the placeholder AT the result is "{name}", the placeholder in names.
+    For the placeholder AT in place of a number, the result is "{name}", the placeholder in names.
     """
     name = "{name}" if number == AT else walls[int(number)]
     return name if isinstance(name, str) else None
 
 
 def fmu_name(name: str) -> str:
-    """Return the FMU's name of a value for another of its names, such as the key in the file.
+    """Return the FMU's name of the value that ``name`` names, such as the key in the file.
 
     For example ``stop.stiffness`` for ``stops.stiffness``, ``link[1].mass`` for ``chain.links[1].mass``. A
-    name that has no other form in the FMU is returned unchanged.
+    name without another form in the FMU is returned unchanged.
     """
     steps = name.replace("[", ".").replace("]", "").split(".")
     try:
         return name_of(tuple(int(step) - 1 if step.isdecimal() else step for step in steps)) or name
-    # a vector has no component with this number, the number has too many digits, or it is that of a wall in
-    # ``walls``, whose names are not known here
+    # a number in the name is not that of a component of a vector, or has too many digits, or is the number of
+    # an entry of ``walls``, whose name is not known here
     except (IndexError, ValueError):
         return name
 
 
 def other_names(name: str) -> set[str]:
-    """Return the other names by which a message may call a value that has the name ``name``.
+    """Return the other names that a message may have for the value that ``name`` names.
 
-    Such a name is the value's name in the FMU or, for a value of [stops], its key in the file. The result is
-    without ``name`` itself.
+    These are the name in the FMU and, for a value of [stops], the key in the file, without ``name`` itself.
     """
     of_fmu = fmu_name(name)
     in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu
@@ -118,7 +117,7 @@ def other_names(name: str) -> set[str]:
 
 
 def path_text(path: DataPath) -> str:
-    """Return a path in a file as text, with indices from 1: "chain.links[1].mass", "gravity[2]"."""
+    """Return a path in a file as text, in which indices count from 1: "chain.links[1].mass", "gravity[2]"."""
     return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(
         "."
     )
@@ -129,9 +128,9 @@ class NameParts(NamedTuple):
 
     Attributes:
         owner: the word for the owner: ``contact`` in contact[2].y_min.force, ``energy`` in energy.total.
-        n: the number of the owner, 0 without one.
-        name: the name of a wall or signal, "" without one.
-        quantity: the rest of the name: ``force``, ``load.x``.
+        n: the number in brackets after the owner: 2 in contact[2].y_min.force; 0 without brackets.
+        name: the name of the owner's wall or signal: ``y_min`` in contact[2].y_min.force; "" without one.
+        quantity: the rest of the name: ``force``, or ``load.x`` in wall.y_min.load.x.
     """
 
     owner: str
@@ -146,7 +145,7 @@ _PARTS = re.compile(
 
 
 def name_parts(name: str) -> NameParts:
-    """Return the parts of a variable's name; a name of another form becomes the part ``quantity``."""
+    """Return the parts of a variable's name; if it has no owner, the whole name is ``quantity``."""
     at = _PARTS.fullmatch(name)
     if not at:
         return NameParts("", 0, "", name)
@@ -155,9 +154,9 @@ def name_parts(name: str) -> NameParts:
 
 
 def by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], dict[str, Any]]:
-    """Return a table from (owner, number, name), as in ``NameParts``, to the table of the owner's quantities.
+    """Return (owner, n, name), as in ``NameParts``, → table of the owner: quantity → value.
 
-    ``values`` has the values by the whole names of variables.
+    ``values`` has value by whole name of a variable.
     """
     owned: dict[tuple[str, int, str], dict[str, Any]] = {}
     for whole, value in values.items():
@@ -184,12 +183,12 @@ INPUTS_OF: dict[str, dict[str, str]] = {
         **{"wall.{name}.acceleration": "m/s2", "wall.{name}.belt_speed": "m/s"},
     },
 }
-"""Key of `[inputs]` → the inputs that it adds: template of the name → unit; {n} is a number, {name} a
-wall."""
+"""Key of `[inputs]` → the inputs that the key adds, as template of the name → unit. {n} stands for the number
+of a joint, {name} for the name of a wall."""
 
 
 def is_like(name: str, template: str) -> bool:
-    """Return whether a name matches a template: {n} in the template matches any number, {name} any word."""
+    """Return whether a name matches a template, in which [{n}] matches any number, {name} any word."""
     steps, forms = name.split("."), template.split(".")
     return len(steps) == len(forms) and all(map(_fits, steps, forms))
 
@@ -202,14 +201,14 @@ def _fits(step: str, form: str) -> bool:
 
 
 def input_key(name: str) -> str | None:
-    """Return the key of `[inputs]` that adds the input ``name``; None if no input has this name."""
+    """Return the key of `[inputs]` that adds the input ``name``; None if ``name`` has no form of an input."""
     return next(
         (key for key, names in INPUTS_OF.items() if any(is_like(name, pattern) for pattern in names)), None
     )
 
 
 def input_asked(name: str) -> str | None:
-    """Return the line of a scene file that adds the input ``name``; None if no input has this name.
+    """Return the line of a scene file that adds the input ``name``; None if ``name`` has no form of an input.
 
     For example ``inputs.joint_torques = true`` for ``joint[2].torque``.
     """
@@ -224,7 +223,7 @@ SENSITIVITY = "sensitivity."
 
 
 def sensitivity_name(output: str, parameter: str) -> str:
-    """Return the name of the derivative of an output: ``sensitivity.<parameter>.<output>``."""
+    """Return the name of the derivative of an output by a parameter: ``sensitivity.<parameter>.<output>``."""
     return f"{SENSITIVITY}{parameter}.{output}"
 
 
@@ -233,11 +232,11 @@ VALUE_WITHOUT_DRIVE = {
     "slider.target_position": "slider.rest_position",
     **{f"base.{axis}": f"initial.{axis}" for axis in AXES},
 }
-"""Input → the parameter whose value the input has while nothing drives it; {n} stands for a number."""
+"""Input → the parameter whose value the input has if nothing drives it; {n} stands for a joint's number."""
 
 
 def without_drive(name: str) -> str | None:
-    """Return the parameter of an input in VALUE_WITHOUT_DRIVE; None for an input that has none there."""
+    """Return the parameter of the input ``name`` in VALUE_WITHOUT_DRIVE; None for any other name."""
     for template, parameter in VALUE_WITHOUT_DRIVE.items():
         if is_like(name, template):
             return parameter.format(n=re.sub("[^0-9]", "", name))
@@ -245,15 +244,19 @@ def without_drive(name: str) -> str | None:
 
 
 def value_at_start(values: Mapping[str, Any], name: str) -> float:
-    """Return the value with the name, from the ``values`` of a scene by name.
+    """Return the value of ``name`` at the start of a run; ``values`` is name → value of a scene.
 
-    For an input that nothing drives, this is the value of its parameter in VALUE_WITHOUT_DRIVE, or 0.
+    If ``values`` lacks the name, it is that of an input that nothing drives: the result is then the value of
+    the input's parameter in VALUE_WITHOUT_DRIVE, or 0 without one.
     """
     return float(values.get(name, values.get(without_drive(name) or "", 0.0)))
 
 
 def input_hint(name: str, how: str) -> str:
-    """Return a hint for an input that the user sets like a parameter; ``how`` says how to give the input."""
+    """Return a hint for the input ``name``, which the user sets like a parameter.
+
+    ``how`` are the words for how to give the input.
+    """
     hint = f"it is an input: give it over time {how}"
     if start := start_hint(name):
         return f"{hint}; {start}"
@@ -275,11 +278,12 @@ AT_START = {
     "slider.position": "initial.x and initial.y set the base, where it is 0,",
     "slider.velocity": "initial.slider_velocity sets it",
 }
-"""Quantity that changes in a motion → words on the parameters that set it at the start; {n}: a number."""
+"""Quantity of a motion → words for the parameters that set its start value; {n} stands for the number of a
+point, link or joint."""
 
 
 def start_hint(name: str) -> str | None:
-    """Return a hint which parameters set a quantity of the motion at the start; None for another name."""
+    """Return a hint which parameters set the start value of a quantity in AT_START; None for another name."""
     for template, hint in AT_START.items():
         if is_like(name, template):
             return f"{hint.format(n=re.sub('[^0-9]', '', name))} at the start"
@@ -290,7 +294,7 @@ JOINT_ANGLES = "initial.joint_angles"
 
 
 def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | None:
-    """Return a hint for a name that cannot be set as a parameter: what to do instead.
+    """Return a hint what to do in place of setting ``name``, which is not a parameter of the scene.
 
     The result is None if no hint is known.
 
@@ -313,9 +317,9 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
-    """Return a hint how to make the missing signal that the name ``signal.<signal>.<key>`` of a value needs.
+    """Return a hint how to make the signal that ``name``, of the form ``signal.<signal>.<key>``, needs.
 
-    The result is None for any other name, and if ``signals`` has the signal.
+    The result is None for a name of another form, and if ``signals`` has the signal.
     """
     table, _, key = name.partition(".")
     signal = key.partition(".")[0]

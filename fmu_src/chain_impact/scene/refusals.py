@@ -1,7 +1,8 @@
-"""Sentences and rules for the faults of scene files that Python and the page that simulates both refuse.
+"""The faults of scene files that Python and the page that simulates both refuse: their sentences and rules.
 
-A sentence follows the path of the key. Words in braces stand for texts of the scene. The text after "; " is
-advice, in which Python may say more than the page. The rules' conditions are in the language of rules.py.
+In an error, the path of the key comes before the sentence. Words in braces stand for texts of the scene. The
+text after "; " is advice, in which Python may say more than the page. The conditions of the rules are in the
+language of rules.py.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ SENTENCES = {
     "sine_jumps": "= {value}: the velocity of {input} would jump, which would be an impact of unknown "
     "strength; give it a rise, a phase at which the sine is at rest, as pi/2, or start = 0",
 }
-"""Name of a fault → its sentence, with words in braces."""
+"""Name of a fault → the sentence on this fault, with words in braces."""
 
 
 class Rule(NamedTuple):
@@ -79,17 +80,17 @@ class Rule(NamedTuple):
 
     Attributes:
         fault: the name of the fault, a key of SENTENCES.
-        key: the refused key; its value becomes the word ``value`` of the sentence.
+        key: the refused key; the value of this key replaces the word ``value`` in the sentence.
         condition: the condition, in the language of rules.py, that is true if the value is refused. Its names
             are keys and facts.
         least: an expression of this language for the number with which the sentence compares the value; ""
-            for none. The number becomes the word ``least`` of the sentence, the text of the expression the
+            for none. The number replaces the word ``least`` in the sentence, the text of the expression the
             word ``bound``.
-        of: the tables to which the key belongs: "" is the whole file; "link" is each link; "law" is
-            [contact], each table in [contact.wall], and [stops]. With "law", the rule uses the value of
-            [contact] for a missing coefficient of friction and a missing value of [stops]. In such a rule,
-            the name ``law`` is the contact law of the table; a user's law has no properties in rules.
-        in_kernel: whether the kernel, too, checks the rule, at the start of a run. A page does not check such
+        of: the tables for which the rule is checked, and to which the key belongs: "" is the whole file;
+            "link" is each link; "law" is [contact], each table in [contact.wall], and [stops]. With "law", a
+            missing coefficient of friction of a wall, and a missing value of [stops], follow from [contact].
+            In such a rule, ``law`` is the contact law of the table; a user's law has no properties in rules.
+        in_kernel: whether the kernel checks the rule, too, at the start of a run. A page does not check such
             a rule when its user changes one value, because the user may change the other value next.
     """
 
@@ -170,14 +171,14 @@ SIGNAL_RULES = (
         "moves and form == 'sine' and order == 0 and start > 0 and not rise and starts_fast",
     ),
 )
-"""Rules for a signal together with an input that it drives.
+"""Rules for a signal together with each input that the signal drives.
 
-The rules may name these facts. ``moves``: the input moves the base or a wall; ``order``: how many times the
-input is integrated; ``steps_differ``: not all values of the steps are equal; ``starts_fast``: the speed of a
-sine is not 0 at its start.
+The names in the rules are keys of the signal and these facts. ``moves``: the input is a position, velocity or
+acceleration of the base or a wall; ``order``: how often the input is integrated over time; ``steps_differ``:
+not all values of the steps are equal; ``starts_fast``: the speed of a sine is not 0 at its start.
 """
 
 
 def sentence(fault: str, **words: object) -> str:
-    """Return the sentence of a fault with ``words`` in place of its words in braces."""
+    """Return the sentence on a fault, with the texts of ``words`` in place of the words in braces."""
     return SENTENCES[fault].format_map(words)

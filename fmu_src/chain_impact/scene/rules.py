@@ -3,16 +3,16 @@
 A rule is written like an expression of Python. From strong to weak, its parts are
 
 - numbers, texts in quotes, and names of values, such as ``chain.base``
-- ``given(name)``, true if the value is not missing; ``any(list, rule)``, true if the rule is true for a
-  member of the list; ``sum(list, rule)``, the sum of the rule's numbers for all members
+- ``given(name)``, true if the value is not missing; ``any(list, rule)``, true if the rule is true for at
+  least one member of the list; ``sum(list, rule)``, the sum of the rule's numbers for all members
 - ``a*b``, then ``a + b``; a condition counts as 0 or 1
 - ``==``, ``!=``, ``<``, ``>``, ``<=``, ``>=``, ``in``
 - ``not``, then ``and``, then ``or``
 
-In the rule that is an argument of ``any`` or ``sum``, ``order`` is the index of the member in the list. If
-the list is in the scene's file, as ``chain.links``, any other name without a dot is a key of the member. For
-any other list, a name is a value of the member if the member has it, else of the scene. The list may also be
-tables by name, as ``contact.wall``; its members are then these tables.
+In the rule that is an argument of ``any`` or ``sum``, ``order`` is the index of the member in the list, from
+0. If the list is in the scene's file, as ``chain.links``, any other name without a dot is a key of the
+member. For any other list, a name is a value of the member if the member has this value, else a value of the
+scene. The list may also be tables by name, as ``contact.wall``; the members are then these tables.
 
 A value counts as true if it is neither missing nor 0 nor empty; a list, if one of its entries counts as true.
 Where a number is needed, a list counts as its length. A sum or a product with a missing value is missing. A
@@ -30,10 +30,10 @@ from functools import cache, partial
 from typing import Any, TypeAlias
 
 Tree: TypeAlias = dict[str, Any]
-"""A part of a rule: ``{"constant": 2}``, ``{"name": "chain.base"}``, or an operator with its parts:
-``{"operator": "<", "parts": [...]}``."""
+"""A part of a rule: ``{"constant": 2}``, ``{"name": "chain.base"}``, or ``{"operator": "<", "parts":
+[...]}``, an operator or function with its operands, each of which is a tree."""
 ValueOf: TypeAlias = Callable[[str], Any]
-"""A function from the name of a value in a rule to the value; None for a missing value."""
+"""A function that returns the value of a name in a rule, or None if the value is missing."""
 _SIGNS: dict[type, str] = {
     ast.And: "and",
     ast.Or: "or",
@@ -67,16 +67,16 @@ _OF_TWO: dict[str, Callable[[Any, Any], Any]] = {
     ">=": operator.ge,
     "in": lambda value, entries: value in entries,
 }
-"""``_OF_ALL``, ``_OF_ONE``, ``_OF_TWO``: sign → function of the values of all parts, of one part, or of two
-parts. A function of two parts never gets a missing value."""
+"""``_OF_ALL``, ``_OF_ONE``, ``_OF_TWO``: sign of an operator → function that computes the operator from the
+values of any number of operands, of one, or of two. A function of two operands never gets a missing value."""
 
 
 @cache
 def tree(rule: str) -> Tree:
-    """Return the tree of a rule; the tree is shared by all callers, and nothing may change it.
+    """Return the tree of a rule; all callers get the same object, which nothing may change.
 
     Raises:
-        ValueError: for text that is not a rule; the message has the text.
+        ValueError: when ``rule`` is not a rule; the message has its text.
     """
     try:
         return _tree(ast.parse(rule, mode="eval").body)
@@ -101,9 +101,9 @@ def _tree(node: ast.AST) -> Tree:
 
 
 def _operation(node: ast.AST) -> tuple[str | None, Sequence[ast.AST]]:
-    """Return the sign and the parts of an operation, or the name and the arguments of a function.
+    """Return the sign and the operands of an operation, or the name and the arguments of a function.
 
-    The sign or name is None for anything that rules do not have.
+    The sign or name is None for an operation or a function that rules do not have.
     """
     match node:
         case ast.BoolOp(op=of, values=parts):
@@ -120,7 +120,7 @@ def _operation(node: ast.AST) -> tuple[str | None, Sequence[ast.AST]]:
 
 
 def names_in(part: Tree) -> Iterator[str]:
-    """Yield the names in a tree, without the name ``order`` in a rule for members of a list."""
+    """Yield the names in a tree, except ``order`` in the arguments of ``any`` and ``sum``."""
     if "name" in part:
         yield part["name"]
     has_members = part.get("operator") in ("any", "sum")
@@ -129,21 +129,27 @@ def names_in(part: Tree) -> Iterator[str]:
 
 
 def holds(rule: str, value_of: ValueOf) -> bool:
-    """Return whether a rule is true; ``value_of`` is a function from a name in the rule to its value."""
+    """Return whether a rule is true; ``value_of`` is a function from a name in the rule to its value.
+
+    A rule whose value is missing is not true.
+    """
     return _is_so(_function(rule)(value_of))
 
 
 def number_in(rule: str, value_of: ValueOf) -> Any:
     """Return the value of a rule, a number or a text; None if the value is missing.
 
-    A condition gives 0 or 1, a list its length.
+    A condition gives the number 0 or 1, a list the number of its entries.
     """
     value = _counted(_function(rule)(value_of))
     return int(value) if value is True or value is False else value
 
 
 def numbers_of(rule: str, members: Iterable[Any], value_of: ValueOf) -> list[Any]:
-    """Return the value of a rule for each of ``members``, as ``number_in`` gives it."""
+    """Return the value of a rule, a number or a text, for each of ``members``; None where it is missing.
+
+    ``value_of`` gives the values that the members do not have (``value_within``).
+    """
     number = partial(number_in, rule)
     return _for_members(number, tuple(names_in(tree(rule))), members, value_of)
 
@@ -151,7 +157,8 @@ def numbers_of(rule: str, members: Iterable[Any], value_of: ValueOf) -> list[Any
 def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
     """Return the members of the list that a rule names.
 
-    If the rule gives a number, the result has this number of members, none of which has values.
+    If the rule gives a whole number, the result is as many members without values; if its value is missing,
+    there are no members.
     """
     value = _function(rule)(value_of)
     return [{}] * value if isinstance(value, int) else _members(value)
@@ -163,7 +170,7 @@ def _function(rule: str) -> Callable[[ValueOf], Any]:
 
 
 def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
-    """Return the function that computes a part of a rule from ``value_of``; its result None means missing."""
+    """Return the function that computes a part of a rule from ``value_of``; it returns None if missing."""
     if "parts" not in part:
         name, constant = part.get("name"), part.get("constant")
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)
@@ -186,10 +193,17 @@ def _of_members(
     names: Sequence[str],
     value_of: ValueOf,
 ) -> Any:
-    """Return the value of ``any(list, rule)`` or ``sum(list, rule)``, as ``sign`` says.
+    """Return the value of ``any(list, rule)`` or ``sum(list, rule)``; ``sign`` is "any" or "sum".
 
-    The value of ``any`` is whether the rule is true for a member of the list, that of ``sum`` the sum of the
-    rule's number over all members; None if one of these numbers is missing.
+    The value of ``any`` is whether the rule is true for at least one member. The value of ``sum`` is the sum
+    of the rule's numbers for all members, or None if one of these numbers is missing.
+
+    Args:
+        sign: the name of the function.
+        members: function that returns the list.
+        of: function that computes the rule.
+        names: the names in the rule.
+        value_of: the values of names for the whole scene.
     """
     values = _for_members(of, names, _members(members(value_of)), value_of)
     if sign == "any":
@@ -200,9 +214,9 @@ def _of_members(
 def _for_members(
     of: Callable[[ValueOf], Any], names: Sequence[str], members: Iterable[Any], value_of: ValueOf
 ) -> list[Any]:
-    """Return the value of a part of a rule, the function ``of``, for each member.
+    """Return for each member the value of a part of a rule, which the function ``of`` computes.
 
-    Members with equal values of the ``names`` in the part share one evaluation.
+    The part is evaluated once for all members that have equal values of ``names``, the names in the part.
     """
     found, values = dict[tuple[Any, ...], Any](), []
     for order, member in enumerate(members):
@@ -224,15 +238,18 @@ def _of_two(
 
 
 def of_members(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:
-    """Return for each member of a list a function from a name in a rule to its value for the member."""
+    """Return, for each member of a list, the function that gives the values of names in a rule (ValueOf).
+
+    ``value_of`` gives the values that the member does not have (``value_within``).
+    """
     return [partial(value_within, member, order, value_of) for order, member in enumerate(members)]
 
 
 def value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
-    """Return the value of a name in a rule for a member of a list; ``order`` is the member's index.
+    """Return the value of a name in a rule for a member of a list; ``order`` is the index of the member.
 
-    ``value_of`` gives the values of the whole scene. It is used for a name that is no value of the member; if
-    the member is a table of the scene's file, only for names with a dot.
+    ``value_of`` gives the values of the whole scene: for a member that is a dict, of each name that is not in
+    the dict; for a member that is a table of the scene's file, of each name with a dot.
     """
     if name == "order":
         return order
@@ -254,7 +271,7 @@ def _is_so(value: Any) -> bool:
 
 
 def value_at(table: Any, key: str) -> Any:
-    """Return the value of a dotted key in a table; None if it, or a table on its path, has no value."""
+    """Return the value of a dotted key in a table; None if this value, or a table on the path, is None."""
     for name in key.split("."):
         table = None if table is None else getattr(table, name)
     return table

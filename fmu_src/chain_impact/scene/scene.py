@@ -1,4 +1,4 @@
-"""The scene file: a chain, its box and its start, read from TOML into frozen dataclasses.
+"""The scene: the content of a scene file, read from TOML into frozen dataclasses and checked.
 
 The fields of the dataclasses in contents.py, tables.py, chain_tables.py and signal.py define all keys of a
 scene. The metadata of a field have unit, description, range and default; the validation, the scene reference
@@ -52,9 +52,9 @@ class Scene(Contents):
 
     @property
     def derived(self) -> dict[str, str]:
-        """The derived values, as a table from the name of a value to its rule, such as "length / 2".
+        """Name of a derived value → its rule in words, such as "length / 2".
 
-        A derived value whose rule always gives the same number is left out.
+        Values that the file does not give, but that follow from no other value, are left out.
         """
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
         rules_of_paths = ((path, self._rule(path, rules)) for path in self.derived_paths)
@@ -65,16 +65,16 @@ class Scene(Contents):
 
     @property
     def values(self) -> dict[str, Any]:
-        """Name → value for each single value of the scene; ``with_values`` takes each of these names.
+        """Name → value, for each single value of the scene; ``with_values`` takes each of these names.
 
-        A value is None if the scene does not have it, such as the position of a missing wall.
+        The value is None where the scene has none, such as the position of a missing wall.
         """
         walls = [wall.name for wall in self.walls]
         return {name_of(path, walls): value for path, value in _leaves(self)}
 
     @property
     def moving_walls(self) -> tuple[str, ...]:
-        """The names of the walls that inputs move (``inputs.wall_motion``), in the order of their numbers."""
+        """The names of the walls in ``inputs.wall_motion``, in the order of ``wall_names``."""
         return tuple(wall["name"] for wall in SceneFacts(self)["moving_walls"])
 
     @property
@@ -84,12 +84,12 @@ class Scene(Contents):
 
     @property
     def friction_joints(self) -> tuple[int, ...]:
-        """The numbers of the joints that may have dry friction."""
+        """The numbers of the existing joints whose ``joint_friction`` the file gives, even as 0."""
         return friction_joints(self)
 
     @property
     def is_driven(self) -> bool:
-        """Whether something may supply energy: an input, or a drive with a limited torque or force."""
+        """Whether energy may be supplied: by an input, or by a drive with a limit of its torque or force."""
         return bool(SceneFacts(self)["supply"])
 
     @property
@@ -105,11 +105,11 @@ class Scene(Contents):
         return with_values(self, changes)
 
     def __repr__(self) -> str:
-        """Return a description of the scene in a few lines of text."""
+        """Return the values of the scene that matter most, in a few lines of text."""
         return scene_text.text(self)
 
     def _repr_html_(self) -> str:
-        """Return the description for a notebook, with a small drawing of the chain in its initial state."""
+        """Return HTML for a notebook: the text of ``repr``, and a small drawing of the chain at its start."""
         return f"<div>{drawing.svg(self, self.values)}<pre>{escape(repr(self))}</pre></div>"
 
 
@@ -121,7 +121,8 @@ def scene_keys() -> Iterator[tuple[str, Field[Any]]]:
 def load_scene(source: str | os.PathLike[str]) -> Scene:
     """Load a scene file, the scene file in a folder, or a model by its name; the first that exists is loaded.
 
-    Raises SceneError when there is no such file, or when the file cannot be read or is not a valid scene.
+    Probable mistakes in the scene give a SceneWarning each. Raises SceneError when there is no such file, or
+    when the file cannot be read or is not a valid scene.
     """
     try:
         path = scene_path(source)
@@ -134,12 +135,12 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
 
 
 def scene_of(source: SceneSource) -> Scene:
-    """Return ``source`` itself if it is a scene, else the scene that `load_scene` reads."""
+    """Return ``source`` itself if it is a `Scene`, else the scene that `load_scene` reads from it."""
     return source if isinstance(source, Scene) else load_scene(source)
 
 
 def parse_scene(text: str, source: str) -> Scene:
-    """Return the scene that the TOML `text` describes; a SceneError names the text as `source`."""
+    """Return the scene of a TOML `text`; `source`, its path, is for errors and for relative paths in it."""
     try:
         data = tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, RecursionError) as error:  # ValueError includes Python's own limits on digits
@@ -154,24 +155,24 @@ def parse_scene(text: str, source: str) -> Scene:
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
-    """Return the checked scene from the data of a scene file; a SceneError names the data as `source`."""
+    """Return the checked scene from the data of the file `source`, a path for errors and relative paths."""
     scene = _validated(data, source, in_file=True)
     warn(source, checks.hints(scene))
     return scene
 
 
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
-    """Return the checked scene from the data of a scene file.
+    """Return the checked scene from the data of a scene file, or raise a SceneError.
 
-    An error names the refused value by its path in the file if ``in_file`` is true or links have counts, else
-    by its name, such as ``link[1].mass``.
+    If ``in_file`` is true, or an entry of the links has a count, the error has the path of the refused value
+    in the file, such as "chain.links[1].mass"; else it has the name of the value, such as "link[1].mass".
     """
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
     names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
 
-    # if an entry of the links stands for several links, names such as link[2].mass would not tell the entry
+    # if an entry of the links stands for several links, a name such as link[2].mass does not tell the entry
     by_path = in_file or _has_counts(data)
 
     def label(path: DataPath) -> str:
@@ -185,8 +186,8 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
-        # an error of the reader has a path in the data; a later error has a path in the scene, where an entry
-        # with a count has become several links
+        # an error of the reader has a path in the data; a later error has a path in the scene, in which an
+        # entry with a count has become several links
         text, path = str(error), error.path if scene is None else path_in_file(error.path, data)
         if error.path and text.startswith(written := path_text(error.path)):
             text = label(path) + text.removeprefix(written)
@@ -203,15 +204,16 @@ def _has_counts(data: Any) -> bool:
 
 
 def _paths_by_name(scene: Scene) -> dict[str, DataPath]:
-    """Return name → path of tables, keys and values: `chain.links`, `initial.angles`, `link[1].mass`."""
+    """Return name → path for each key outside of lists, and each single value, such as `link[1].mass`."""
     return _keys() | _names(scene)
 
 
 def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
     """Return the scene as plain dicts, lists and values that TOML can hold.
 
-    Keys without a value are left out. With ``derived`` the data also contain the derived values, and the
-    corners of boxes in place of ``shape`` and ``height``; in a scene read from these data, they are given.
+    Keys without a value are left out. If ``derived`` is true, the data also have the derived values, and the
+    corners of boxes in place of ``shape`` and ``height``; a scene that is read from these data has all of
+    them as given values.
     """
     data = _plain(scene)
     if not derived:
@@ -221,10 +223,10 @@ def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as plain dicts, lists and values.
+    """Return a value of a scene as plain dicts, lists and values.
 
-    Keys without a value are left out, empty tables are not. dataclasses.asdict is slower, because it copies
-    each number.
+    Keys whose value is None are left out, empty tables and lists are not. dataclasses.asdict would be slower,
+    because it copies each number.
     """
     if is_dataclass(value):
         parts = ((entry.name, getattr(value, entry.name)) for entry in keys(value.__class__))
@@ -235,7 +237,7 @@ def _plain(value: Any) -> Any:
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene without [stops], [signals], materials and lists of points that are empty."""
+    """Return the data of a scene without [stops], [signals], materials and ``points`` that are empty."""
     data, contact, chain = dict(data), data["contact"], data["chain"]
     if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
         data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}
@@ -250,29 +252,26 @@ def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _without_no_points(link: Any) -> Any:
-    """Return the data of a link; leave out the list of points if it is empty."""
+    """Return the data of a link without the key ``points`` if its list is empty."""
     empty = isinstance(link, Mapping) and isinstance(link.get("points"), list) and not link["points"]
     return {key: value for key, value in link.items() if key != "points"} if empty else link
 
 
 def _holds(table: Any) -> bool:
-    """Return False for a table that is empty or has only None, True for any other table or object.
-
-    A table inside the table counts as a value, whatever it contains.
-    """
+    """Return False for a table that is empty or whose values are all None; True for anything else."""
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
 
 def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[Any, ...], Any]) -> Scene:
-    """Return the validated scene with some values changed.
+    """Return the validated scene with some values changed; ``scene`` itself does not change.
 
     ``changes`` has names and new values: `{"link[1].mass": 2.0, "contact.model": "flores"}`. A name is the
     FMU's name of the parameter, or the dotted key of the file, which can also be the key of a whole list:
-    `"initial.angles"`. A contact law and a solver method may be given by their number in the FMU. A path can
-    replace a name: `("chain", "links", 0, "mass")`.
+    `"initial.angles"`. A contact law and a solver method may be given by their number in the FMU, from 1. A
+    path can replace a name: `("chain", "links", 0, "mass")`.
 
-    None removes the key, so that the default applies. All other given values stay, and derived values follow
-    the given values, as after an edit of the scene file.
+    The new value None removes the key, so that its default applies. All other given values stay, and derived
+    values follow the given values, as after an edit of the scene file.
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
@@ -281,7 +280,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
     with as_typed(changes):
-        # The table of all names takes longer to make than most changes: it is made once, and only if needed.
+        # To make the table of all names takes longer than most changes: it is made once, and only if needed.
         names = functools.cache(lambda: _paths_by_name(scene))
         changed = _with_any(scene, [_path_and_value(scene, names, *change) for change in changes.items()])
     hints_before = checks.hints(scene)
@@ -290,7 +289,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
 
 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
-    """Return the scene with any values changed, by reading and checking all data of the scene again."""
+    """Return the scene after changes, pairs (path, new value), with all data read and checked again."""
     data, paths = _plain(scene), [path for path, _ in values]
     if JOINT_ANGLES_PATH in paths and completion.ANGLES not in above(paths):
         del data["initial"]["angles"]
@@ -318,10 +317,10 @@ JOINT_ANGLES_PATH = ("initial", "joint_angles")
 def _path_and_value(
     scene: Scene, every: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
 ) -> tuple[DataPath, Any]:
-    """Return the path and the value of a change that names its value by path or by name.
+    """Return the path and the new value of a change; ``change`` is the path or the name of the value.
 
-    Refuse an unknown name. ``every`` is a function that returns the table from name to path for all names of
-    the scene; it is called only if needed.
+    Refuse an unknown name. ``every`` is a function that returns name → path for all names of the scene; it is
+    called only if the name is not in ``_keys``. ``given`` is the new value.
     """
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
@@ -337,9 +336,9 @@ def _path_and_value(
 
 
 def fixed_hint(scene: Scene, name: str) -> str | None:
-    """Return a hint how to change the value ``name``, which cannot change in a run.
+    """Return a hint how to change the value ``name`` of the scene, which cannot change during a run.
 
-    The result is None if the scene has no value of this name.
+    The result is None if the scene has no such value.
     """
     there = scene.values.get(name) is not None
     return "change it in the scene file, with --set or with_values" if there else None
@@ -347,7 +346,7 @@ def fixed_hint(scene: Scene, name: str) -> str | None:
 
 @functools.cache
 def _keys() -> dict[str, DataPath]:
-    """Return a table from dotted key to path, for keys that are not in lists of tables or in named tables.
+    """Return dotted key → path, for keys that are neither in lists of tables nor in named tables.
 
     A named table is one to which the user gives a name, such as a signal.
     """
@@ -355,7 +354,7 @@ def _keys() -> dict[str, DataPath]:
 
 
 def _names(scene: Scene) -> dict[str, DataPath]:
-    """Return a table from name to path, for every single value of the scene."""
+    """Return name → path, for every single value of the scene."""
     walls = [wall.name for wall in scene.walls]
     return {name_of(path, walls): path for path, _ in _leaves(scene)}
 
@@ -363,11 +362,11 @@ def _names(scene: Scene) -> dict[str, DataPath]:
 def _leaves(
     value: Any, path: DataPath = (), unit: str = "", apart: int = 0
 ) -> Iterator[tuple[DataPath, Any]]:
-    """Yield the path and the value of every single value.
+    """Yield path and value of every single value in ``value``, which has the path ``path`` in the scene.
 
-    In a list of numbers with a ``unit``, each entry is a single value; in a list of tables, each value of a
-    table is one. Any other list is a single value as a whole. The first ``apart`` entries of a list ``value``
-    are left out: these are corners, which follow from the size of a box.
+    In a list of numbers with a ``unit``, each entry is a single value; in a list of tables, each value of
+    each table is one. Any other list is a single value as a whole. The first ``apart`` entries of a list are
+    left out: these are the corners of a box, which follow from its size.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
@@ -385,9 +384,10 @@ def _leaves(
 
 
 def _chosen(scene: Scene, name: str, value: Any) -> Any:
-    """Return ``value``; for an integer, return the choice with this number in the FMU, counted from 1.
+    """Return the choice of the parameter ``name`` that has the number ``value`` in the FMU, from 1.
 
-    Only a contact law and the solver's method have numbers; any other ``value`` is returned unchanged.
+    Only contact laws and the methods of the solver have numbers. For any other name, for a number of no
+    choice, and for a value that is no integer, ``value`` is returned unchanged.
     """
     if isinstance(value, bool) or not isinstance(value, Integral):
         return value

@@ -11,8 +11,8 @@ from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.tables import Material
 from chain_impact.scene.unit_text import of_power
 
-SHOWN_ENTRIES = 6  # largest number of entries of a list that the text of a scene shows
-WIDTH = 100  # largest number of characters in a line of the text of a scene
+SHOWN_ENTRIES = 6  # a longer list is shortened in the text of a scene: its first entries, …, the last one
+WIDTH = 100  # largest number of characters in a line of the text of a scene; a longer line is cut
 
 
 def text(scene: Contents) -> str:
@@ -54,7 +54,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
 
 
 def _material(name: str, material: Material) -> str:
-    """Return the given values of the material of the wall ``name``, as text; "" if there are none."""
+    """Return a text such as "at y_min e = 0.5" with all values that ``material`` gives; "" without any."""
     parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
     parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
     parts += _friction(material.friction, material.static_friction)
@@ -62,7 +62,7 @@ def _material(name: str, material: Material) -> str:
 
 
 def _friction(sliding: float | None, static: float | None) -> list[str]:
-    """Return a text, such as "µ = 0.3", for each coefficient of dry friction that is not None."""
+    """Return a text for each coefficient that is not None, such as "µ = 0.3" for sliding friction."""
     given = {"µ": sliding, "static µ": static}
     return [f"{name} = {value:g}" for name, value in given.items() if value is not None]
 

@@ -1,7 +1,8 @@
 """Links that are boxes: their first four points are the corners, which follow from length and height.
 
-A ``Scene`` contains these points. Its file and its plain data do not contain them, so that a change of
-length or height moves the corners. The kernel, too, derives the corners from the parameters.
+A ``Scene`` has the corners among the points of its links. The scene's file and plain data do not have them,
+so that a change of length or height moves the corners. The kernel, too, derives the corners from the
+parameters.
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal
 
 _APART = object()
-"""The mark for a corner of a box in plain data: the corner follows from the box, no user has given it."""
+"""The mark that stands in plain data for a corner of a box, which follows from length and height."""
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
-    """Return the scene with the corners of each link that is a box, before the link's other points.
+    """Return the scene in which the points of each link that is a box begin with the four corners.
 
     Refuse a shape without a height, and a height without a shape.
     """
@@ -40,9 +41,9 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Replace the corners of boxes by the mark ``_APART``, in ``data``, the plain data of a scene.
+    """Replace each corner of a box by the mark ``_APART`` in ``data``, the plain data of a scene.
 
-    With ``given = True``, the corners stay, as ordinary points, and the keys ``shape`` and ``height`` of each
+    If ``given`` is true, the corners stay, as ordinary points, and the keys ``shape`` and ``height`` of each
     box are removed.
     """
     for link in data["chain"]["links"]:
@@ -55,7 +56,7 @@ def set_corners_apart(data: Any, *, given: bool = False) -> None:
 
 
 def without_corners(data: Any) -> Any:
-    """Return the plain data of a scene without the points that are the mark ``_APART``."""
+    """Remove the marks ``_APART`` from ``data``, the plain data of a scene, and return ``data``."""
     chain = data["chain"]
     links = chain.get("links") if isinstance(chain, Mapping) else None
     for link in links if isinstance(links, list) else ():
@@ -65,10 +66,10 @@ def without_corners(data: Any) -> Any:
 
 
 def among_all_points(path: DataPath, data: Any) -> DataPath:
-    """Return the path in the scene that belongs to a path in the scene's plain data.
+    """Return the path in the scene of the value that has ``path`` in ``data``, the scene's plain data.
 
     In the scene, the first points of a box are its corners, which the plain data do not have. So the index of
-    another point of a box is larger in the scene by CORNERS.
+    any other point of a box is larger in the scene by CORNERS.
     """
     match path:
         case "chain", "links", int(i), "points", int(j), *following if "shape" in data["chain"]["links"][i]:
@@ -77,7 +78,7 @@ def among_all_points(path: DataPath, data: Any) -> DataPath:
 
 
 def refuse_corner(scene: Contents, path: DataPath) -> None:
-    """Refuse a path that leads to a corner of a box, because one corner cannot be changed alone."""
+    """Refuse a path in the scene that leads to a corner of a box, because no corner can be changed alone."""
     links = scene.chain.links
     match path:
         case "chain", "links", int(i), "points", int(j), *_ if i < len(links) and j < links[i].corners:

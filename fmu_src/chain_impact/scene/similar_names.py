@@ -1,4 +1,4 @@
-"""The known name that is most similar to a name that does not exist."""
+"""Finds the known name that is most similar to an unknown name."""
 
 import re
 from collections.abc import Iterable
@@ -7,27 +7,28 @@ from pathlib import Path
 
 NUMBER = re.compile(r"\[\d*\]")
 SYNONYMS = {"bounce": "restitution", "law": "model", "floor": "box"}
-"""Word that a user may write as the last part of a name → the part that is meant."""
+"""Word that a user may write after the last dot of a name → the word that is meant."""
 SHORTEST = 3
-"""The least number of letters of a name in which ``one_typo`` recognises a typo."""
+"""The least number of characters of a known name that ``one_typo`` returns."""
 LIKE_NAME = 0.6
 """The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name."""
 SAME_LAST = 0.45
 """The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name with the same
 part after the last dot."""
 LIKE_LAST = 0.8
-"""The least similarity, from 0 to 1, of a name's part after the last dot to an unknown name without a dot, at
-which ``nearest`` returns the name."""
+"""The least similarity, from 0 to 1, between an unknown name without a dot and the part of a known name after
+the last dot, at which ``nearest`` returns the known name."""
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str | None:
-    """Return the name that is most similar to the unknown ``name``, or None if none is similar.
+    """Return the one of ``names`` that is most similar to the unknown ``name``, or None if none is similar.
 
-    The first of these groups that contains a name decides:
+    The result is from the first of these groups that contains a name:
 
     - the name with a synonym of the part after the last dot: ``contact.model`` for ``contact.law``
-    - names that differ from ``name`` only by numbers in brackets: ``link[1].mass`` for ``link.mass``
-    - names of the same owner that contain the part after the last dot as whole words:
+    - names that differ from ``name`` only by numbers in brackets, those with the nearest numbers first:
+      ``link[1].mass`` for ``link.mass``
+    - names of the same owner that contain the part after the last dot as whole words, the shortest first:
       ``joint[2].peak_force`` for ``joint[2].force``
     - if ``name`` has no dot: names whose part after the last dot has at least the similarity LIKE_LAST to
       ``name``; a name of [contact] comes first, then the shortest name: ``contact.stiffness`` for
@@ -66,7 +67,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
 
 
 def nearest_file(folder: Path, stem: str, suffix: str) -> Path | None:
-    """Return a folder's file with ``suffix`` whose name is most similar to ``stem``.
+    """Return the file in ``folder`` with ``suffix`` whose name without suffix is most similar to ``stem``.
 
     The result is None if no name is similar.
     """
@@ -79,25 +80,28 @@ def nearest_file(folder: Path, stem: str, suffix: str) -> Path | None:
 
 
 def longer(name: str, names: Iterable[str]) -> str | None:
-    """Return the shortest name that contains ``name`` as whole words: ``rod_drop`` for ``rod``; or None."""
+    """Return the shortest of ``names`` that contains ``name`` as whole words: ``rod_drop`` for ``rod``.
+
+    The result is None if no name contains it, or ``name`` is "".
+    """
     words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
     return min((known for known in names if name and words.search(known)), key=len, default=None)
 
 
 def proposed(name: str, names: Iterable[str]) -> str | None:
-    """Return the name that a message proposes for an unknown name: from ``nearest``, else ``longer``.
+    """Return the one of ``names`` that a message proposes for the unknown ``name``.
 
-    The result is None if neither finds a name.
+    It is the result of ``nearest`` or, if this is None, that of ``longer``.
     """
     names = list(names)
     return nearest(name, names) or longer(name, names)
 
 
 def one_typo(name: str, names: Iterable[str]) -> str | None:
-    """Return the first of ``names`` that differs from ``name`` by one letter, or None.
+    """Return the first of ``names`` that differs from ``name`` by at most one typo, or None.
 
-    One letter is too many, missing or wrong, or two neighbouring letters are swapped. Names of less than
-    SHORTEST letters are left out.
+    In ``name``, one character is too many, missing or wrong, or two neighbouring characters are swapped.
+    Names of less than SHORTEST characters are left out.
     """
     return next((other for other in names if len(other) >= SHORTEST and _is_one_typo(name, other)), None)
 
@@ -111,5 +115,5 @@ def _is_one_typo(one: str, other: str) -> bool:
 
 
 def _numbers(name: str) -> list[int]:
-    """Return the numbers in brackets in a name: [2] for ``link[2].mass``; empty brackets count as 0."""
+    """Return the numbers in brackets of a name: [2] for ``link[2].mass``; [0] for ``link[].mass``."""
     return [int(number[1:-1] or 0) for number in NUMBER.findall(name)]

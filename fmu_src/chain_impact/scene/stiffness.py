@@ -1,12 +1,12 @@
-"""The stiffness of a contact from the material and the radius of the bodies that touch."""
+"""The stiffness of the contact of an elastic sphere with an elastic plane, from radius and materials."""
 
 import math
 import warnings
 
 from chain_impact.scene.reading import SceneWarning
 
-INCOMPRESSIBLE = 0.5  # Poisson's ratio of an incompressible material, the largest possible ratio
-# [m] radius that parts of large machines have; a larger number is probably a radius in mm
+INCOMPRESSIBLE = 0.5  # [1] Poisson's ratio of an incompressible material, the largest possible ratio
+# [m] radius of a part of a large machine; a larger number is probably a radius in mm
 LARGEST_RADIUS = 1.0
 SOFTEST = 1e3  # [Pa] Young's modulus of very soft gels; a smaller number is probably a modulus in GPa
 

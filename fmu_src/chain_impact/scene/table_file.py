@@ -17,20 +17,20 @@ from chain_impact.scene.reading import SceneError, decimal_comma, value_text
 from chain_impact.scene.text_file import comma_separated, likely_time, text_of
 
 TableSource = str | Path | Mapping[str, Sequence[Any] | np.ndarray]
-"""A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
+"""A CSV or Parquet file, a data frame of pandas or polars, or a mapping: name of a column → cells."""
 TIME = "time"
-# [1] a table cannot have its times in seconds if it lasts more than this many times as long as the run; times
-# in milliseconds make the ratio of the durations 1000
+# [1] if the duration of a table, divided by that of the run, is above TOO_LONG, the times of the table cannot
+# be in seconds; times in milliseconds make this ratio about 1000
 TOO_LONG = 990.0
-# A row seems to be missing in a step of time that is longer than MISSING times the median step. This needs a
-# regular table: at least ROWS steps, half of which differ from the median step by at most EQUAL times this
-# step.
+# Rows seem to be missing in a step of time that is longer than MISSING times the median step. This holds for
+# a regular table only: it has at least ROWS steps, and at least half of the steps differ from the median step
+# by at most EQUAL times the median step.
 MISSING, ROWS, EQUAL = 10.0, 10, 0.01
-EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
+EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")  # the texts that count as an empty cell
 
 
 def is_table(source: Any) -> bool:
-    """Return whether the source is one table, not a list of tables."""
+    """Return whether the source is one table: a file, columns by name, or a data frame."""
     return isinstance(source, str | Path) or hasattr(source, "items") or hasattr(source, "iter_columns")
 
 
@@ -51,13 +51,13 @@ class Table:
     lines: list[str]
 
     def where(self, row: int, name: str) -> str:
-        """Return the words for a cell in an error: name of the table, row and column."""
+        """Return the words for a cell in errors: "data.csv: line 3: time"; ``row`` is a row's index."""
         return f"{self.source}: {self.lines[row]}: {name}"
 
     def cell(self, row: int, name: str) -> Any:
-        """Return a cell without surrounding spaces.
+        """Return a cell of the column ``name``; text without the spaces around it.
 
-        The result is None if the column does not exist, or if the cell is empty or has a text of EMPTY.
+        The result is None if the table lacks the column, or if the text of the cell is one of EMPTY.
         """
         if name not in self.names:
             return None
@@ -66,12 +66,12 @@ class Table:
         return None if str(value) in EMPTY else value
 
     def number(self, row: int, name: str, otherwise: str = ", or empty if not measured") -> float:
-        """Return a cell as a number; NaN if the cell is empty.
+        """Return a cell as a number; NaN if the cell is empty, or if the table lacks the column.
 
         Args:
             row: the index of the row.
             name: the name of the column.
-            otherwise: the end of the error: what the cell may contain in place of a number.
+            otherwise: the end of the error, with what the cell may contain in place of a number.
 
         Raises:
             SceneError: when the cell is neither empty nor a finite number.
@@ -94,8 +94,10 @@ class Table:
 def read_table(source: TableSource) -> Table:
     """Return the table of a CSV file with a head line, of a Parquet file, or of columns in Python.
 
+    The cells of a CSV file are texts.
+
     Raises:
-        SceneError: when the source is not a valid table.
+        SceneError: when the source is not a complete table with different names of columns.
         OSError: when the file cannot be read.
         MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
     """
@@ -134,14 +136,14 @@ def read_table(source: TableSource) -> Table:
 
 
 def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return the times [s] of a table of inputs, and its other columns by name, each of shape (T,).
+    """Return the times [s] of a table of inputs, and name → values of each other column, all of shape (T,).
 
     Args:
-        table: a table with the column ``time`` and without empty cells.
-        stop: end of the run [s].
+        table: a table with the column ``time``, whose times increase, and without empty cells.
+        stop: end of the run, which begins at 0 [s].
 
     Raises:
-        SceneError: when the table is not a valid table of inputs.
+        SceneError: when the table is not so, has no column for an input, or is far longer than the run.
     """
     if TIME not in table.names:
         hint = likely_time(table.names) or f"; it has {', '.join(table.names)}"
@@ -160,9 +162,10 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
 
 
 def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
-    """Return a question, in a list, on the longest step of time of a table if rows seem to be missing.
+    """Return a list with a question on the longest step of time of a table, if rows seem to be missing in it.
 
-    The list is empty if none seems to be missing, or if the table is not regular: see MISSING.
+    The list is empty if no row seems to be missing, or if the table is not regular: see MISSING. ``times``
+    are the times of the rows [s].
     """
     steps = np.diff(times)
     if len(steps) < ROWS:
@@ -178,7 +181,7 @@ def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
 
 
 def _column(table: Table, name: str) -> np.ndarray:
-    """Return a column of a table of inputs as numbers; refuse an empty cell."""
+    """Return a column of a table of inputs as numbers, shape (T,); refuse an empty cell and other texts."""
     for row in range(len(table.rows)):
         if table.cell(row, name) is None:
             raise SceneError(
@@ -188,9 +191,9 @@ def _column(table: Table, name: str) -> np.ndarray:
 
 
 def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
-    """Return the table of the given rows; refuse a table that is not complete.
+    """Return the ``Table`` with these attributes; refuse a table that is not complete.
 
-    A complete table has rows, a head line of different names, and as many cells in each row as names.
+    A complete table has at least one row, different names of columns, and in each row as many cells as names.
     """
     for k, name in enumerate(names):
         if not name or name in names[:k]:

@@ -50,8 +50,8 @@ class Wall:
 class Material:
     """A table [contact.wall.<name>]: the material of one wall, a side of ``box`` or an entry of ``walls``.
 
-    A value that the file does not give is None. Then that of ``contact`` applies; but if the wall has its own
-    friction, this is its static friction, too.
+    A value that the file does not give is None; then the value in [contact] applies. But if the file gives
+    ``friction`` for the wall and no ``static_friction``, both coefficients of the wall are equal.
     """
 
     stiffness: float | None = quantity(
@@ -82,7 +82,7 @@ class Contact:
     stiffness: float = quantity("N/m^exponent", "contact stiffness", 1e8, above=0.0, alone=True)
     exponent: float = quantity("1", "exponent of penetration, 3/2 for Hertz", 1.5, minimum=1.0, maximum=3.0)
     restitution: float = quantity("1", "prescribed restitution", 0.7, minimum=0.0, maximum=1.0, alone=True)
-    radius: float = quantity("m", "radius of every point that may touch", 0.0, minimum=0.0)
+    radius: float = quantity("m", "radius of each point without its own", 0.0, minimum=0.0)
     points: tuple[int, ...] = quantity("", "ends of links that may touch, base (0) to tip (N)", MOVABLE)
     minimum_impact_speed: float = quantity(
         "m/s",
@@ -98,13 +98,13 @@ class Contact:
     wall: Mapping[str, Material] = quantity("", "materials of single walls, by the name of the wall", {})
 
     def __post_init__(self) -> None:
-        """Sort the points: the order of points has no meaning, so equal sets must make equal scenes."""
+        """Sort ``points``: their order has no meaning, so equal sets of points must make equal scenes."""
         object.__setattr__(self, "points", tuple(sorted(self.points)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stops:
-    """The contact law of all stops in joints, for angles and moments; all keys are None without stops."""
+    """The contact law of all stops of joints, with angles and moments; all keys are None without stops."""
 
     model: str | None = quantity(
         "",
@@ -132,7 +132,7 @@ class Stops:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """The inputs that the scene asks for in its FMU."""
+    """The inputs that the scene asks for, for its FMU and for runs in Python."""
 
     joint_torques: bool = quantity(
         "", "torques at the joints between links and at a base that is pinned or on a slider", False
@@ -161,7 +161,7 @@ class Inputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outputs:
-    """The outputs that the scene asks for in its FMU; those of the last impact are always there."""
+    """The outputs that the scene asks for; every scene has the outputs of the last impact."""
 
     points: bool = quantity("", "position, velocity and acceleration of the points", True)
     links: bool = quantity("", "angle, its rate and acceleration of the links", True)
@@ -217,8 +217,8 @@ class Solver:
 
 
 STEP_ROUND_OFF = 1e-12
-"""[1] relative round-off of stop_time/step_size: a ratio counts as a whole number if its relative difference
-from this number is smaller"""
+"""[1] stop_time/step_size counts as a whole number if its relative difference from the nearest whole number
+is smaller than this round-off"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,8 +11,8 @@ from pathlib import Path
 
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # first bytes of a file in UTF-16
 ZIP = b"PK\x03\x04"  # first bytes of a ZIP file, such as an FMU or a spreadsheet
-COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)")
-SEPARATORS = ";", "\t"  # what can separate the cells of a table in place of commas
+COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)")  # a value with a decimal comma in a line of TOML
+SEPARATORS = ";", "\t"  # the characters that can separate the cells of a table in place of commas
 DECIMALS = re.compile(r"[+-]?\d*([.,])\d+(?:[eE][+-]?\d+)?")  # a number with a decimal mark
 
 
@@ -20,7 +20,7 @@ def text_of(path: Path) -> str:
     """Return the text of a file in UTF-8, with or without a byte order mark.
 
     Raises:
-        ValueError: when the file has another encoding.
+        ValueError: when the file is not text in UTF-8, such as a ZIP file; the message has the reason.
         OSError: when the file cannot be read.
     """
     content = path.read_bytes()
@@ -37,9 +37,10 @@ def text_of(path: Path) -> str:
 
 
 def comma_in(text: str, fault: str) -> str:
-    """Return a hint for a decimal comma in the line of a TOML file that the parser's message ``fault`` names.
+    """Return a hint for a decimal comma in the line of a TOML ``text`` that the message ``fault`` names.
 
-    The result is "" if this line has no decimal comma.
+    ``fault`` is the message of the parser. The result is "" if the line has no decimal comma, or if ``fault``
+    names no line.
     """
     line = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()
@@ -48,13 +49,16 @@ def comma_in(text: str, fault: str) -> str:
 
 
 def likely_time(names: Iterable[str]) -> str:
-    """Return a hint that names the column that is probably meant as ``time``; "" if there is none."""
+    """Return a hint with the column among ``names`` that is probably meant as ``time``; "" without one."""
     name = time_like(names)
     return f"; the column {name} may be meant: call it time, in seconds" if name else ""
 
 
 def time_like(names: Iterable[str]) -> str | None:
-    """Return the first column whose name is a word for a time, such as ``Time (s)``; None without one."""
+    """Return the first of ``names`` that is a word of TIMES, such as ``Time (s)``; None without one.
+
+    A unit in brackets must be one of SECONDS.
+    """
     for name in names:
         word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
         if word.strip(" _") in TIMES and unit.rstrip(") ]") in SECONDS:
@@ -62,21 +66,22 @@ def time_like(names: Iterable[str]) -> str | None:
     return None
 
 
+# words for a time, and units that may follow them, in the names of columns, all in lower case
 TIMES = ("t", "time", "times", "timestamp", "zeit", "temps", "tiempo", "time_s", "t_s", "sec", "s", "seconds")
 SECONDS = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 
 def comma_separated(text: str) -> str:
-    """Return the text of a table with commas between the cells and decimal points in the numbers.
+    """Return the text of a CSV table with commas between the cells and decimal points in the numbers.
 
-    A table of one column, or with semicolons or tabs between the cells, may have decimal commas. It is
-    rewritten, line by line; any other text is returned unchanged.
+    A table of one column, or with semicolons or tabs between the cells, may have decimal commas, and is
+    rewritten. Any other text is returned unchanged.
 
     Raises:
         ValueError: when the numbers of such a table have decimal points and decimal commas, or the text is
             not valid CSV.
     """
-    # a separator in a name in quotes does not separate cells, nor does a tab beside a comma
+    # in the head line, a separator inside quotes does not separate cells, nor does a tab beside a comma
     head = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", text.partition("\n")[0]))
     alone = SEPARATORS[0] if head.strip() and "," not in head else None  # table of one column
     mark = next((mark for mark in SEPARATORS if mark in head and head.count(mark) >= head.count(",")), alone)

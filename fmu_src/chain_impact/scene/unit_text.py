@@ -1,4 +1,4 @@
-"""Units as people write them, such as N·m and m/s², where FMUs have N.m and m/s2."""
+"""Units as people write them, such as N·m and m/s², from units as FMUs write them, such as N.m and m/s2."""
 
 from __future__ import annotations
 
@@ -9,17 +9,19 @@ from typing import Any
 PRODUCT, SQUARE = re.compile(r"(?<=[a-zA-Z])\.(?=[a-zA-Z])"), re.compile(r"(?<=[a-zA-Z])2\b")
 
 PREFIXES = {"": 1.0, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "µ": 1e-6, "u": 1e-6}
-"""Prefix of a unit → factor, for units that people write after a number."""
+"""Prefix of a unit → factor, for units that people write after a number; u stands for µ."""
 USUAL = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
-"""The units that ``number_hint`` knows by default, each with any of PREFIXES; in kg these stand before g."""
+"""The units that ``number_hint`` knows by default, each with any of PREFIXES, in kg in place of k."""
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|[a-zA-Zµ][\w/·.²^]*)\s*")
 _POWER = re.compile(r"\s*(?:([+-]?\d+\.?\d*)\s*[*x×·]\s*)?10\s*(?:\^|\*\*)\s*([+-]?\d+)\s*")
 
 
 def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
-    """Return a hint how to write a quantity with a unit, such as "450 mm", as a number.
+    """Return a hint how to write a text with a number and a unit, such as "450 mm", as a number.
 
-    The result is "" for any other text.
+    The hint converts the number to the one of ``units`` that differs only by a prefix. The result is "" for a
+    text of another form, and for a unit that is none of these. A percentage is converted, too, if ``units``
+    are the default or contain a pure number.
     """
     match = _QUANTITY.fullmatch(text)
     if not match:
@@ -39,26 +41,25 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
 
 
 def power_hint(text: str) -> str:
-    """Return a hint how to write a power of ten, such as 2*10^7, as a number; "" for any other text."""
+    """Return a hint how to write a power of ten, such as "2*10^7", as a number; "" for any other text."""
     match = _POWER.fullmatch(text)
     return f"; write {match[1] or 1}e{int(match[2])}" if match else ""
 
 
 def _plain(unit: str) -> str:
-    """Return a unit without the signs ·, . and ^, which people write in different ways, and with 2 for ²."""
+    """Return a unit without the characters ·, . and ^, and with 2 for ², to compare different spellings."""
     return re.sub(r"[·.^]", "", unit.replace("²", "2"))
 
 
 def unit_text(unit: str | None) -> str:
-    """Return a unit of an FMU as people write it, such as N·m for N.m; "" for a pure number."""
+    """Return a unit of an FMU as people write it, such as N·m for N.m; "" for "1", "" and None."""
     return "" if unit in (None, "", "1") else SQUARE.sub("²", PRODUCT.sub("·", unit))
 
 
 def of_power(unit: str, exponent: float | None) -> str:
-    """Return the unit of a stiffness, force divided by penetration to a power: N/m^1.5 for the exponent 1.5.
+    """Return the unit of a contact stiffness from ``unit``, the unit for the exponent 1, and the exponent.
 
-    ``unit`` is the unit for the exponent 1. If ``exponent`` is None, the result ends with the word
-    "exponent".
+    For N/m, the result is N/m^1.5 for the exponent 1.5, N/m for 1, and N/m^exponent for None.
     """
     if exponent is None:
         return f"{unit}^exponent"
@@ -66,10 +67,10 @@ def of_power(unit: str, exponent: float | None) -> str:
 
 
 def of_scene(unit: str, scene: Any) -> str:
-    """Return a unit in which the exponent's number replaces the word "exponent": N/m^1.5 for N/m^exponent.
+    """Return a unit in which the scene's exponent replaces the word "exponent": N/m^1.5 for N/m^exponent.
 
-    The number is contact.exponent, or stops.exponent for N.m/rad^exponent. A unit without this word is
-    returned unchanged.
+    The exponent is ``stops.exponent`` for N.m/rad^exponent, else ``contact.exponent``. A unit without the
+    word "exponent" is returned unchanged.
     """
     base, power, end = unit.partition("^exponent")
     part = scene.stops if base.endswith("/rad") else scene.contact
@@ -77,11 +78,11 @@ def of_scene(unit: str, scene: Any) -> str:
 
 
 def with_unit(text: str, unit: str | None) -> str:
-    """Return a text with a unit after a space; the text alone for a pure number."""
+    """Return a text, a space and a unit as people write it; only the text for "1", "" and None."""
     return f"{text} {unit_text(unit)}".rstrip()
 
 
 def in_brackets(unit: str | None) -> str:
-    """Return a unit in brackets after a space, as at the end of a label; "" for a pure number."""
+    """Return a space and a unit in brackets, such as " [N·m]" for N.m; "" for "1", "" and None."""
     text = unit_text(unit)
     return f" [{text}]" if text else ""

@@ -1,4 +1,4 @@
-"""Warnings of values and motions that are probably mistakes; each names the line of the user's code."""
+"""Warnings of values and motions that are probably mistakes of the user."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ PACKAGE = __name__.partition(".")[0]
 
 
 def warn(source: str, hints: list[str]) -> None:
-    """Warn of probable mistakes, with a warning for each of ``hints``.
+    """Give a SceneWarning "<source>: <hint>" for each of ``hints``, which tell of probable mistakes.
 
-    The warnings name the line of the user's code that called this package.
+    As its place, a warning has the line of the user's code that called this package.
     """
     if not hints:
         return
