@@ -60,8 +60,8 @@ def program(*names: str) -> str:
 def joined(*names: str) -> str:
     """Return modules and all modules that they import, joined to one script.
 
-    The script has no imports, and of the comments only those that follow code in a line. No two of the
-    modules may declare the same name at their top level.
+    The script has no imports, and no comments (COMMENT) that take whole lines. No two of the modules may
+    declare the same name at their top level.
     """
     texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
     return COMMENT.sub("", "\n".join(texts))

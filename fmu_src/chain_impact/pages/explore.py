@@ -31,8 +31,8 @@ def explore(
 ) -> InlinePage | None:
     """Write or return a page that simulates a scene; the reader of the page can change parameters.
 
-    The page contains the compiled kernel, and gives the numbers of ``simulate``. The page is one file that
-    needs no other file. The reader can change all parameters, and add or remove links, points, walls and
+    The page contains the compiled kernel, and computes the same numbers as ``simulate``. The page is one file
+    that needs no other file. The reader can change all parameters, and add or remove links, points, walls and
     stops. Inputs without a signal are constant, or change when the reader moves their sliders while the
     motion plays; a base and walls without a signal do not move.
 

@@ -238,7 +238,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
             "ofBox": rule.of_box and _rule(rule.of_box, table),
         },
         "ifNotGiven": kind.if_not_given,
-        "missing": json.dumps(kind.if_missing),  # a text, as "Infinity", because JSON has no infinite numbers
+        "missing": json.dumps(kind.if_missing),  # JSON in a text, because JSON itself has no infinite numbers
         "word": word_terms(kind.record_path) if kind.record_path else None,
         "given": kind.given and word_terms(kind.given),
         "givenIf": kind.given_if or ALWAYS,

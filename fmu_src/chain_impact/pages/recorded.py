@@ -155,7 +155,7 @@ def _column_data(columns: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
 def _packed(values: np.ndarray) -> dict[str, Any]:
     """Return numbers packed in 16 bits: ``low``, ``high``, and as ``values``, in base64, integers k.
 
-    The numbers are low + (high − low) k / FINEST.
+    The numbers are low + (high − low) k / FINEST, up to the rounding of k.
     """
     low, high = float(values.min()), float(values.max())
     integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))

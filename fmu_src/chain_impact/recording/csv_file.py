@@ -34,8 +34,8 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
             none of these.
 
     Returns:
-        The recording, with the name of the file. It has impacts only if a scene is given and the file has the
-        column ``impact.count``.
+        The recording, with the name of the file. The recording has impacts only if a scene is given and the
+        file has the column ``impact.count``.
 
     Raises:
         SceneError: when the file is not such a table, or has a contact with a wall that the scene lacks.

@@ -137,10 +137,11 @@ def refined(
 
 
 def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
-    """Return, for each interval between successive times, whether a curve bends at its start or its end.
+    """Return, for each interval between successive times, whether a curve bends at an end of the interval.
 
     The shape is (T − 1,). A curve bends at a time if its value there deviates from the straight line through
-    its values at the time before and the time after, by more than BEND times the range of the curve.
+    its values at the time before and the time after, by more than BEND times the range of the curve. A curve
+    with NaN or infinity does not count.
     """
     bent = np.zeros(max(0, len(time) - 1), bool)
     for values in curves:

@@ -119,8 +119,8 @@ def common_count(first: np.ndarray, second: np.ndarray) -> int:
 def lasts(impacts: np.ndarray | np.void) -> Any:
     """Return for each contact whether it lasts to the end of the simulation.
 
-    The end of such a contact is NaN, but its peak force is known. If the peak force is NaN, too, the list of
-    an FMU lost the contact before its end; then the result is False.
+    The end of such a contact is NaN, but its peak force is known. If the peak force is NaN, too, the outputs
+    of an FMU do not tell the end; then the result is False.
     """
     return np.isnan(impacts["end"]) & ~np.isnan(impacts["peak_force"])
 

@@ -15,7 +15,7 @@ class JointPeak(NamedTuple):
     Attributes:
         joint: the number of the joint.
         force: the force [N].
-        time: its time [s], or the time of the first row at which it has occurred.
+        time: the time of the force [s], or of the first row by which the force has occurred.
         kind: how much is known: EXACT, force and time also between rows; BY_ROW, the force also between rows,
             and the time of a row; SAMPLED, force and time of a row.
     """
@@ -27,7 +27,7 @@ class JointPeak(NamedTuple):
 
 
 EXACT, BY_ROW, SAMPLED = "exact", "by row", "sampled"
-# forces that differ by less than this, relatively, are equal
+# [1] forces count as equal if they differ by at most this, relative to the larger force
 ROUND_OFF = 1e-9
 
 

@@ -19,15 +19,15 @@ RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, o
 LONGEST_SLOW = 0.1
 # [s] least duration that a film assumes for an impact, because an impulse of a rigid wall has none
 LEAST_DURATION = 1e-4
-# [1] an impact without a duration, such as that of a rigid wall, is shown for this fraction of the time
-# of the others, and so are the ramps before and after it, because nothing moves in it
+# [1] an impact without a duration, such as that of a rigid wall, and the ramps before and after such an
+# impact are shown for this fraction of the time of others, because nothing moves during the impact
 INSTANT = 0.1
 FRAME_RATE = 60.0  # [1/s] frames per second on the screen, unless a sine needs more
 # least number of frames in a period of the fastest sine that drives an input; with fewer, its motion would
 # look wrong
 FRAMES_OF_A_PERIOD = 16.0
 FLIGHT_STEP = 1 / 240  # [s] far from impacts, the rate is computed at simulated times with this distance
-# [1] before and after an impact, the rate is computed at these distances in time from it, relative to RAMP
+# [1] the rate is computed at these distances in time before and after an impact, relative to RAMP
 RAMP_DISTANCES = np.geomspace(1e-3, 1.0, 48)
 # [1] within a contact, the rate is computed at these times after the onset, relative to the contact's
 # duration

@@ -10,9 +10,8 @@ from chain_impact.recording.text import few
 from chain_impact.scene.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
-# [1] A point passes through a wall if it is at some time farther than this from the wall on the free side,
-# and at some time farther than this from it on the other side. The distance is relative to the size of the
-# motion.
+# [1] A point passes through a wall if, at different times, its distances from the wall on the free side and
+# on the other side are both larger than this, relative to the size of the motion.
 THROUGH = 1e-3
 NAMED_POINTS = 4  # largest number of points that a sentence names
 

@@ -204,7 +204,7 @@ class Recording:
 
     @cached_property
     def loads(self) -> dict[int, np.ndarray]:
-        """Joint i → the force on link i there, shape (T, 2) [N]; empty if the forces are not known."""
+        """Joint i → the force at this joint on link i, x and y, shape (T, 2) [N]; empty if unknown."""
         return {
             joint: np.stack([parts[f"force.{axis}"] for axis in AXES], axis=-1)
             for (joint, _), parts in self.columns_of("joint").items()
@@ -279,8 +279,7 @@ class Recording:
     def end_speeds(self) -> np.ndarray:
         """The impact speeds, shape (I,) [m/s].
 
-        At a stop of a joint, it is the speed of the link's end: the angular speed times the length of the
-        joint's link.
+        At a stop of a joint, the entry is the angular speed times the length of the joint's link.
         """
         arms = [
             self.stops[point].length if stopped else 1.0
@@ -318,8 +317,8 @@ class Recording:
     def spot(self, impact: np.void) -> np.ndarray:
         """Return the position [m] at which an impact is drawn.
 
-        At a wall, this is the impact's point, projected onto the wall. At a stop of a joint, it is the
-        joint. At a stop of a slider, it is where the stop is drawn: half a carriage beyond the base.
+        At a wall, the position is that of the impact's point, projected onto the wall; at a stop of a joint,
+        that of the joint; at a stop of a slider, that of the drawn stop, half a carriage beyond the base.
         """
         if self.is_stop(impact["wall"]):
             return np.asarray(self.pose_at(impact["onset"])[impact["point"] - 1])

@@ -154,9 +154,9 @@ def digits(value: float) -> str:
 def load_lines(result: Recording) -> Iterator[str]:
     """Yield lines with the largest force in each joint, in descending order, if the scene asks for loads.
 
-    Each line has the time of this force, and the numbers of the impacts that last at this time. If only a row
-    is known by which the force has occurred, it has the time of this row. A force that is known in rows alone
-    has no line. If there are more than JOINTS joints, the last line tells the number of those with smaller
+    Each line has the time of the force, and the numbers of the impacts that last at this time; or only the
+    time of a row, if the force is known to have occurred by this row. A force that is known in rows alone has
+    no line. If there are more than JOINTS joints, the last line tells the number of those with smaller
     forces.
     """
     peaks = [peak for peak in joint_peaks(result) if peak.kind != SAMPLED]

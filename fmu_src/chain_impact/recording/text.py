@@ -101,7 +101,7 @@ def as_text(parts: Iterable[str | TextTable]) -> str:
 
 
 def as_html(parts: Iterable[str | TextTable]) -> str:
-    """Return lines and tables for a notebook; the first line is a title."""
+    """Return lines and tables as HTML for a notebook; the first line is a title in bold letters."""
     title, *following = parts
     blocks = [f"<b>{escape(str(title))}</b>"]
     for is_table, group in groupby(following, lambda part: isinstance(part, TextTable)):

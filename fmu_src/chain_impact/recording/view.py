@@ -150,10 +150,7 @@ def places_of(recording: Recording) -> np.ndarray:
 
 
 def radius_of(recording: Recording) -> float:
-    """Return the largest radius [m] of the points that can touch.
-
-    The result is 0 if it is unknown or too small to be seen.
-    """
+    """Return the largest radius [m] of the points that can touch; 0 if unknown or too small to be seen."""
     radius = max(recording.touching.values(), default=0.0)
     return radius if radius > ALONE * size_of(recording) else 0.0
 

@@ -65,7 +65,7 @@ class Pictured(Recording):
     ) -> Any:
         """Draw motion, energy and impacts, or any outputs over time.
 
-        The picture of the panels shows only the rows of this result. If ``output_step`` is coarse, a path has
+        The panel ``motion`` shows only the rows of this result: if ``output_step`` is coarse, a path has
         straight parts between rows. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates once
         more, with more rows, if there are fewer than 1000 rows.
 
@@ -140,7 +140,7 @@ class Pictured(Recording):
         return ax
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
-        """Return the curves of outputs for ``plot(curves=…)``, with many more times within impacts."""
+        """Return the curves of outputs for ``plot(curves=…)``; if the run can be repeated, with more times."""
         units = {variable.name: variable.unit for variable in self.prepared.outputs}
         return curves_of(self, names, units, around=around, prepared=self.prepared, rerun=self.rerun)
 
@@ -227,8 +227,8 @@ class Pictured(Recording):
 
         Args:
             path: as for ``plot``.
-            outputs: outputs by their names in the FMU; by default the position of the last point, and the
-                total energy.
+            outputs: outputs by their names in the FMU; by default the position of the tip, and the total
+                energy.
             size: as for ``plot``.
 
         Raises:

@@ -118,7 +118,8 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
     again = partial(_impact_in, number=number, field=field)
-    # a position on a wall through the origin is 0 up to round-off, so its size is at least that of the chain
+    # a coordinate on a wall through the origin is 0 up to round-off, so the length of the chain is its least
+    # size
     links = sensitivities.prepared.scene.chain.links
     least = sum(link.length for link in links) if field in POSITION else 0.0
     size = max(abs(float(value)), least)

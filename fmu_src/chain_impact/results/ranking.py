@@ -47,7 +47,7 @@ class Effect(NamedTuple):
         parameter: the name of the parameter or input in the FMU.
         value: the value of the parameter, in its ``unit``.
         unit: the unit of the parameter.
-        step: the change of the parameter in words: "1 %", or "0.01 N·m" if its value is 0.
+        step: the change of the parameter in words: "1 %" of the value, or "0.01 N·m" if the value is 0.
         change: the change of the quantity by this step, to first order, in the unit of the quantity.
         derivative: the derivative of the quantity with respect to the parameter.
         simulated: the change of the quantity in a run with the parameter changed by this step; NaN if the
@@ -220,7 +220,7 @@ class Ranking:
         return replace(self, effects=tuple(effects))
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
-        """Draw the largest effects as horizontal bars: to the right if the quantity grows with the parameter.
+        """Draw the largest effects as horizontal bars: to the right if the step makes the quantity larger.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is

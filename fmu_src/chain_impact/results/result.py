@@ -53,9 +53,9 @@ class Result(Pictured):
     Attributes:
         prepared: the prepared scene that was simulated.
         time: the communication points, shape (T,) [s].
-        outputs: the outputs at these times, a structured array of shape (T,). Its fields are all outputs, see
-            ``output_dtype`` in kernel/record/instance.py, or only those in ``simulate(output=…)``, by their
-            names.
+        outputs: the outputs that change continuously, at these times, a structured array of shape (T,). Its
+            fields are those of ``output_dtype`` in kernel/record/instance.py or, with
+            ``simulate(output=…)``, the names of the outputs.
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
         sensitivities: the derivatives that ``simulate(sensitivities=…)`` requested, if any.
@@ -212,7 +212,7 @@ class Result(Pictured):
 
     @property
     def angles(self) -> np.ndarray:
-        """Absolute angles of the links, counted from the x axis, shape (T, N) [rad].
+        """Absolute angles of the links, counterclockwise from the x axis, shape (T, N) [rad].
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.
@@ -221,7 +221,7 @@ class Result(Pictured):
 
     @property
     def angular_velocities(self) -> np.ndarray:
-        """Angular velocities of the links, shape (T, N) [rad/s].
+        """Angular velocities of the links, positive counterclockwise, shape (T, N) [rad/s].
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.
