@@ -140,7 +140,7 @@ class Pictured(Recording):
         return ax
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
-        """Return the curves of outputs for ``plot(curves=…)``; if the run can be repeated, with more times."""
+        """Return the curves of outputs for ``plot(curves=…)``, with more times if the run can be repeated."""
         units = {variable.name: variable.unit for variable in self.prepared.outputs}
         return curves_of(self, names, units, around=around, prepared=self.prepared, rerun=self.rerun)
 
