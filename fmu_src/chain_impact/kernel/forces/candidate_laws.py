@@ -117,10 +117,7 @@ def check_laws(d):
 
 
 def laws_in_use(d):
-    """Return whether no value that the scene or an importer gives would change the law of any candidate.
-
-    Only parameters that may change during a run are compared.
-    """
+    """Return whether all candidates have their given laws; only parameters that a run can change count."""
     for c in range(d.candidates):
         if d.law.same_as[c] == c and not is_in_use(d, c):
             return False

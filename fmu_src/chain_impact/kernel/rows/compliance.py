@@ -3,7 +3,7 @@
 J contains the rows of the constraints: normals of active contacts, tangents of sticking elements. D =
 diag(D_k) contains an impedance [kg] for each constraint: a mass that resists motion along the row. K = s C +
 s² S is the resistance of the drives for a time s, with their damping matrix C and stiffness matrix S. With
-the mass matrix M, the module solves in O(N) the equation
+the mass matrix M, which contains the armatures, the module solves in O(N) the equation
 
     (M + Jᵀ D J + K) Δ = Jᵀ p + q,
 
@@ -31,8 +31,8 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 # A mobility (1/effective mass) of a point below LEAST_MOBILITY, relative to 1/(mass of chain, carriage and
-# armatures), is raised to it. In a toggle position of a pinned chain the mobility of a point is 0, and its
-# effective mass would be infinite. A mass a million times the chain's has the same effect.
+# armatures), is raised to this value. In a toggle position of a pinned chain the mobility of a point is 0,
+# and its effective mass would be infinite. A mass a million times the chain's has almost the same effect.
 LEAST_MOBILITY = 1e-6
 # The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. It is fixed,
 # except that the iteration ends when the residual is round-off: if it depended on the residual, the forces
@@ -98,6 +98,9 @@ def joints_loaded(d):
 
 def solve_space(d, link_vectors, space, slot, change):
     """Compute the response Δ to the impulses in ``space.load`` at the places and in the joints.
+
+    The function changes ``space.load``: it adds the loads at joints' places and at sites to those in joints,
+    at points and on links.
 
     Args:
         d: the instance.

@@ -7,7 +7,7 @@ accelerations. Impulses p_k change these from u⁻ by the response Δ of the cha
     equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
     complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
 
-If only one constraint is active, p = m/W with this one number W (``solve_single``). Otherwise W is never
+If only one constraint is active, p = (target − u⁻)/W with a number W (``solve_single``). Otherwise W is never
 formed. With an impedance D at the points of the active set the recursion solves, in O(N),
 
     (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
@@ -54,9 +54,9 @@ from chain_impact.kernel.rows.geometry import (
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
 FOLD_RESIDUAL = 1e-3  # if one iteration leaves more than this part of the residual, a fold is near
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
-# mean mass of a link. It finds the forces up to a thousandth. Without it, the round-off of the whole motion,
-# times the large D of the other iterations, would stay in the forces against motions that can hardly be
-# constrained, and steps at tight tolerances would be short.
+# mean mass of a link. This iteration finds the forces up to about a thousandth. Without it, the round-off of
+# the whole motion, times the large D of the other iterations, would stay in the forces against motions that
+# can hardly be constrained, and steps at tight tolerances would be short.
 FIRST_IMPEDANCE = 1e3
 # The force on a single held point is m/W, with the residual m and the mobility W, if W times the mean mass of
 # a link is at least this. Near a toggle position W is smaller and inexact, and the iteration finds the force.
@@ -78,7 +78,7 @@ NEGLIGIBLE_MOTION = 0.1
 # relative to the largest impulse or motion
 SIGN_TOLERANCE = 1e-12
 # The number of successive pivots that may leave the least number of violated candidates unchanged. After one
-# more, pivots change one candidate each until it falls; these end, but slowly (``solve_lcp``).
+# more, each pivot changes one candidate until that number falls; this ends, but slowly (``solve_lcp``).
 MAX_STALLED_PIVOTS = 3
 # The least impedance of a sticking element, relative to that of the element with the largest limit of
 # friction. With a smaller one, the element's residual would fall too slowly.
@@ -91,7 +91,7 @@ EXTRA_PIVOTS = 30
 
 
 def set_impedance(d, amount):
-    """Set the impedance [kg] of each constraint: ``amount`` in the active set, else its resistance.
+    """Set the impedance [kg] of each constraint: ``amount`` in the active set, else ``resistance``.
 
     Sticking elements get a part of ``amount``, in proportion to their limits of friction.
     """
@@ -238,7 +238,7 @@ def solve_single(d, only):
 
 @has_dual_rule
 def iterated_enough(_d, _iterations):
-    """Return True: no more iterations are needed. With dual numbers a rule lets derivatives converge, too."""
+    """Return True: values need no more iterations; with dual numbers a rule lets derivatives converge."""
     return True
 
 
@@ -252,7 +252,7 @@ def clear_impulses(d):
 
 
 def find_residual(d):
-    """Set the residual target − motion of each constraint in the active set; return its largest size."""
+    """Set the residual target − motion of each constraint in the active set; return their largest size."""
     constraints, worst = d.constraints, 0.0
     for k in range(constraint_count(d)):
         left = constraints.target[k] - constraints.reached[k]
@@ -350,7 +350,7 @@ def note_squeezed(d, tolerated):
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return the least number of violations so far, and how many more pivots may fail to reduce it."""
+    """Return the least number of violations so far, and how many more pivots may leave it; < 0: too many."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1

@@ -1,8 +1,8 @@
 """Geometry of contact: at which places and in which directions points touch walls, and joints stops.
 
-A candidate is a pair of a point and a wall, a stop in a joint, or an end of the slider's line. Every wall is
-a half-plane, with an inward normal n of length 1 and n·p = offset for the points p on it. The clearance g of
-a point at p is positive while point and wall are apart:
+A candidate is a pair of a point and a wall, a stop in a joint, or a stop of the slider. Every wall is a
+half-plane, with a normal n of length 1 toward the free side, and n·p = offset for the points p on the edge.
+The clearance g of a point at p is positive while point and wall are apart:
 
     g = n·p − offset − radius,   ġ = n·ṗ − w,   g̈ = n·p̈ − ẇ,
 
@@ -14,7 +14,7 @@ The normals are computed once, at initialization, so that the code in loops has 
 A row is a place (chain/kinematics.py) and a direction (n_x, n_y) at this place: the normal of a contact or
 stop, the tangent along which dry friction acts, or a joint's own angle. J of a row maps the vectors of all
 places to the component along this direction of the vector at this place. The functions of this module return
-g, ġ, g̈ and the tangential motion relative to a moving wall, so other modules do not need the wall's motion.
+g, ġ, g̈ and the tangential motion relative to a moving wall and its belt.
 
 A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has its own place at x = s ψ_i, with the
 longest link s as a lever arm (chain/kinematics.py), and the stop is a wall for this place. So lengths,
@@ -38,11 +38,11 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The numbers of walls at any angle follow."""
 
 
-# [m] the largest depth in a wall at which a point, or a pinned base, may start a run: it touches the wall,
-# and the depth may be the round-off of positions and sines
+# [m] the largest depth in a wall at which a point, or a pinned base, may start a run: a point that touches
+# the wall may have this depth by round-off of positions and sines
 OVERLAP = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
-"""The components x and y of the inward normals of the box's walls, in the order of WALLS."""
+"""The components x and y of the normals of the box's walls, to the inside, in the order of WALLS."""
 STOP_CODES = {"joint_min": 1, "joint_max": -1, "slider_min": 2, "slider_max": -2}
 """Name of a stop → its value of candidate.stop, whose sign is that of the stop's normal (``stop_sign``)."""
 JOINT_MIN, JOINT_MAX, SLIDER_MIN, SLIDER_MAX = STOP_CODES.values()
@@ -129,8 +129,8 @@ def stop_sign(d, c):
 def joint_stop_moment(d, c, force):
     """Return the moment [N·m] on the joint's outer link by the ``force`` [N] of a joint's stop.
 
-    For an impulse [N·s] the result is the angular impulse. The result is positive at the lower limit of the
-    joint's angle, and negative at the upper limit.
+    For an impulse [N·s] the result is the angular impulse [N·m·s]. The result has the sign of ``force`` at
+    the lower limit of the joint's angle, and the opposite sign at the upper limit.
     """
     return stop_sign(d, c) * lever_of_candidate(d, c) * force
 
@@ -176,8 +176,8 @@ def normal_row(d, c):
 def tangent_row(d, e):
     """Return the row of element e in the direction t, along which dry friction acts.
 
-    At a wall t = (n_y, −n_x), with the inward normal n. The elements after the candidates are the joints,
-    then the slider; their rows are along their coordinates.
+    At a wall t = (n_y, −n_x), with the normal n. The elements after the candidates are the joints, then the
+    slider; their rows are along their coordinates.
     """
     if e < d.candidates:
         return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
@@ -258,19 +258,19 @@ def gap_acceleration(d, c):
 
 
 def tangential_position(d, e):
-    """Return the coordinate [m] of element e along its tangent, relative to the belt, at located points."""
+    """Return the coordinate [m] of element e along t, at a wall relative to the belt, at located points."""
     coordinate = along(tangent_row(d, e), d.scratch.position)
     return coordinate - d.shift.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
-    """Return the speed [m/s] of element e along its tangent, relative to the belt, at located points."""
+    """Return the speed [m/s] of element e along t, at a wall relative to the belt, at located points."""
     speed = along(tangent_row(d, e), d.scratch.velocity)
     return speed - d.shift.belt_rate[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
-    """Return the acceleration [m/s²] of e along its tangent, relative to the belt, for accelerated points."""
+    """Return the acceleration [m/s²] of element e along t, relative to a belt, for the accelerated points."""
     acceleration = along(tangent_row(d, e), d.scratch.acceleration)
     return (
         acceleration - d.shift.belt_acceleration[e] if d.channels > 0 and e < d.candidates else acceleration
@@ -278,7 +278,7 @@ def tangential_acceleration(d, e):
 
 
 def constraint_acceleration(d, k):
-    """Return the acceleration [m/s²] of constraint k along its row, for the accelerated points."""
+    """Return the acceleration [m/s²] of constraint k, relative to wall or belt, at accelerated points."""
     if k < d.touch.active_count:
         return gap_acceleration(d, d.touch.active_index[k])
     return tangential_acceleration(d, d.element.stuck[k - d.touch.active_count])
@@ -313,7 +313,7 @@ def clear_loads_of(d, load):
 
 
 def largest_velocity(d):
-    """Return the largest |component| [m/s] of the velocities of all places and moving walls."""
+    """Return the largest |component| [m/s] of the velocities of all places, moving walls and belts."""
     fastest = largest_component(d, d.scratch.velocity)
     if d.channels > 0:
         speed, _ = fastest_wall(d)
@@ -330,7 +330,7 @@ def largest_coordinate(d):
 
 
 def largest_acceleration(d):
-    """Return the largest |component| [m/s²] of the accelerations of all places and moving walls."""
+    """Return the largest |component| [m/s²] of the accelerations of all places, moving walls and belts."""
     most = largest_component(d, d.scratch.acceleration)
     if d.channels > 0:
         _, acceleration = fastest_wall(d)
@@ -367,9 +367,9 @@ def coordinates_size(d, c, y):
 
 
 def link_of(d, c):
-    """Return the index, from 0, of the link on which the wall of candidate c acts.
+    """Return the index, from 0, of the link on which the wall of candidate c acts; c is not a joint's stop.
 
-    This link ends at the candidate's point, or carries the candidate's site; for the base it is link 1.
+    This link ends at the candidate's point, or carries the candidate's site; for the base it is link 0.
     """
     point = d.candidate.point[c]
     return max(point, 1) - 1 if point <= d.links else d.site.link[site_of_point(d, point)]

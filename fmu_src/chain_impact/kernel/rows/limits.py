@@ -79,10 +79,10 @@ def largest_residual_inside(d):
 
 
 def largest_start(d):
-    """Return the largest |acceleration| [m/s²] in ``start``; round-off is relative to it.
+    """Return the largest |acceleration| [m/s²] in ``start``, to which round-off is relative.
 
-    The accelerations are those of points at rigid walls and of sticking elements, before the constraint
-    forces act. Contacts with a force law do not count.
+    The accelerations are those of points at rigid walls and of sticking elements, without constraint forces.
+    Contacts with a force law do not count.
     """
     scale = 0.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
@@ -93,8 +93,8 @@ def largest_start(d):
 def sign_at_limit(d, k):
     """Return the sign of the force of sticking constraint k if the force is at its limit, else 0.
 
-    If the limit is 0, the result is the sign of the residual, the acceleration that the force should still
-    cause, or −1 for a residual of 0.
+    If the limit is 0, the result is the sign of the residual (target minus acceleration), or −1 for a
+    residual of 0.
     """
     limited, limit = d.limited_forces, upper_limit(d, k)
     if limit == 0.0:
@@ -105,7 +105,7 @@ def sign_at_limit(d, k):
 def lower_limit(d, k):
     """Return the lower limit [N] of the force of constraint k.
 
-    It is 0 for a point at a rigid wall, and minus the upper limit for a sticking element.
+    The lower limit is 0 for a point at a rigid wall, and minus the upper limit for a sticking element.
     """
     return 0.0 if k < d.touch.active_count else -upper_limit(d, k)
 
@@ -134,10 +134,10 @@ def minimize_within_limits(d, scale):
     """Solve one iteration of the method of multipliers, with all forces within their limits.
 
     An iteration minimizes a function of the forces. The forces inside their limits move toward the values
-    that minimize it while the other forces are fixed. The first force that reaches a limit stays at this
-    limit. When these values are reached, the constraint whose force tends most from its limit to the inside
-    is released. Each change reduces the function, so no set of constraints inside their limits occurs twice,
-    and the search ends.
+    that minimize this function while the other forces are fixed. The first force that reaches a limit stays
+    at this limit. When the minimizing values are reached, the constraint whose force tends most from its
+    limit to the inside is released. Each change reduces the function, so no set of constraints inside their
+    limits occurs twice, and the search ends.
     """
     limited, end = d.limited_forces, constraint_count(d)
     for _ in range(EXTRA_PIVOTS + 4 * end):
@@ -159,8 +159,8 @@ def first_at_limit(d):
     """Return which constraint's force reaches a limit first as the forces move to those in ``unlimited``.
 
     Returns:
-        The constraint, or −1 if no force reaches a limit; and the fraction of the way at which it is reached,
-        or 1.
+        The constraint, or −1 if no force reaches a limit; and the fraction of the way at which its force
+        reaches the limit, or 1.
     """
     limited, first, part = d.limited_forces, -1, 1.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
