@@ -138,7 +138,7 @@ export class Chart {
     });
   }
 
-  /** Tell the values at `x` of the horizontal axis by the text of `readingAt`, beside a dashed line; without `x`, end it. */
+  /** Show the text of `readingAt` for the value `x` of the horizontal axis, beside a dashed line; without `x`, remove both. */
   read(x) {
     if (x === undefined && this.reading === undefined) return;
     this.reading = x;

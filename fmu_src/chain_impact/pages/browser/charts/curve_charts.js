@@ -8,8 +8,8 @@ import { contactTitle, largestIn, MOMENT, writerOf } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
 const INPUT_COLOURS = 6; // number of colours for curves that the style sheet has
-// The dashes of curves: lengths [pixels] that are drawn and left out in turn. The first INPUT_COLOURS curves have one
-// colour and one dash each, because two colours may look alike; when the colours begin again, the dashes begin one later.
+// The dashes of curves: lengths [pixels] that are drawn and left out in turn. Each of the first INPUT_COLOURS curves has its own colour
+// and its own dash, because two colours may look alike; when the colours begin again, the dashes begin one later.
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
 /** MOST_CURVES: largest number of curves in a chart that a reader can distinguish; MOST_UNITS: of charts in a page, one for each unit. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
@@ -23,8 +23,8 @@ function withoutRoundOff(curves, largest) {
 }
 
 /**
- * Return the group of an output as a pattern that the names of all its members match. Names with numbers in brackets differ within a group
- * only in these numbers (point[*].y); names without them have the same part before the first dot (energy.*).
+ * Return the group of an output as a pattern that the names of all its members match. In a group of names with numbers in brackets, names
+ * differ only in these numbers (point[*].y); in any other group, they have the same part before the first dot (energy.*).
  */
 export function groupOf(name) {
   const group = name.replaceAll(/\[\d+\]/g, "[*]");

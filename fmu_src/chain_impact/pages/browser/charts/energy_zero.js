@@ -9,7 +9,7 @@ const MOVED = ["potential", "total"];
 
 /**
  * Return the number [J] that a chart adds to the potential and the total energy, so that no large gap lies between their curves and the
- * others. It has two significant digits, and is 0 if there is no large gap. `energies`: name → values.
+ * others. The number is rounded up to two significant digits; it is 0 if there is no large gap. `energies`: name → values.
  */
 export function energyOffset(energies) {
   const least = endsOf(energies.potential ?? [0])[0];

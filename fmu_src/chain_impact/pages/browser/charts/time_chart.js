@@ -7,7 +7,7 @@ import {
 import { energyOffset, energyText, movedBy } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
-const DENSE = 0.4; // number of turns of a curve for each pixel of a chart, from which on the curve fills an area
+const DENSE = 0.4; // a curve with more turns than this for each pixel of the chart's width fills an area
 const FAINT = 0.5; // opacity of such a curve, so that the others are seen behind it
 const CURVE_APART = 0.3; // [pixels of the screen] least distance between two points of a drawn curve
 
@@ -28,7 +28,7 @@ export class TimeChart extends Chart {
     return `${withMinus(fixed(time, 4))} s`;
   }
 
-  /** Read the chart at a time: the list shows the values at this time, not at the present one. */
+  /** Read the chart at a time: the list shows the values at this time; without it, those at the present time. */
   read(time) {
     super.read(time);
     if (this.drawn) this.draw(...this.drawn);

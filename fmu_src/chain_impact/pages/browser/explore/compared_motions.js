@@ -230,8 +230,8 @@ export function largestText(recording) {
 }
 
 /**
- * Return by how many percent the largest force (or else impulse) of a recording differs from that of another: "−12 %"; "" if their units
- * differ, or one is unknown.
+ * Return the largest force (or else impulse) of a recording minus that of `other`, in percent of the latter, as text: "−12 %"; "" if their
+ * units differ, or one is unknown.
  */
 function percentText(recording, other) {
   const [one, base] = [recording, other].map(largestImpact);

@@ -8,7 +8,7 @@ export class UndoHistory {
   #future = []; // the states that the reader has undone, the latest undone last
   #isStep = false; // whether a change is a step to a state of this history
   #isBegin = true; // whether the next change begins a state, because the present one was undone or redone
-  #typed = null; // the field in which the reader has typed since its last change, whose keys stay its own
+  #typed = null; // the field with typed text that is not taken yet: keys for undo are left to this field
 
   /**
    * Listen from now on to changes of the open scene and its parameters, to the keys for undo and redo, and to their buttons. `onStep` is

@@ -10,8 +10,8 @@ const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // head of the column for the largest force in a joint, which the list has if these forces are known
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
-  peak: "Largest force of the contact, at a stop the largest moment; the impulse of a rigid wall or stop",
-  impulse: "Impulse of the contact, at a stop its angular impulse: walls and stops are rigid",
+  peak: "Largest force of the contact, at a stop of a joint the largest moment; the impulse of a rigid wall or stop",
+  impulse: "Impulse of the contact, at a stop of a joint the angular impulse: walls and stops are rigid",
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 

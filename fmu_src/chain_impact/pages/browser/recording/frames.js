@@ -8,10 +8,10 @@ const COORDINATES = 2_000_000; // largest number of coordinates of points in all
 const FEWEST_FRAMES = 200; // smallest number of frames of a recording
 
 /**
- * Return the impacts in the form of a `Recording`. An unknown `end` becomes `stop`, the end of the recording [s]. A peak force `peak` of 0
- * becomes null. It also becomes null if the largest penetration is 0, as at a rigid wall: the force of this wall only holds the point after
- * the impulse. `impactEnd` [s] is the time at which the slow motion of an impact ends. It is `end` or, in a long contact, an earlier time,
- * which follows from the largest penetration and the impact speed.
+ * Return the impacts in the form of a `Recording`. An unknown `end` becomes `stop`, the end of the recording [s]. The peak force `peak`
+ * becomes null if it is 0, or if the largest penetration is 0, as at a rigid wall: the force of this wall only holds the point after the
+ * impulse. `impactEnd` [s] is the time at which the slow motion of an impact ends: `end` or, in a long contact, an earlier time, which
+ * follows from the largest penetration and the impact speed.
  */
 export function impactsUntil(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
@@ -83,22 +83,22 @@ function ofStops({ n, columns: { moment } }) {
  * @param rows.name the name of the scene.
  * @param rows.links the number of links.
  * @param rows.pointCount the number of points.
- * @param rows.time the times of the rows.
- * @param rows.x x row after row, a value for each point in each row.
+ * @param rows.time the times of the rows [s].
+ * @param rows.x x [m] row after row, a value for each point in each row.
  * @param rows.y y in the same order.
  * @param rows.drawn the quantities of `drawn.py`: group → entries { n, name, columns: name → a value for each row }.
  * @param rows.impacts the impacts, from `impactsUntil`.
- * @param rows.walls the free sides of the walls: name → { normal, offset }.
- * @param rows.moved the displacements of moving walls along their normals: name → a value for each row; may be missing.
+ * @param rows.walls the free sides of the walls: name → { normal, offset [m] }.
+ * @param rows.moved the displacements [m] of moving walls along their normals: name → a value for each row; may be missing.
  * @param rows.stops the joints with stops: { joint, arc, marks }.
- * @param rows.radius the largest radius of a point that may touch; 0 if it is too small to be seen.
+ * @param rows.radius the largest radius [m] of a point that may touch; 0 if it is too small to be seen.
  * @param rows.ball the point at the centre of a ball; null if the chain is not a ball.
- * @param rows.touching the points that may touch: [point, its radius].
+ * @param rows.touching the points that may touch: [point, its radius [m]].
  * @param rows.pointNames the points that have a name: [point, its name].
- * @param rows.bodies the links with points: [link, corners in the link's axes].
+ * @param rows.bodies the links with points: [link, corners [m] in the link's axes].
  * @param rows.rail the slider: { lines, carriage, stops }; null without a slider.
  * @param rows.pinned whether the base is pinned.
- * @param frames times, the times of the frames, and frameRate, the number of frames per second on the screen; the frames are
+ * @param frames times, the times of the frames [s], and frameRate, the number of frames per second on the screen; the frames are
  *   the rows if the times are the array `rows.time` itself.
  */
 export function framesOf(rows, { times, frameRate }) {

@@ -2,7 +2,7 @@
 
 import { mapped } from "../base/mapped.js";
 
-/** Return whether a frame is in any of some spans, each with a first and a last frame, both included. */
+/** Return whether a frame, without its fraction, is in any of some spans, each with a first and a last frame, both included. */
 function isWithin(spans, frame) {
   return spans.some(([first, last]) => frame >= first && frame < last + 1);
 }
@@ -83,7 +83,7 @@ export class Recording {
 
   /**
    * Return `force` [N], `penetration` [m] and dry `friction` [N] of a contact's point at its wall, each with a value for each row; unknown
-   * ones are left out. At a stop of a joint the `force` is a moment [N·m].
+   * ones are left out, and so are all if the force is always 0. At a stop of a joint the `force` is a moment [N·m].
    */
   courseOf({ point, wall }) {
     return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};

@@ -88,7 +88,7 @@ export function removeLink(file, k) {
   keepPoints(file);
 }
 
-/** Add a horizontal wall below the chain at its start. */
+/** Add a horizontal wall below the link ends at the start of the motion. */
 export function addWall(file) {
   const { chain: { links }, initial, walls } = file;
   const points = pointsOf(initial.position, links.map(({ length }, k) => [length, initial.angles[k]]));

@@ -94,7 +94,7 @@ export class Kernel {
 
   /**
    * Run from the start of the scene through some times, and return the results. The generator yields the fraction that is done after each
-   * call of the kernel, so that its caller can do other work meanwhile.
+   * call of the kernel for rows, so that its caller can do other work meanwhile.
    *
    * @param values the changed parameters: name → number. @param times Float64Array [s]. @param outputs { word, integer } of the record, one
    * for each column. @param timesPerCall number of times in one call of the kernel, which cannot be interrupted. @param inputSteps { time,
@@ -160,7 +160,7 @@ export class Kernel {
   /**
    * Run once for each row of values (`each`, one row after the other) of the real parameters `names`, up to the row's end time [s], with
    * the other changes `values`. Return in `rows` the `words` of the record (indices) at the end of each run, one run after the other, and
-   * in `firsts` the results of `firstOf` for the impacts and the changes of each run. The generator yields after each call of the kernel.
+   * in `firsts` the results of `firstOf` for the impacts and the changes of each run. The generator yields when `run` does.
    */
   *runEach(values, names, each, endTimes, words, firstOf = () => null) {
     const rows = new BigInt64Array(endTimes.length * words.length);

@@ -29,8 +29,8 @@ export function runIn(outputs, { rows, firsts }, number) {
 }
 
 /**
- * Return an output from the `values` of a run, of `places` the index of a place; null if the run has no such impact, or if a rigid law
- * leaves the output unknown, so that it is 0 though the run has impacts.
+ * Return an output from the `values` of a run; for a place, its index in `places`. The result is null if the run has no such impact, or if
+ * a rigid law leaves the output unknown, so that its value is 0 though the run has impacts.
  */
 export function outputIn(values, { name, rigid, places }) {
   if (places && values[name]) return places.indexOf(values[name]);

@@ -6,8 +6,9 @@ import { boxWallText, inputText, parameterText, signalText } from "../../scene/w
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
- * The main parameters, each with a name, a label, and the ends of its slider: `ends` (powers of ten on a logarithmic slider); or `decades`
- * powers of ten below and above the start value; or 0 and `spread` times the start value. A parameter without any of these is a choice.
+ * The main parameters, each with a name, a label, and the ends of its slider: `ends` (exponents of ten on a logarithmic slider); or the
+ * nearest powers of ten that are at least `decades` powers below and above the scene's value; or 0 and `spread` times this value. A
+ * parameter without any of these is a choice, or has no slider.
  */
 export const MAIN_PARAMETERS = [
   { name: "contact.model", label: "Contact law" },
