@@ -3,6 +3,7 @@
 # Tests: pictures/impact_changes.py
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import matplotlib as mpl
@@ -236,6 +237,8 @@ def test_many_impacts_have_colours_in_place_of_numbers():
     assert image.get_array().shape == (2, len(recording.impacts))
     assert not table.texts
     assert len(bar.get_yticks()) == 5
+    ends = [label.get_text() for label in bar.get_yticklabels()][:: len(bar.get_yticks()) - 1]
+    assert ends == ["≤−100", "≥+100"]  # larger changes have the colours of the ends
     below, zero, above = image.to_rgba(np.array([-50.0, 0.0, 50.0]))[:, :3]
     assert below[0] > below[2]
     assert above[2] > above[0]
@@ -267,3 +270,31 @@ def test_the_headline_says_where_derivatives_end():
     slides = simulate("sliding_rod", 0.1, sensitivities=["gravity.y"])
     known = slides.time[np.isfinite(slides.sensitivities.slopes).any(axis=(1, 2))][-1]
     assert f"known until {known:.3g} s" in slides.plot_sensitivities().get_suptitle()
+
+
+def test_the_headline_has_the_change_of_a_run_that_differs_from_first_order():
+    """Restitution shifts the second impact of the rod, so that its tip is elsewhere just after it."""
+    names = ["contact.restitution", "contact.stiffness"]
+    recording = simulate("rod_drop", sensitivities=names)
+    figure = recording.plot_sensitivities()
+    headline = figure.get_suptitle().replace("\n", " ")
+    output, size, time = re.search(r"\+ 1 % changes (\S+) by ([\d.]+) mm at ([\d.]+) s", headline).groups()
+    row = recording.row_at(float(time))
+    (first_order,) = recording.sensitivities.changes(output)[[row], 0]
+    more = load_scene("rod_drop").with_values({names[0]: 1.01 * recording.parameters[names[0]]})
+    (in_run,) = (simulate(more)[output] - recording[output])[[row]]
+    assert 1e-3 * float(size) == pytest.approx(abs(in_run), rel=0.02)
+    (there,) = re.findall(
+        r"to first order, ([\d.]+) mm there", " ".join(text.get_text() for text in figure.texts)
+    )
+    assert 1e-3 * float(there) == pytest.approx(abs(first_order), rel=0.02)
+    assert abs(first_order) > 2.0 * abs(in_run)
+
+
+def test_a_headline_that_no_run_can_check_tells_the_change_to_first_order(swing):
+    alone = replace(swing, rerun=None)
+    assert re.search(r"changes \S+ by up to", alone.plot_sensitivities().get_suptitle())
+    assert alone.in_other_run({"contact.stiffness": 2e7}, 0.1) is None
+    assert swing.in_other_run({"contact.stiffness": -1.0}, 0.1) is None
+    other = swing.in_other_run({"gravity.y": 0.0}, 0.1)
+    np.testing.assert_allclose(other.energies["potential"], 0.0, atol=1e-12)

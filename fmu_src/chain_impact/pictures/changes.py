@@ -37,7 +37,7 @@ from chain_impact.pictures.style import (
     styled,
 )
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.sensitivity import Sensitivities, differs
 from chain_impact.recording.text import LOAD_UNITS, WHOLE, number, plural, prefixed
 from chain_impact.scene.names import AXES
 from chain_impact.scene.unit_text import in_brackets, with_unit
@@ -47,6 +47,7 @@ NO_CHANGE = 1e-12
 ROUND_OFF = 1e-9  # [1] a range of an output that is at most this, relative to its largest value, is round-off
 # the largest number of parameters with coloured curves: those with the largest effects; others are grey
 LARGEST_EFFECTS = 4
+TO_FIRST_ORDER = "changes to first order"
 ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
 LOW_TABLE = 0.6  # the height of the table relative to that of a panel, if they stand one below the other
 PREFIXED = (*LOAD_UNITS, "m", "m/s", "s", "rad", "rad/s")  # the units that get a prefix, as in mm
@@ -66,8 +67,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     parts = np.stack([shares(recording, sensitivities, name) for name in names])
     relative = parts.max(axis=0)
     known = holds(relative)
-    told = ["changes to first order", "" if known.all() else ENDED]
-    headline(figure, finding(recording, sensitivities, names, parts), conditions(recording, *told))
+    found, first_order = finding(recording, sensitivities, names, parts)
+    told = [first_order, "" if known.all() else ENDED]
+    headline(figure, found, conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
     panels, table = panels_of(figure, len(names), across)
@@ -165,20 +167,22 @@ def holds(relative: np.ndarray) -> np.ndarray:
 
 def finding(
     recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], parts: np.ndarray
-) -> str:
-    """Return the headline: the parameter that matters most, and what it does to which output.
+) -> tuple[str, str]:
+    """Return the headline, which tells what the most important parameter does, and words on first order.
 
-    It is the one whose change first exceeds the range of an output or, if none does, the one with the largest
-    change relative to this range. In the second case, the headline names the output that it changes most,
-    among those of the same unit. A parameter with the value 0 is named only if no other has an effect: a
-    change by 0.01 of its unit does not compare with one by 1 %. If no parameter has an effect, or there are
-    no derivatives after the start, the headline says so.
+    The most important parameter is the one whose change first exceeds the range of an output or, if none
+    does, the one with the largest change relative to this range. In the second case, the headline names the
+    output that it changes most, among those of the same unit. If a run with the changed parameter differs
+    from first order (``differs``), the headline has the change in this run, and the words have the change to
+    first order. A parameter with the value 0 is named only if no other has an effect: a change by 0.01 of
+    its unit does not compare with one by 1 %. If no parameter has an effect, or there are no derivatives
+    after the start, the headline says so.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
     """
     known = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
     if not known[1:].any():
-        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on"
+        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", ""
     factor, unit = time_unit(float(np.ptp(recording.time)))
     until = "" if known[-1] else f", known until {factor * recording.time[known][-1]:.3g} {unit}"
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
@@ -190,16 +194,39 @@ def finding(
     output, parameter = outputs[int(parts[:, row, k].argmax())], list(sensitivities.parameters)[k]
     if not beyond.any():
         alike = [name for name in outputs if sensitivities.units[name] == sensitivities.units[output]]
-        output = max(alike, key=lambda name: _largest(sensitivities, name, k))
+        output = max(alike, key=lambda name: _sizes(recording, sensitivities, name, k).max())
     if relative[row, k] <= NO_CHANGE:
-        return f"{recording.name}: no parameter changes {', '.join(outputs)}"
+        return f"{recording.name}: no parameter changes {', '.join(outputs)}", TO_FIRST_ORDER
     what = f"{recording.name}: {parameter} + {sensitivities.step_text(parameter)} changes {output} by"
     if beyond.any():
         whose = "the range of all energies" if output.startswith("energy.") else "its range"
-        return f"{what} more than {whose} from {factor * recording.time[row]:.3g} {unit} on{until}"
-    most = _largest(sensitivities, output, k)
-    scale, unit = readable(most, sensitivities.units[output])
-    return f"{what} up to {with_unit(number(scale * most, 2 if scale * most < WHOLE else 3), unit)}{until}"
+        at = f"{factor * recording.time[row]:.3g} {unit}"
+        return f"{what} more than {whose} from {at} on, to first order{until}", TO_FIRST_ORDER
+    sizes, of_output = _sizes(recording, sensitivities, output, k), sensitivities.units[output]
+    row = int(sizes.argmax())
+    in_run = _change_in_run(recording, sensitivities, output, parameter, row)
+    most = _size_text(sizes[row], of_output)
+    if in_run is None or not differs(sensitivities.changes(output)[row, k], in_run):
+        return f"{what} up to {most}{until}", TO_FIRST_ORDER
+    at = f"{factor * recording.time[row]:.4g} {unit}"
+    return f"{what} {_size_text(abs(in_run), of_output)} at {at}{until}", f"{TO_FIRST_ORDER}, {most} there"
+
+
+def _change_in_run(
+    recording: Recording, sensitivities: Sensitivities, output: str, parameter: str, row: int
+) -> float | None:
+    """Return the change of an output in a row by a step of a parameter in a run; None without such a run."""
+    value = sensitivities.parameters[parameter] + sensitivities.step(parameter)
+    other = recording.in_other_run({parameter: value}, float(recording.time[row]))
+    if other is None or output not in other.columns:
+        return None
+    return float(other.columns[output][0] - recording.columns[output][row])
+
+
+def _size_text(size: float, unit: str) -> str:
+    """Return a size of a change as text, with a unit that suits it: "362 µm"."""
+    scale, readable_unit = readable(size, unit)
+    return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
 
 
 def readable(largest: float, unit: str) -> tuple[float, str]:
@@ -210,9 +237,13 @@ def readable(largest: float, unit: str) -> tuple[float, str]:
     return prefixed(largest, unit) if unit in PREFIXED else (1.0, unit)
 
 
-def _largest(sensitivities: Sensitivities, output: str, k: int) -> float:
-    """Return the largest |change| of an output over time for a step of parameter k, in the output's unit."""
-    return float(np.nanmax(np.abs(sensitivities.changes(output)[:, k]), initial=0.0))
+def _sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: int) -> np.ndarray:
+    """Return |change| of an output for a step of parameter k, shape (T,), in the output's unit.
+
+    It is 0 in impacts that end in the run, and where the derivative is unknown.
+    """
+    sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
+    return np.where(calm(recording), sizes, 0.0)
 
 
 def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:

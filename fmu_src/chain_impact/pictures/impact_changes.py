@@ -67,7 +67,9 @@ def draw_impact_changes(
                 axes.text(column, row, cell_text(change), color=colour, **look)
     else:
         bar = figure.colorbar(image, ax=axes, ticks=BAR_TICKS)
-        bar.ax.set_yticklabels([cell_text(tick) for tick in BAR_TICKS])
+        least, *others, most = (cell_text(tick) for tick in BAR_TICKS)
+        # the colours of changes beyond the ends are those of the ends
+        bar.ax.set_yticklabels([f"≤{least}", *others, f"≥{most}"])
         bar.ax.minorticks_off()
     every = -(-len(onsets) // MOST_NUMBERS)
     axes.set_xticks(range(0, len(onsets), every), [str(k + 1) for k in range(0, len(onsets), every)])

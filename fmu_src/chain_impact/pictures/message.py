@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -27,8 +27,6 @@ NO_LOSS = 1e-12
 SAME_PEAK = 1e-3
 # an energy of drives and inputs up to this, relative to the dissipated energy, is not told
 LITTLE_SUPPLIED = 0.01
-# a run with more evaluations of the equations of motion than this is not repeated to get its joint forces
-MOST_EVALUATIONS = 300_000
 # the impulse of a contact; the part that the hit has in it, without the impulse of the force that follows
 IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
 SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
@@ -245,21 +243,20 @@ def place(recording: Recording, row: int) -> str:
 
 
 def load_text(recording: Recording) -> str:
-    """Return words for the largest force in a joint: "joint 2 bears up to 621 N, at 0.4977 s"; "" if none.
+    """Return words for the largest force in a joint: "joint 2 bears up to 621 N in the run, at 0.4977 s".
 
-    If the recording does not have the forces, and the run took at most MOST_EVALUATIONS, they come from a
-    repeated run.
+    If the recording does not have the forces, they come from a repeated run. The result is "" if no joint
+    bears a force, or if the forces remain unknown.
     """
-    known, result = joint_peaks(recording), cast("Any", recording)
-    if not known and (again := getattr(recording, "rerun", None)) is not None:
-        is_cheap = result.statistics["rhs_evaluations"] <= MOST_EVALUATIONS
-        known = getattr(again, "joint_peaks", []) if is_cheap else []
+    known = joint_peaks(recording)
+    if not known and (again := recording.in_other_run({"outputs.loads": True}, float(recording.time[-1]))):
+        known = joint_peaks(again)
     largest = next(iter(known), None)
     if largest is None or not largest.force > 0.0:
         return ""
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
     return (
-        f"joint {largest.joint} bears up to {force_text(largest.force, 'N')}, "
+        f"joint {largest.joint} bears up to {force_text(largest.force, 'N')} in the run, "
         f"{'by' if largest.kind == BY_ROW else 'at'} {factor * largest.time:.5g} {unit}"
     )
 

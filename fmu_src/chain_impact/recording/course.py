@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -21,11 +22,26 @@ LASTING_SAMPLES = 4000
 # longer than an impact
 SOON = 1e-6
 
-Rerun = Callable[[np.ndarray], np.ndarray]
-"""A function that repeats the run: increasing times [s], shape (S,) → outputs at these times.
 
-The outputs are a structured array with one row for each time, or fewer rows if the run ends early.
-"""
+class Rerun(Protocol):
+    """A run that can be repeated, with rows at other times."""
+
+    @property
+    def prepared(self) -> PreparedScene:
+        """The scene of the run, prepared."""
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        """Return the outputs at increasing times [s], shape (S,).
+
+        The result is a structured array with one row for each time, or fewer rows if the run ends early.
+        """
+
+    def changed(self, values: Mapping[str, Any]) -> Self:
+        """Return the run with the same inputs over time and with other values of parameters.
+
+        Raises:
+            SceneError: when the scene cannot have one of the values, or a name is not that of a parameter.
+        """
 
 
 @dataclass(frozen=True, eq=False)

@@ -130,6 +130,15 @@ class Recording:
         """Return a hint if ``name``, which no column has, is an input or a parameter; else None."""
         return output_hint(name, self.inputs, self.parameters)
 
+    def in_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:
+        """Return the row at a time [s] of a run with other values of parameters, as a recording.
+
+        The result is None if there is no such run or row, or if the run would take long; here it is always
+        None.
+        """
+        del values, time
+        return None
+
     @property
     def passing(self) -> list[str]:
         """Sentences on points that pass through walls without touching them; empty if this is unknown."""

@@ -21,6 +21,19 @@ PART = 0.01
 """The change of a parameter for which pictures and tables show changes of results: this times its value or,
 if its value is 0, times its unit."""
 
+# [1] largest difference between a change to first order and the change in a run with the new value, relative
+# to the larger of both; if the difference is larger, texts give both changes
+FIRST_ORDER = 0.25
+
+
+def differs(first_order: float, simulated: float) -> bool:
+    """Return whether a change to first order and a simulated one differ by more than FIRST_ORDER.
+
+    The result is also True if one of them is NaN.
+    """
+    # a comparison with NaN is False, so NaN counts as different
+    return not abs(simulated - first_order) <= FIRST_ORDER * max(abs(simulated), abs(first_order))
+
 
 def step_of(value: float) -> float:
     """Return a small change of a parameter: 1 % of its value, with the value's sign, or 0.01 if it is 0."""

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from chain_impact.recording.course import Course, Rerun, course_of
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
+from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.passing import passing
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.stick_slip import NO_PHASES
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.reading import UnknownNameError, names_matching
+from chain_impact.scene.reading import SceneError, SceneWarning, UnknownNameError, names_matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
 
@@ -26,10 +30,15 @@ if TYPE_CHECKING:
     from chain_impact.pictures.sizes import Size
 
 
+# a run with more evaluations of the equations of motion than this is not repeated with other values
+MOST_EVALUATIONS = 300_000
+
+
 class Pictured(Recording):
     """A result with methods for pictures and an animation; ``Result`` describes its attributes."""
 
     prepared: PreparedScene
+    statistics: dict[str, int]
     rerun: Rerun | None
 
     @property
@@ -120,6 +129,34 @@ class Pictured(Recording):
         pictures.check_alone(path, size)
         pictures.fill_axes(ax, self, shown or ["motion"])
         return ax
+
+    def in_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:
+        """Return the row at a time [s] of a run with the same inputs and other values of parameters.
+
+        The result is None if the run cannot be repeated, or took more than MOST_EVALUATIONS; if the scene
+        cannot have the values; or if the other run ends before ``time``.
+        """
+        if self.rerun is None or self.statistics["rhs_evaluations"] > MOST_EVALUATIONS:
+            return None
+        try:
+            with warnings.catch_warnings():
+                # the user has seen the warnings of the scene, and the other values are not the user's
+                warnings.simplefilter("ignore", SceneWarning)
+                other = self.rerun.changed(values)
+        except SceneError:
+            return None
+        outputs = other(np.array([time]))
+        if not len(outputs):
+            return None
+        parts: dict[str, Any] = {
+            "prepared": other.prepared,
+            "time": np.array([time]),
+            "outputs": outputs,
+            "rerun": other,
+        }
+        parts |= {"impacts": NO_IMPACTS, "sensitivities": None, "stepwise": {}, "stick_slip": NO_PHASES}
+        # this object is a Result, a dataclass
+        return cast("Recording", replace(cast("Any", self), **parts))
 
     def _plot_curves(
         self,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import PART, Sensitivities, step_of
+from chain_impact.recording.sensitivity import FIRST_ORDER, PART, Sensitivities, differs, step_of
 from chain_impact.recording.summary import digits
 from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed, signed
 from chain_impact.results.quantity import quantity_named
@@ -29,9 +29,6 @@ EXPONENTS = ("contact.exponent", "stop.exponent")
 """The parameters that change the unit, and so the meaning, of a stiffness."""
 # [1] an effect that is larger, relative to the quantity, holds for smaller changes only: the text says so
 LARGE_SHARE = 0.2
-# [1] largest difference between an effect to first order and the change in a run with the new value, relative
-# to the larger of both; with a larger difference, the text gives both
-FIRST_ORDER = 0.25
 # [1] an effect that is at most this, relative to ``RankedQuantity.size``, is round-off and counts as none
 LEAST_EFFECT = 1e-12
 NAMED_STEPS = 2  # the largest number of different steps that the heading of a block of bars lists
@@ -68,11 +65,7 @@ class Effect(NamedTuple):
 
         If ``simulated`` is None, this is False.
         """
-        if self.simulated is None:
-            return False
-        # a comparison with NaN is False, so NaN counts as different
-        least = FIRST_ORDER * max(abs(self.simulated), abs(self.change))
-        return not abs(self.simulated - self.change) <= least
+        return self.simulated is not None and differs(self.change, self.simulated)
 
     @property
     def told(self) -> str:

@@ -6,8 +6,8 @@ import hashlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,12 +16,10 @@ from chain_impact.kernel.status import OK
 from chain_impact.laws.law_file import LawError, parse_law, source_of
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import in_order
-from chain_impact.recording.joint_peaks import EXACT, JointPeak
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
 from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
-from chain_impact.scene.names import name_parts
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.tables import STEP_ROUND_OFF
@@ -254,31 +252,25 @@ class Rerun:
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """Return all outputs at the increasing ``times`` [s], shape (S,): a structured array, shape (S,).
 
-        The array is shorter if the solver cannot continue.
+        The array is shorter if the solver cannot continue, and empty if the run cannot start.
         """
         course = self.course.at(times)
-        instance = Instance(self.prepared, course, ())
+        try:
+            instance = Instance(self.prepared, course, ())
+        except SimulationError:
+            return np.zeros(0, self.prepared.row)
         rows = WordRows(len(course.times), self.prepared.output_words)
         done, _ = instance.run(course, rows)
         outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.row)[course.asked[:done]]
         return outputs
 
-    @cached_property
-    def joint_peaks(self) -> list[JointPeak]:
-        """The largest force in each joint in the whole run, which is repeated with the outputs of loads.
+    def changed(self, values: Mapping[str, Any]) -> Rerun:
+        """Return the run with the same inputs over time and with other values of parameters.
 
-        The list is in descending order of the forces; it is empty if the solver cannot finish the run.
+        Raises:
+            SceneError: when the scene cannot have one of the values, or a name is not that of a parameter.
         """
-        prepared = PreparedScene(with_values(self.prepared.scene, {"outputs.loads": True}))
-        parts = map(name_parts, (output.name for output in prepared.outputs))
-        joints = [of.n for of in parts if of.owner == "joint" and of.quantity == "peak_force"]
-        ends = Rerun(prepared, self.course)(self.course.times[-1:]) if joints else ()
-        found = [
-            JointPeak(joint, float(load["peak"][joint - 1]), float(load["peak_time"][joint - 1]), EXACT)
-            for load in (end["load"] for end in ends)
-            for joint in joints
-        ]
-        return sorted(found, key=lambda peak: -peak.force)
+        return Rerun(PreparedScene(with_values(self.prepared.scene, values)), self.course)
 
 
 class _Stepwise(Mapping[str, np.ndarray]):
