@@ -272,7 +272,7 @@ def test_the_headline_says_where_derivatives_end():
     assert f"known until {known:.3g} s" in slides.plot_sensitivities().get_suptitle()
 
 
-def test_the_headline_has_the_change_of_a_run_that_differs_from_first_order():
+def test_the_headline_has_the_change_of_a_run_that_differs():
     """Restitution shifts the second impact of the rod, so that its tip is elsewhere just after it."""
     names = ["contact.restitution", "contact.stiffness"]
     recording = simulate("rod_drop", sensitivities=names)

@@ -130,13 +130,8 @@ class Recording:
         """Return a hint if ``name``, which no column has, is an input or a parameter; else None."""
         return output_hint(name, self.inputs, self.parameters)
 
-    def in_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:
-        """Return the row at a time [s] of a run with other values of parameters, as a recording.
-
-        The result is None if there is no such run or row, or if the run would take long; here it is always
-        None.
-        """
-        del values, time
+    def in_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:  # noqa: ARG002
+        """Return the row at a time [s] of a run with other values of parameters; None if unknown, as here."""
         return None
 
     @property
