@@ -13,37 +13,38 @@ from threading import Event
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 from chain_impact.system import LISTEN
 
-# largest number of runs in a batch: in those submitted before one has ended, and in any batch
+# largest number of runs in a batch: FIRST_BATCH until the first batch has ended, LONGEST_BATCH afterwards
 FIRST_BATCH, LONGEST_BATCH = 8, 2**18
-# [s] shortest and longest time that a batch is meant to take
+# [s] shortest and longest time for which the size of a batch is chosen
 SHORTEST_BATCH_TIME, LONGEST_BATCH_TIME = 0.5, 60.0
-# A batch is meant to take SHARE × the time since the start of the sweep, between the two limits above. So an
-# interruption, which loses the unfinished batches, loses about this part of the time.
+# The size of a batch is chosen so that its computation takes SHARE × the computing time of each worker so
+# far, within the two limits above. So an interruption, which loses the unfinished batches, loses about this
+# part of the time.
 SHARE = 0.2
-# A batch has at most BATCH_RATIO times as many runs as the batch before, because the first batches are too
-# short for a good estimate of the time. At the end, batches become smaller, so that all workers end at about
-# the same time, but they are meant to take at least 1/BATCH_RATIO of the usual time.
+# When a batch ends, the size of the next batches grows at most by the factor BATCH_RATIO, because the first
+# batches are too short for a good estimate of the time. At the end of a sweep, batches become smaller, so
+# that all workers end at about the same time, but not below 1/BATCH_RATIO of the time that is chosen
+# otherwise.
 BATCH_RATIO = 16
-# number of batches submitted for each worker: while one is computed, the next one already waits for its
-# worker
+# number of batches submitted for each worker: while one batch is computed, the next one waits for the worker
 AHEAD = 2
 
 
 class Batches:
     """The missing runs of a sweep, which workers take batch by batch.
 
-    A batch takes about SHARE × the time so far, between SHORTEST_BATCH_TIME and LONGEST_BATCH_TIME, so that
-    an hour of a core has about a hundred batches.
+    The size of batches follows from the computing times that ``took`` records (SHARE, BATCH_RATIO). An hour
+    of one worker has about a hundred batches.
     """
 
     def __init__(self, spans: Sequence[Span], workers: int) -> None:
-        """Store ``spans``, the missing runs in order, and the number of workers."""
+        """Store ``spans``, the missing runs in ascending order, and the number of workers."""
         self._spans, self._workers = list(reversed(spans)), workers
         self._left = sum(end - first for first, end in spans)
         self._size, self._least, self._elapsed = FIRST_BATCH, 1, 0.0
 
     def take(self) -> Span | None:
-        """Return the next batch as a span of runs, or None if no run is left.
+        """Return the next batch as a span of runs, or None if all runs have been taken.
 
         The last batches are smaller, so that all workers end at about the same time.
         """
@@ -58,7 +59,7 @@ class Batches:
         return first, middle
 
     def took(self, batch: Span, seconds: float) -> None:
-        """Record the computing time of a batch [s]; this time determines the size of the next batches."""
+        """Record the computing time of a batch [s], and set the size of the next batches."""
         self._elapsed += seconds / self._workers
         a_second = (batch[1] - batch[0]) / max(seconds, 1e-6)
         wanted = min(max(SHORTEST_BATCH_TIME, SHARE * self._elapsed), LONGEST_BATCH_TIME)
@@ -75,17 +76,18 @@ def hand_out(
     check: Callable[[], None] = lambda: None,
     patience: float = LISTEN,
 ) -> Generator[tuple[Span, Outcome]]:
-    """Divide spans of runs into batches; yield each batch with its results when the executor has finished it.
+    """Divide spans of runs into batches; yield each batch with its result, in the order in which they end.
+
+    An error of ``do`` or ``check`` ends the iteration. At its end, batches that have not begun are cancelled.
 
     Args:
         executor: executes the batches in threads of this machine, or on the machines of a cluster.
         count: the number of workers; AHEAD × ``count`` batches are submitted at the same time.
         do: function that computes a batch, and returns the result and the computing time [s].
-        spans: the runs, in order.
-        check: function that is called when no batch was finished for some time; it raises an error if there
-            is a fault.
-        patience: the time without a finished batch after which ``check`` is called [s]; after this time at
-            the latest, Ctrl-C is noticed.
+        spans: the runs, in ascending order.
+        check: function that is called each time no batch has ended for ``patience``; it raises an error if
+            there is a fault.
+        patience: time without a finished batch [s]; after this time at the latest, Ctrl-C is noticed.
     """
     batches = Batches(spans, count)
     at_work: dict[Future[tuple[Outcome, float]], Span] = {}
@@ -115,17 +117,17 @@ def hand_out(
 def run_in_threads(
     computation: Computation, spans: Sequence[Span], threads: int
 ) -> Generator[tuple[Span, Outcome]]:
-    """Compute spans of runs in threads; yield each finished batch of runs with its results.
+    """Compute spans of runs in threads of this process; yield each finished batch of runs with its result.
 
-    Other Python threads can run meanwhile. If the caller stops the iteration, all threads end within about a
-    second.
+    Python threads of the caller can run meanwhile. If the caller closes the generator, all threads of the
+    sweep end within about a second.
 
     Raises:
         BuildError: when the kernel cannot be compiled.
         OSError: when a file cannot be written.
     """
     if spans:
-        # compile the kernel here, or else each thread would wait for the compilation or compile it, too
+        # compile the kernel before the threads begin; otherwise each of them would compile it, or wait for it
         computation.runner()
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
@@ -138,7 +140,7 @@ def run_in_threads(
 
 
 def missing(done: Sequence[Span], count: int) -> list[Span]:
-    """Return the spans of the runs 0 … count − 1 that are in no span of ``done``, in order."""
+    """Return the spans of those of the runs 0 … count − 1 that are in no span of ``done``, ascending."""
     spans, start = [], 0
     for first, end in sorted(done):
         if first > start:

@@ -25,26 +25,26 @@ CONNECT, PATIENCE = 10.0, 30.0
 def run_on_cluster(
     computation: Computation, spans: Sequence[Span], address: str
 ) -> Generator[tuple[Span, Outcome]]:
-    """Compute spans of runs on a cluster; yield each batch of runs with its results when it is finished.
+    """Compute spans of runs on a cluster; yield each finished batch of runs with its result.
 
-    If a worker is lost, other workers compute its batches.
+    If a worker is lost, other workers compute the batches of this worker.
 
     Args:
         computation: the computation of each batch.
-        spans: the runs to compute.
+        spans: the runs to compute, in ascending order.
         address: the address of the scheduler, ``tcp://host:port``.
 
     Raises:
         MissingExtraError: when distributed is not installed.
-        SceneError: when no scheduler answers, it has no workers at the start, or a worker has another version
-            of chain-impact, or cannot see the sweep's folder.
+        SceneError: when no scheduler answers, the cluster has no workers at the start, or a worker lacks
+            chain-impact, has another version of it, or does not see the sweep's folder.
         BuildError: when a worker cannot compile the kernel.
-        RunError: when the cluster gives up a batch, has no workers left, or the connection is lost.
+        RunError: when the cluster cannot compute a batch, has no workers left, or the connection is lost.
     """
     lost = RunError(f"scheduler {address}: the connection was lost")
 
     def check() -> None:
-        """Raise an error if the cluster has no workers, or the connection is lost."""
+        """Raise a RunError if the cluster has no workers left, or the connection is lost."""
         try:
             threads = client.nthreads()
         except OSError:
@@ -67,21 +67,23 @@ def run_on_cluster(
 
 
 def identity() -> tuple[str, str]:
-    """Return the version of this package and the hash of its kernel's sources; workers must have the same."""
+    """Return the version of this package and the hash of the kernel's sources; all workers need the same."""
     return version("chain-impact"), fingerprint()
 
 
 def _sees(folder: Path) -> bool:
-    """Return whether the worker that calls this function can see the manifest in the folder of a sweep."""
+    """Return whether this machine sees the manifest in the folder of a sweep; each worker calls this."""
     return any(folder.glob("*.json"))
 
 
 def _connected(kind: Any, address: str) -> Any:
     """Return a client of the scheduler at an address; ``kind`` is the class ``distributed.Client``.
 
-    A client that cannot connect is closed here. Otherwise the garbage collector would close it later, perhaps
-    while this thread starts another client and holds a lock that the closing needs, so that the thread waits
-    forever.
+    A client that cannot connect is closed here. Otherwise the garbage collector would close this client
+    later, perhaps while the thread holds a lock that closing needs, and the thread would wait forever.
+
+    Raises:
+        SceneError: when no scheduler answers within CONNECT.
     """
     client = kind.__new__(kind)
     try:
@@ -98,8 +100,9 @@ def _connected(kind: Any, address: str) -> Any:
 def _check_workers(client: Any, computation: Computation, address: str) -> int:
     """Return the number of threads of all workers of a cluster.
 
-    SceneError is raised if the cluster has no workers, or if one of them lacks the package, has another
-    version of it or of its kernel, or cannot read the folder of the sweep.
+    Raises:
+        SceneError: when the cluster has no workers, or a worker lacks the package, has another version of the
+            package or kernel, or does not see the folder of the sweep.
     """
     threads = client.nthreads()
     if not threads:

@@ -1,4 +1,4 @@
-"""The computation of a batch of runs, whose rows are returned or written to a file."""
+"""The computation of a batch of runs: their rows are returned, or written to a file."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ Outcome = np.ndarray | str
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
 CHUNK = 2**14  # the largest number of runs whose rows are computed and written, or read, together
-STATUS_WORD = "status"  # name of the column with the word for the status of each run, such as ok
+STATUS_WORD = "status"  # name of the column with a word for the status of each run, such as ok
 _STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 
 
 def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str] = ()) -> Columns:
-    """Return columns of a sweep's table for some successive runs: name → values of these runs.
+    """Return columns of a sweep's table for R successive runs: name → values, shape (R,).
 
     Args:
-        design: the values of each run.
-        rows: the results of these runs.
+        design: the varied values of each run of the sweep.
+        rows: the results of these runs, shape (R,), with the type ``Job.dtype``.
         first: the number, from 0, of the first of these runs.
-        names: the names of the columns; all columns by default.
+        names: the names of the columns; by default all columns: varied parameters, results, status.
     """
     varied = {variation.name: k for k, variation in enumerate(design.variations)}
     columns: Columns = {}
@@ -52,7 +52,7 @@ def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str
 
 
 def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
-    """Write a table to a Parquet file; ``chunks`` yields the columns for some successive rows at a time.
+    """Write a table to a Parquet file; ``chunks`` yields all columns of some successive rows at a time.
 
     Raises:
         MissingExtraError: when pyarrow is not installed.
@@ -75,9 +75,9 @@ class Computation:
 
     Attributes:
         job: the data that the runs share.
-        design: the values of each run.
+        design: the varied values of each run.
         folder: the folder to which each batch writes its rows as a Parquet file; None if rows are returned.
-        own_kernel: whether the runs use a kernel for exactly the sizes of this scene.
+        own_kernel: whether the runs use a kernel for exactly the sizes of the scene.
     """
 
     job: Job
@@ -86,7 +86,7 @@ class Computation:
     own_kernel: bool = False
 
     def runner(self) -> Runner:
-        """Return a new runner, with its own instance record, for the runs of a batch.
+        """Return a new runner, with an instance record of its own, for the runs of a batch.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
@@ -94,12 +94,14 @@ class Computation:
         return Runner(self.job, own_kernel=self.own_kernel)
 
     def run_batch(self, batch: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
-        """Compute the runs of a batch; return their rows or the name of their file, and the time taken [s].
+        """Compute the runs of a batch; return the ``Outcome`` of the batch, and the time taken [s].
 
-        The file has a temporary name; ``Dataset.add`` gives it the final one.
+        A file of rows has a temporary name until ``Dataset.add`` gives it the final name.
 
         Raises:
-            CancelledError: when ``wanted``, which is called at least once a second, returns False.
+            CancelledError: when ``wanted``, which is called about once a second, returns False.
+            BuildError: when the kernel cannot be compiled.
+            MissingExtraError: when a file is asked for, and pyarrow is not installed.
             OSError: when the file cannot be written.
         """
         runner, started = self.runner(), perf_counter()
@@ -118,7 +120,7 @@ class Computation:
             path.unlink(missing_ok=True)
             if not isinstance(error, OSError):
                 raise
-            # the error is raised again with the name of the folder, because errors of Arrow name no file
+            # an error of Arrow names no file, so a new error names the folder
             raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(self.folder)) from None
         return path.name, perf_counter() - started
 

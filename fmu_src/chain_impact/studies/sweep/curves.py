@@ -1,4 +1,4 @@
-"""The curves of a sweep: its results over a number, with a line for each choice."""
+"""The curves of a sweep: results over a varied number, with a line for each value of a second parameter."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ from chain_impact.studies.sweep.variation import Variation
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
-# If the axis of the parameter is logarithmic, that of a quantity is logarithmic, too, if the quantity is no
-# count and its largest value is at least DECADE times its smallest one, which must be > 0; a power law is
-# then a straight line.
+# If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
+# the largest value is at least DECADE times the smallest one, which must be > 0: a power law is then a
+# straight line.
 DECADE = 10.0
 MOST_DIGITS = 17  # with so many significant digits, all different numbers have different texts
 
@@ -46,12 +46,12 @@ def draw_curves(
     across: Variation,
     choice: Variation | None = None,
 ) -> None:
-    """Draw each quantity over a parameter in a panel, with a cross at the foot for each failed run.
+    """Draw each quantity over a parameter in its panel, with a cross at the foot for each failed run.
 
-    The mark of the scene's value is on the line if there is a single one, else at the foot.
+    Samples are points without lines.
 
     ``across``: the parameter, a number. ``choice``: a second parameter, each choice or number of which has a
-    line.
+    line (``lines_of``).
     """
     values = runs[across.name]
     lines = lines_of(runs, across, choice)
@@ -69,7 +69,7 @@ def draw_curves(
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
             elif len(rows) <= FEW_VALUES:
                 marks = {"marker": "o", "markersize": 3.0}
-            # a count is drawn as steps: a sloping line would show numbers that are not whole between two runs
+            # a count is drawn as steps, because a sloping line would show numbers that are not whole
             if quantity.is_count and runs.design.samples is None:
                 marks["drawstyle"] = "steps-mid"
             (line,) = axes.plot(values[rows], shown[rows], label=label, linewidth=1.4, **look | marks)
@@ -97,17 +97,20 @@ def draw_curves(
 
 
 def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list[dict[str, Any]]:
-    """Return the looks of lines by their names: contact laws have theirs, other lines have COLOURS."""
+    """Return the looks of lines in their order: those of the laws if ``choice`` is the law, else COLOURS.
+
+    ``lines``: the names of the choices or numbers of each line.
+    """
     if choice is not None and choice.name == "contact.model":
         return [law_look(names[0]) for names in lines]
     return [{"color": colour} for colour in COLOURS]
 
 
 def _mark_own(axes: Axes, own: float, quantity: Quantity, curve: np.ndarray | None) -> None:
-    """Draw the mark of the scene's value on a drawn line, or at the foot where there is no line.
+    """Draw the mark of the scene's value, ``own``, on a line, or at the foot where the line has no value.
 
-    ``curve``: the positions, ascending, and the values of the line, shape (2, S); None if the panel has no
-    line, or several. A count has steps between its values.
+    ``curve``: the positions, ascending, and the values of the line, shape (2, S); None for a mark at the
+    foot, as with several lines or samples. The line of a count has steps.
     """
     if curve is not None:
         scale = axes.transScale
@@ -123,10 +126,10 @@ def _mark_own(axes: Axes, own: float, quantity: Quantity, curve: np.ndarray | No
 def lines_of(
     runs: Runs, across: Variation, choice: Variation | None = None
 ) -> dict[tuple[str, ...], np.ndarray]:
-    """Return the lines of each panel: names → the line's runs, sorted by the parameter ``across``.
+    """Return the lines of each panel: names → indices of the line's runs, sorted by the value of ``across``.
 
-    The names are those of the line's choices. Each choice or number of ``choice`` has a line, but choices
-    with equal results in all runs share one. Without ``choice`` there is a single line, without a name.
+    The names are those of the line's choices, or the number of ``choice`` as text. Each choice or number has
+    a line, but choices with equal results in all runs share one. Without ``choice``, one line has no name.
     """
     rows = np.argsort(runs[across.name], kind="stable")
     if choice is None:
@@ -145,14 +148,17 @@ def lines_of(
 
 
 def _equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
-    """Return whether some runs have the same results as others; ``results`` has a row for each quantity."""
+    """Return whether the runs ``first`` have the same results as the runs ``second``, pair by pair.
+
+    ``results``: the value of each quantity in each run, shape (number of quantities, R).
+    """
     if len(first) != len(second):
         return False
     return np.allclose(results[:, first], results[:, second], rtol=EQUAL_RESULTS, equal_nan=True)
 
 
 def told_apart(values: Sequence[float]) -> list[str]:
-    """Return different numbers as texts with as many digits, at least 4, as they need to differ."""
+    """Return different numbers as different texts, with the least common number of digits, from 4 on."""
     texts = ([number(float(value), digits) for value in values] for digits in range(4, MOST_DIGITS))
     return next((found for found in texts if len({*found}) == len(found)), [*map(repr, values)])
 

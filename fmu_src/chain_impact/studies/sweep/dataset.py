@@ -1,4 +1,4 @@
-"""The folder of a sweep, to which rows are written as they are computed, in files of some runs each.
+"""The folder of a sweep, to which each batch of runs is written when it is computed, as a file of its own.
 
 The manifest, a JSON file, identifies the sweep and lists the columns and the runs in each file. A file of
 runs is written under a temporary name; when it is complete, it is renamed and then listed in the manifest.
@@ -31,11 +31,10 @@ from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
 from chain_impact.system import remove_lock, written_whole
 
-# The name of the manifest begins with _, because readers of Parquet folders ignore such files, as they ignore
-# files whose names begin with a dot.
+# readers of Parquet folders ignore files whose names begin with _ or with a dot
 MANIFEST = "_manifest.json"
 LOCK = ".lock"
-# matches the names of complete and incomplete files of rows (see ``file_name`` and ``run_batch``); ``tidy``
+# matches the final names (``file_name``) and the temporary names (``run_batch``) of files of rows; ``tidy``
 # removes no other files, except the manifest
 OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
 FORMAT = 2  # version of the folder's format; a folder with another version is not continued
@@ -43,12 +42,13 @@ FORMAT = 2  # version of the folder's format; a folder with another version is n
 
 @dataclass
 class Dataset:
-    """The folder of a sweep, with the rows that are already computed.
+    """The folder of a sweep, with the rows of the finished batches.
 
     Attributes:
         path: the folder.
         runs: the number of runs of the complete sweep.
-        dtype: type of a row of results, without the varied values and the word for the status.
+        dtype: ``Job.dtype``: the columns without the varied values and the word for the status.
+        _head: the data that identify the sweep (``known_by``).
         files: name of a complete file → span of the runs in the file.
     """
 
@@ -63,14 +63,19 @@ class Dataset:
         return self.runs
 
     def add(self, batch: Span, file: str) -> None:
-        """Give ``file``, which has all rows of a batch, its final name, and list it in the manifest."""
+        """Give the file with the temporary name ``file`` its final name, and list it in the manifest.
+
+        The file must have all rows of ``batch``.
+        """
         name = file_name(batch)
         (self.path / file).replace(self.path / name)
         self.files[name] = batch
         self._list()
 
     def chunks(self, names: Iterable[str]) -> Iterator[Columns]:
-        """Yield some columns for CHUNK runs or fewer at a time, in the order of the runs: name → values.
+        """Yield the columns ``names`` of CHUNK runs or fewer at a time, in the order of runs: name → values.
+
+        Runs that no file has are left out.
 
         Raises:
             SceneError: when a file is damaged.
@@ -88,9 +93,9 @@ class Dataset:
                 ) from None
 
     def tidy(self) -> None:
-        """Remove the files of runs that ``files`` does not list, such as incomplete ones.
+        """Remove the files of rows that ``files`` does not list, such as incomplete ones.
 
-        If it lists none, the manifest is removed, too.
+        If ``files`` is empty, the manifest is removed, too.
         """
         if not self.files:
             (self.path / MANIFEST).unlink(missing_ok=True)
@@ -99,9 +104,9 @@ class Dataset:
                 path.unlink()
 
     def is_complete(self) -> bool:
-        """Return whether the folder has all runs of the sweep; the folder is only read.
+        """Return whether the folder has all runs of the sweep, in sound files; the folder is only read.
 
-        If the folder has a manifest, the files that it lists are put into ``files``.
+        If the folder has a manifest, ``files`` gets the files that the manifest lists.
 
         Raises:
             SceneError: when the folder belongs to another sweep.
@@ -113,15 +118,15 @@ class Dataset:
         return not missing(list(self.files.values()), self.runs) and not any(map(self._fault, self.files))
 
     def read(self) -> None:
-        """Take over the complete files of an earlier call, and write the manifest.
+        """Put the complete files of an earlier call into ``files``, and write the manifest.
 
-        A damaged file is left out, so that its runs are computed again.
+        Other files of rows are removed. The runs in a damaged file are then computed again.
 
         Raises:
             SceneError: when the folder belongs to another sweep, or has files but no manifest.
             OSError: when the folder cannot be read or written.
         """
-        # temporary folders, in which processes that were killed have left incomplete manifests
+        # left: a temporary folder in which a killed process has left an incomplete manifest
         for left in self.path.glob(f".{MANIFEST}-*"):
             rmtree(left, ignore_errors=True)
         if (self.path / MANIFEST).exists():
@@ -137,7 +142,7 @@ class Dataset:
         self._list()
 
     def _fault(self, name: str) -> str:
-        """Return words for the fault of a file; "" if it can be read and has as many rows as are listed."""
+        """Return words for the fault of a file; "" if its metadata can be read and count the listed runs."""
         try:
             with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
                 count = file.metadata.num_rows
@@ -147,12 +152,17 @@ class Dataset:
         return "" if count == end - first else f"{count} runs"
 
     def _list(self) -> None:
-        """Write the manifest, with the complete files as they are now."""
+        """Write the manifest, which lists ``files``."""
         with written_whole(self.path / MANIFEST) as fresh:
             fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 
     def _listed(self) -> dict[str, Span]:
-        """Return the files that the manifest on the disk lists; refuse the manifest of another sweep."""
+        """Return the files that the manifest on the disk lists: name → span of runs.
+
+        Raises:
+            SceneError: when it is not the manifest of this sweep.
+            OSError: when the manifest cannot be read.
+        """
         manifest = self.path / MANIFEST
         wrong = "remove the folder, or choose another name"
         try:
@@ -171,9 +181,10 @@ class Dataset:
 
 @contextmanager
 def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
-    """Give a ``with`` block the folder of a sweep, locked against other sweeps unless it is complete.
+    """Give a ``with`` block the folder of a sweep.
 
-    A complete folder is only read. At the end of the block, incomplete files are removed.
+    A folder with all runs is only read. Any other folder is locked against other sweeps during the block, and
+    incomplete files are removed at the end of the block.
 
     Raises:
         SceneError: when the folder belongs to another sweep, or another sweep is writing to it.
@@ -195,9 +206,9 @@ def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Make a folder, and lock it against other sweeps in a ``with`` block.
+    """Make a folder if it does not exist, and lock it against other sweeps during a ``with`` block.
 
-    If the folder is empty at the end of the block, it is removed.
+    If the folder is empty at the end of the block, the folder is removed.
 
     Raises:
         SceneError: when another sweep writes to the folder.
@@ -213,7 +224,7 @@ def _locked(path: Path) -> Iterator[None]:
         raise SceneError(
             f"{path} is being written by another sweep: wait until it has ended, or choose another folder"
         ) from None
-    # the error names the folder in place of the lock file, which the user does not know
+    # the error names the folder, because users do not know the lock file
     except OSError as error:
         raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
@@ -225,13 +236,13 @@ def _locked(path: Path) -> Iterator[None]:
 
 
 def _array(column: Any) -> np.ndarray:
-    """Return a column of Arrow as a NumPy array; a column of texts gets a NumPy type for strings."""
+    """Return a column of Arrow as a NumPy array; a column of texts has NumPy's type for strings."""
     array = np.asarray(column.to_numpy(zero_copy_only=False))
     return array.astype(str) if array.dtype.kind == "O" else array
 
 
 def known_by(job: Job, design: Design) -> dict[str, Any]:
-    """Return the data that identify a sweep, because its rows depend on them: name → value or fingerprint."""
+    """Return the data on which the rows of a sweep depend, so that they identify it: name → value or hash."""
     values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
     for variation in design.variations:
         values.update(

@@ -20,15 +20,16 @@ from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")
-# the largest number of cells in a table that is kept in memory: with 8 bytes per number they take 800 MB
+# the largest number of cells in a table that is kept in memory: 800 MB, with 8 bytes for each cell
 MOST_NUMBERS = 10**8
 MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence with its 30 bits
 MOST_SEEDS = 2**32
-# The table of a sweep has at least this number of columns with results. If a table of all runs with these
-# columns and the varied values has at most MOST_NUMBERS cells, all runs are samples of one Latin hypercube.
+# Every table of a sweep counts as having this number of columns with results. If a table of all runs with
+# these columns and the varied values has at most MOST_NUMBERS cells, all runs are samples of one Latin
+# hypercube; otherwise there are several hypercubes.
 FEWEST_RESULTS = 16
-# number of runs in each of several Latin hypercubes, if the table has more cells; the last may have fewer
+# number of runs in each of several Latin hypercubes; the last hypercube may have fewer
 CUBE = 2**16
 _own = threading.local()
 
@@ -39,9 +40,9 @@ class Design:
 
     Attributes:
         variations: the variations, in the order of the columns.
-        samples: the number of samples; None for a grid, in which the values of the last variation change from
-            each run to the next.
-        sampling: how samples are drawn: ``lhs``, Latin hypercube, or ``sobol``.
+        samples: the number of samples; None for a grid. In a grid the value of the last variation changes
+            with every run, that of the first variation most rarely.
+        sampling: how samples are drawn: ``lhs`` for Latin hypercubes, ``sobol`` for a Sobol' sequence.
         seed: the random seed of the samples.
     """
 
@@ -57,7 +58,7 @@ class Design:
 
     @property
     def runs(self) -> int:
-        """The number of runs; it can be too large for ``len()``, so this is no ``__len__``."""
+        """The number of runs. This is no ``__len__``, because the number can be too large for ``len()``."""
         return math.prod(self.shape) if self.samples is None else self.samples
 
     def values(self, first: int, end: int) -> np.ndarray:
@@ -71,14 +72,13 @@ class Design:
         return np.stack(columns, axis=1)
 
     def _cubes(self, first: int, end: int) -> np.ndarray:
-        """Return samples first … end − 1 in the unit cube, shape (end − first, K), by Latin hypercubes.
+        """Return the samples first … end − 1 of Latin hypercubes in the unit cube, shape (end − first, K).
 
-        There is one hypercube of all runs if a table with a row for each run, and with columns for the varied
-        values and FEWEST_RESULTS results, has at most MOST_NUMBERS cells. Otherwise there are successive ones
-        of CUBE runs, the last with the runs that are left.
+        There is one hypercube of all runs or, if the table is too large (FEWEST_RESULTS), a series of
+        hypercubes of CUBE runs, the last with the runs that are left.
 
-        The hypercubes have the same bits as those of successive objects of SciPy's LatinHypercube that all
-        get the same generator, ``default_rng(seed)``: each object spawns the next child of this generator.
+        The samples have the same bits as those of successive objects of SciPy's LatinHypercube that all get
+        the same generator, ``default_rng(seed)``: each object spawns the next child of this generator.
         """
         count, varied, parts = self.runs, len(self.variations), []
         size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
@@ -93,10 +93,10 @@ class Design:
         return np.concatenate(parts)
 
     def _sobol(self, first: int, end: int) -> np.ndarray:
-        """Return points first … end − 1 of a Sobol' sequence in the unit cube, shape (end − first, K).
+        """Return the points first … end − 1 of a Sobol' sequence in the unit cube, shape (end − first, K).
 
-        Each thread has its own generator of the sequence, which skips the points before ``first``; this takes
-        5 ns for each point.
+        Each thread keeps a generator of the sequence, which skips the points up to ``first``; skipping takes
+        about 5 ns for each point.
         """
         key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
         if engine is None or _own.key != key or engine.num_generated > first:
@@ -106,13 +106,13 @@ class Design:
             _own.engine, _own.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
-        # the first call asks for one point: SciPy warns if the first number of points is not a power of two
+        # the first call for points asks for one, because SciPy warns if its number is not a power of two
         counts = [end - first] if first else [1, end - 1]
         return np.concatenate([engine.random(count) for count in counts if count])
 
 
 def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
-    """Return the random generator of hypercube ``cube`` (from 0), as after ``drawn`` random numbers."""
+    """Return the random generator of hypercube ``cube`` (from 0), after it has drawn ``drawn`` numbers."""
     bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
     return np.random.Generator(bits.advance(drawn))
 
@@ -121,8 +121,8 @@ def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
 def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
     """Return for each parameter the number of the cell in which each sample lies, shape (varied, count).
 
-    The range of each of the ``varied`` parameters is divided into ``count`` cells, numbered from 1. Each cell
-    has one of the ``count`` samples of a Latin hypercube, in a random order.
+    The hypercube ``cube`` (from 0) has ``count`` samples. The range of each of the ``varied`` parameters is
+    divided into ``count`` cells, numbered from 1; each cell has one sample, and the order is random.
     """
     order = np.tile(np.arange(1, count + 1, dtype=np.int32), (varied, 1))
     generator = _generator(seed, cube, count * varied)
@@ -132,7 +132,9 @@ def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
 
 
 def grid(variations: Sequence[Variation], source: str) -> Design:
-    """Return the design of all combinations of the variations' values; ``source`` is the scene, for errors.
+    """Return the design of all combinations of the variations' values.
+
+    ``source`` is the name of the scene, for errors.
 
     Raises:
         SceneError: when a variation is an interval.
@@ -148,11 +150,12 @@ def grid(variations: Sequence[Variation], source: str) -> Design:
 
 
 def sampled(variations: Sequence[Variation], source: str, *, count: int, sampling: str, seed: int) -> Design:
-    """Return a design with samples that fill the space of the variations evenly.
+    """Return a design with ``count`` samples that fill the space of the variations evenly.
 
-    Latin hypercubes: McKay, Beckman & Conover, Technometrics 21 (1979) 239. Sobol' sequence: Sobol', USSR
-    Computational Mathematics and Mathematical Physics 7 (1967) 86, scrambled as SciPy does, by random linear
-    matrices and a random shift: Matoušek, Journal of Complexity 14 (1998) 527.
+    ``source`` is the name of the scene, for errors. Latin hypercubes: McKay, Beckman & Conover, Technometrics
+    21 (1979) 239. Sobol' sequence: Sobol', USSR Computational Mathematics and Mathematical Physics 7 (1967)
+    86, scrambled as SciPy does, by random linear matrices and a random shift: Matoušek, Journal of Complexity
+    14 (1998) 527.
 
     Raises:
         SceneError: when an argument is not allowed.
@@ -178,9 +181,9 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
 
 
 def check_table_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
-    """Refuse a sweep whose table, with a number of ``columns``, does not fit into memory.
+    """Refuse a sweep whose table, with ``columns`` columns, has more than MOST_NUMBERS cells.
 
-    For runs that are ``streamed`` to the files of a folder, only more than MOST_RUNS are refused.
+    The table of a sweep that is ``streamed`` to the files of a folder may have MOST_RUNS rows of any length.
 
     Raises:
         SceneError: when there are too many runs, or too many numbers.

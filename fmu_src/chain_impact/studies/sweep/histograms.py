@@ -1,4 +1,4 @@
-"""Samples of a sweep: how its results are distributed, and over which parameter they change."""
+"""Pictures of a sweep's samples: histograms of results, and dots of results over varied parameters."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ from chain_impact.studies.sweep.variation import Variation
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """Quantile → matplotlib's style of the line that marks it in each panel."""
 MOST_SCATTERS = 3  # the largest number of parameters over which each quantity of samples is drawn
-FEWEST = 3  # fewer pairs of values have no correlation
-# the largest number of bars; more would be so narrow that they show mainly random differences
+FEWEST = 3  # the correlation of fewer pairs of values counts as 0
+# the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
-ONE_BAR_SPREAD = 1e-9  # values share one bar if their range, relative to the largest |value|, is at most this
+ONE_BAR_SPREAD = 1e-9  # [1] all values share one bar if their range is at most this times the largest |value|
 
 
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
@@ -65,7 +65,7 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
 def draw_samples(
     panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]
 ) -> None:
-    """Draw each quantity in some panels: its histogram, and a dot of each run over ``drawn_parameters``."""
+    """Draw each quantity in successive panels: a histogram, then dots over each of ``drawn_parameters``."""
     each, drawn = len(panels) // len(quantities), drawn_parameters(runs, varying)
     draw_histograms(panels[::each], runs, quantities)
     for k, quantity in enumerate(quantities):
@@ -76,8 +76,8 @@ def draw_samples(
 def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation]:
     """Return the parameters over which samples are drawn: at most MOST_SCATTERS, the strongest first.
 
-    The strength of a parameter is its largest |rank correlation| with one of the LOADS. Parameters that are
-    choices come last.
+    The strength of a parameter is its largest |rank correlation| with one of the LOADS, or 0 without loads.
+    Parameters that are choices come last.
     """
     loads = [runs[name].astype(float) for name in LOADS if name in runs.names] or [np.zeros(len(runs))]
 
@@ -90,9 +90,10 @@ def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation
 
 
 def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
-    """Return Spearman's correlation of the ranks of two arrays; pairs without finite values are left out.
+    """Return Spearman's correlation of the ranks of two arrays of shape (R,).
 
-    The result is 0 if all values of one array are equal, or if fewer than FEWEST pairs are left.
+    Pairs with a value that is not finite are left out. The result is 0 if fewer than FEWEST pairs are left,
+    or if all values of an array in these pairs are equal.
     """
     from scipy.stats import spearmanr  # this import takes long, and only pictures of samples need it
 
@@ -104,7 +105,7 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
-    """Return words: which varied number each quantity follows most, and the rank correlation of the two."""
+    """Return words: which varied number each quantity follows most, and their rank correlation; or ""."""
     numbers, parts = [variation.name for variation in varying if not variation.choices], []
     for quantity in quantities:
         found = {name: rank_correlation(runs[name], quantity.of(runs)) for name in numbers}
@@ -116,7 +117,7 @@ def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Vari
 
 
 def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
-    """Draw a dot for each run: a quantity over a varied parameter; mark the scene's ``own_value``."""
+    """Draw a quantity over a varied parameter, with a dot for each run and the mark of the scene's value."""
     shown, given = quantity.of(runs), runs[variation.name]
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()
@@ -138,8 +139,8 @@ def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -
 def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:
     """Return the edges of the bars for some values, in ascending order.
 
-    They are equally spaced; with ``logarithmic`` in the logarithm. With ``whole``, for values that are whole
-    numbers, and without ``logarithmic``, the edges lie in the middle between two such numbers.
+    The edges are equally spaced, with ``logarithmic`` in the logarithm. With ``whole``, but not
+    ``logarithmic``, the values must be whole numbers, and each edge lies in the middle between two of these.
     """
     # 2 N^(1/3) bars for N values: Terrell & Scott, J Am Stat Assoc 80 (1985) 209
     count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))

@@ -26,12 +26,12 @@ def partial_path(table: Path) -> Path:
 
 
 def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[Span]) -> None:
-    """Write the rows of the finished runs of an interrupted sweep to the file beside its table.
+    """Write the finished runs of an interrupted sweep to the file ``partial_path`` beside the table.
 
     Args:
         table: the path of the table.
-        head: the data that identify the sweep.
-        rows: the rows of all runs.
+        head: the data that identify the sweep (``known_by``).
+        rows: the rows of all runs of the sweep; those of runs that have not finished have no meaning.
         done: the spans of the finished runs.
 
     Raises:
@@ -42,9 +42,9 @@ def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[
 
 
 def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
-    """Fill the rows that an interrupted call of the same sweep kept into ``rows``; return their spans.
+    """Copy the finished runs that ``keep`` has written beside a table into ``rows``; return their spans.
 
-    ``head`` has the data that identify the sweep. Without a kept file the list of spans is empty.
+    ``head`` has the data that identify the sweep. Without a file of ``keep`` the list of spans is empty.
 
     Raises:
         SceneError: when the file is damaged, or belongs to another sweep.

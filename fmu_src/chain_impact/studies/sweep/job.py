@@ -40,7 +40,7 @@ class Job:
         varied: the path of each varied parameter in the instance record; an empty path stands for the stop
             time.
         kinds: the type of each varied parameter: ``real`` or ``enumeration``.
-        outputs: names of additional outputs, with their values at the end of each run.
+        outputs: names of the additional outputs, whose values at the end of each run are columns.
     """
 
     prepared: PreparedScene
@@ -50,7 +50,7 @@ class Job:
 
     @property
     def scene(self) -> Scene:
-        """The scene, from which the runs have all values that do not vary."""
+        """The scene, which has the values of all parameters that do not vary."""
         return self.prepared.scene
 
     @property
@@ -61,10 +61,10 @@ class Job:
 
     @property
     def rigid(self) -> dict[str, list[DataPath]]:
-        """The columns of peak forces and moments: name → paths in the record, which tell of rigid impacts.
+        """The columns of peak forces and moments: name → paths in the record that tell of rigid impacts.
 
-        The first path leads to a flag: 1 if the column's walls or stops are rigid. There is one more path for
-        each candidate at them: it leads to the number of the latest onset there, 0 before the first onset.
+        The first path leads to a flag: 1 if the column's walls or stops are rigid. Each other path belongs to
+        a candidate at one of these, and leads to the number of its latest onset, 0 before the first onset.
         """
         joints, found = stop_pairs(self.scene), dict[str, list[DataPath]]()
         for c, pair in enumerate(candidates(self.scene)):
@@ -74,7 +74,7 @@ class Job:
 
     @property
     def columns(self) -> dict[str, Variable]:
-        """The columns that have the value of an output of the FMU at the end of each run: name → output."""
+        """The columns with the value of an output of the FMU at the end of each run: name → output."""
         outputs = self.prepared.outputs_by_name
         standard = [name for name in outputs if outputs[name].kind.parts.owner in ("energy", "solver")]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
@@ -82,18 +82,18 @@ class Job:
 
     @property
     def differentiated(self) -> list[Variable]:
-        """The parameters and inputs for which the runs compute derivatives.
+        """The parameters and inputs with respect to which the runs compute derivatives.
 
-        The list is empty if no column is a derivative; otherwise it has all that the scene asks for.
+        If a column is a derivative, these are all that the scene asks for; otherwise the list is empty.
         """
         asks = any(name.startswith(SENSITIVITY) for name in self.columns)
         return self.prepared.varied if asks else []
 
     @property
     def loads(self) -> dict[str, Variable]:
-        """The outputs with the largest force in each joint, by name; empty if the scene has no loads.
+        """Name → output with the largest force in each joint; empty if the scene asks for no loads.
 
-        The column ``joint_force`` is the largest of their values.
+        The column ``joint_force`` has the largest of these forces.
         """
         outputs = self.prepared.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
@@ -101,7 +101,10 @@ class Job:
 
     @property
     def dtype(self) -> np.dtype:
-        """The NumPy type of a run's results, a row with a field for each column."""
+        """The NumPy type of a run's row of results.
+
+        The fields are the peaks, ``joint_force`` if the scene asks for loads, ``time``, and ``columns``.
+        """
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
         largest = (*self.peaks, *((JOINT_FORCE,) if self.loads else ()), ENDED)
@@ -112,8 +115,8 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
     """Return the job of a sweep, after a check of the additional outputs.
 
     Raises:
-        SceneError: when an output does not exist, or the scene does not have the solver's status as an
-            output.
+        UnknownNameError: when an output does not exist.
+        SceneError: when the scene does not have the solver's status as an output.
     """
     prepared = prepared_scene(source)
     available = prepared.outputs_by_name
@@ -139,7 +142,7 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
 
 
 def has_own_kernel(job: Job) -> bool:
-    """Compile a kernel for exactly the sizes of the scene, unless it exists; return whether it exists.
+    """Return whether there is a kernel for exactly the sizes of the scene, which is compiled if necessary.
 
     Runs do not need this kernel, so a failure of the compiler only causes a warning. With derivatives the
     result is False, because runs with derivatives have one kernel for all sizes.
@@ -175,8 +178,8 @@ class Runner:
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
-        # integrals over time, such as the impulse at a wall, cost time, so they are computed only if a column
-        # needs them
+        # lists of impacts, and integrals over time such as the impulse at a wall, take time, so they
+        # are computed only if a column needs them
         looked_at = {
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
         }
@@ -204,11 +207,10 @@ class Runner:
 
         Args:
             values: the values of the K varied parameters in each run, shape (R, K).
-            wanted: function that is called at least once a second and returns whether the results are still
-                wanted.
+            wanted: function that is called about once a second; it returns whether to continue.
 
         Raises:
-            CancelledError: when the results are not wanted any more.
+            CancelledError: when ``wanted`` returns False.
         """
         words = np.ascontiguousarray(values[:, self._in_record], np.float64)
         for k, whole in enumerate(self._whole):
@@ -235,16 +237,16 @@ class Runner:
                 continuing,
             )
             continuing = 1
-        # after a fault the kernel may give the end of its last step, which can lie after the stop time
+        # after a fault, the kernel may return the end of the last step, which can lie after the stop time
         rows["time"] = np.minimum(rows["time"], stops)
         return self._table_rows(rows)
 
     def _table_rows(self, words: np.ndarray) -> np.ndarray:
-        """Return the rows of the table from the kernel's rows.
+        """Return the rows of the table, of the type ``Job.dtype``, from the kernel's rows.
 
-        The kernel's rows end with the largest force in each joint, of which the table has the largest, and
-        with the values at the paths of ``Job.rigid``: a peak is NaN in a run with impacts at rigid walls or
-        stops.
+        A kernel's row ends with the largest force in each joint, of which the table has the largest, and with
+        the values at the paths of ``Job.rigid``. These tell in which runs a peak is NaN, because a rigid wall
+        or stop was hit.
         """
         rows = np.zeros(len(words), self._dtype)
         for name in rows.dtype.names or ():
@@ -253,16 +255,16 @@ class Runner:
             np.maximum(rows[JOINT_FORCE], words[f"load[{joint}]"], out=rows[JOINT_FORCE])
         for name in self._rigid:
             flag, *onsets = words[f"{name} of rigid"].T
-            # an impulse has no peak force; the force with which a rigid wall later holds
-            # the point is not that of an impact
+            # an impulse has no peak force, and a force with which a rigid wall holds the point afterwards is
+            # not the peak force of an impact
             rows[name][(flag == 1) & np.any(onsets, axis=0)] = np.nan
         self._forget_unknown(rows)
         return rows
 
     def _forget_unknown(self, rows: np.ndarray) -> None:
-        """Set energies and other outputs to NaN in runs that did not reach the end.
+        """Set energies, other outputs of the motion, and derivatives to NaN in runs that stopped at a fault.
 
-        Numbers of impacts and of steps stay, as do the largest values up to the end of the run.
+        Outputs of impacts and of the solver stay, and so do the largest values up to the fault.
         """
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():

@@ -1,4 +1,4 @@
-"""Maps of a sweep: a colour for each pair of values of two parameters; and axes of varied parameters."""
+"""Maps of a sweep, with a colour for each pair of values of two parameters; axes of varied parameters."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ from chain_impact.studies.sweep.variation import Variation
 # the colours of a map: the name of matplotlib's colour map, the same as in the maps of pages, and the grey of
 # runs without a value, which failed or have only impulses
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
-# The axis of a parameter is logarithmic if its largest value is at least WIDE_RANGE times its smallest one,
-# which must be > 0; the axis of a result, if the ``spread`` of its values is at least WIDE_RANGE.
+# The axis of a parameter is logarithmic if the largest value is at least WIDE_RANGE times the smallest one,
+# which must be > 0; the axis of a result, if the ``spread`` of the values is at least WIDE_RANGE.
 WIDE_RANGE = 1e3
-# on a logarithmic axis with less than WIDE_RANGE, each power of ten has a label, and so have these multiples
-# of it
+# on a logarithmic axis with ends in a ratio below WIDE_RANGE, labels stand at each power of ten, and at these
+# multiples of each power of ten
 FEW_TICKS = (2.0, 5.0)
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
 """The mark of the scene's own value, with matplotlib's names."""
-# FEW_CELLS: a map with fewer cells on each axis has their values as numbers, and no contours; WIDE_CELLS:
-# with more columns in a narrow figure the numbers have fewer digits
+# FEW_CELLS: a map with fewer cells on both axes has a number in each cell, and no contours; WIDE_CELLS: in a
+# narrow figure, numbers in a map with more columns have fewer digits
 FEW_CELLS, WIDE_CELLS = 8, 4
-# CONTOURS: the places in the range of the colours near which a map has a line with its value; MOST_PIECES:
-# the largest number of pieces of such a line; LEAST_CELLS: the least number of cells on each axis; LIGHT: the
-# place from which on colours are so light that a line is black
+# CONTOURS: the places in the range of the colours, 0 to 1, near which a map has a contour; MOST_PIECES: the
+# largest number of pieces of a contour; LEAST_CELLS: the least number of cells on each axis for contours;
+# LIGHT: the place in the range of the colours above which texts and contours are black instead of white
 CONTOURS, MOST_PIECES, LEAST_CELLS, LIGHT = (0.35, 0.7), 2, 4, 0.5
 NEVER = "no run has a finite value"
 
@@ -55,9 +55,9 @@ def draw_maps(
     quantities: Sequence[Quantity],
     over: Sequence[Variation],
 ) -> None:
-    """Draw a map of each quantity in its panel: a coloured cell for each run, over two parameters.
+    """Draw a map of each quantity in its panel: a coloured cell for each pair of values of two parameters.
 
-    ``over``: the parameters of the horizontal and the vertical axis.
+    ``over``: the parameter of the horizontal axis, and that of the vertical axis.
     """
     first, second = over
     x, y = axis_of(first), axis_of(second)
@@ -96,10 +96,10 @@ def draw_maps(
 def _draw_map(
     figure: Figure, axes: Axes, scales: tuple[Scale, Scale], quantity: Quantity, shown: Any
 ) -> QuadMesh:
-    """Draw the coloured cells of one map, and the bar that explains the colours; return the cells.
+    """Draw the coloured cells of one map, the bar that explains the colours, and contours; return the cells.
 
     ``scales``: the horizontal and the vertical axis; ``shown``: the values, masked where a run has none, with
-    a row for each cell of the vertical axis.
+    a row for each cell of the vertical axis. At least one value is not masked.
     """
     x, y = scales
     least, most = float(shown.min()), float(shown.max())
@@ -127,7 +127,7 @@ def _draw_map(
     if few_decades:
         axis = bar.ax.yaxis
         number_few_decades(axis)
-        # when a bar gets new colours, as for a dark ground, matplotlib sets its axis again from these two
+        # when the bar gets new colours, as for a dark ground, matplotlib sets its axis from these attributes
         bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
     if max(shown.shape) >= FEW_CELLS and not quantity.is_count and not x.names and not y.names:
         levels = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if few_decades else [])]
@@ -139,9 +139,10 @@ def _draw_map(
 
 
 def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: QuadMesh, own: Any) -> None:
-    """Write its value into each cell: in the middle, or below it in the cell with the mark of the scene.
+    """Write the value into the middle of each cell, or below the middle in the cell with the scene's mark.
 
-    ``own``: the scene's values, None where it has none.
+    ``scales`` and ``shown``: as for ``_draw_map``; ``own``: the scene's value on each axis, None where there
+    is no mark.
     """
     places = np.asarray(mesh.norm(shown)) / (
         mesh.norm.Ncmap - 1 if isinstance(mesh.norm, BoundaryNorm) else 1
@@ -165,9 +166,10 @@ def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: Qua
 def _contours(
     axes: Axes, scales: tuple[Scale, Scale], shown: Any, levels: Sequence[float], mesh: QuadMesh
 ) -> None:
-    """Draw a line with its value in a map for the two of ``levels`` whose colours are nearest to CONTOURS.
+    """Draw contours, with their values, in a map at the levels whose colours are nearest to CONTOURS.
 
-    A line with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion.
+    A contour with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion. A map with fewer
+    than LEAST_CELLS cells on an axis has no contours.
     """
     place = dict(zip(levels, np.asarray(mesh.norm(np.array(levels))).tolist(), strict=True))
     nearest = {min(levels, key=lambda level: abs(place[level] - part)) for part in CONTOURS if levels}
@@ -186,14 +188,14 @@ def _contours(
 
 
 def number_few_decades(axis: Axis) -> None:
-    """Label a logarithmic axis of few decades at 1, 2 and 5 times each power of ten, as 0.5, not 5·10⁻¹."""
+    """Label a logarithmic axis at 1, 2 and 5 times each power of ten, with plain numbers such as 0.5."""
     axis.set_minor_locator(LogLocator(subs=FEW_TICKS))
     for kind in (axis.set_major_formatter, axis.set_minor_formatter):
         kind(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def are_beyond(extremes: tuple[float, float], ends: tuple[float, float]) -> tuple[bool, bool]:
-    """Return two flags: whether the least, and whether the largest value is beyond its end of the colours.
+    """Return two flags: whether the least value is below, and the largest above, the ends of the colours.
 
     ``extremes``: the least and the largest value; ``ends``: the values with the first and the last colour.
     """
@@ -201,7 +203,10 @@ def are_beyond(extremes: tuple[float, float], ends: tuple[float, float]) -> tupl
 
 
 def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
-    """Return words for the label of the colours: the extremes beyond the ends of the colours, or ""."""
+    """Return words for the label of the colours: the extremes beyond the ends of the colours; "" if none is.
+
+    The arguments are those of ``are_beyond``.
+    """
     there = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
     return "".join(f", {words} {extreme:.3g}" for words, extreme, is_beyond in there if is_beyond)
 
@@ -211,12 +216,13 @@ class Scale:
     """An axis of a map, for one parameter.
 
     Attributes:
-        order: the indices of the parameter's different values: of numbers in ascending order, of choices in
-            the order in which they are given.
-        edges: the edges of the cells along the axis, one more than values.
+        order: indices in ``Variation.values`` of the parameter's V different values: numbers in ascending
+            order, choices in the order in which the user gives them.
+        edges: the edges of the cells along the axis, shape (V + 1,).
         logarithmic: whether the axis is logarithmic.
         names: the names of the choices; empty for a number.
-        middles: the middle of each cell: the values of a number in ascending order, or 0, 1, … for choices.
+        middles: the place of each cell's value on the axis, shape (V,): the value itself or, for choices,
+            0, 1, ….
     """
 
     order: np.ndarray
@@ -227,7 +233,10 @@ class Scale:
 
 
 def axis_of(variation: Variation) -> Scale:
-    """Return the axis of a map for a varied parameter: the order of its values and the edges of the cells."""
+    """Return the axis of a map for a varied parameter.
+
+    The edges of cells of a number lie midway between values, but within the range of the parameter.
+    """
     if variation.choices:
         order = np.sort(np.unique(variation.values, return_index=True)[1])
         names = variation.shown(variation.values[order]).tolist()
@@ -246,15 +255,15 @@ def axis_of(variation: Variation) -> Scale:
 def is_logarithmic(variation: Variation) -> bool:
     """Return whether a parameter's axis is logarithmic.
 
-    The axis of a number is so if its values are evenly spaced in the logarithm, or the largest is at least
-    WIDE_RANGE times the smallest, which must be > 0. The axis of choices never is.
+    The axis of a number is logarithmic if the user asks for even spacing in the logarithm, or if the largest
+    value is at least WIDE_RANGE times the smallest, which must be > 0. The axis of choices is linear.
     """
     low, high = variation.values.min(), variation.values.max()
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
 
 
 def own_value(runs: Runs, variation: Variation) -> float | None:
-    """Return the scene's own value of a varied number; None for a choice, or beyond the varied values."""
+    """Return the scene's own value of a varied number; None outside the varied range, or for a choice."""
     value = runs.scene.values.get(variation.name)
     if variation.choices or not isinstance(value, int | float):
         return None
@@ -262,14 +271,14 @@ def own_value(runs: Runs, variation: Variation) -> float | None:
 
 
 def label_of(runs: Runs, variation: Variation) -> str:
-    """Return the label of an axis: the name and unit of a parameter."""
+    """Return the label of a parameter's axis: the name and the unit."""
     return f"{variation.name}{raised(in_brackets(unit_of(runs, variation)))}"
 
 
 def unit_of(runs: Runs, variation: Variation) -> str:
     """Return the unit of a varied parameter, such as N/m^1.5.
 
-    If the runs vary an exponent, the unit has this word in place of a number: N/m^exponent.
+    If the runs vary an exponent, the unit has the word "exponent" in place of a number: N/m^exponent.
     """
     unit = variation.variable.unit
     varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}

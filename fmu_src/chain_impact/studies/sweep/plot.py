@@ -1,10 +1,11 @@
 """The picture of a sweep: its main results over the varied parameters.
 
-One varied number gives lines, one choice dots, and two numbers a map, or lines if one of them has few values.
-A choice beside a number, such as the contact law, gives a line for each of up to ten choices; with more than
-ten choices, these become the rows of a map; two choices give a map, too. Runs that failed are crosses, grey
-in a map, and left out of histograms. Samples of one number are points; samples of a choice or of several
-parameters give a histogram of each result, and its dots over the parameters that loads follow most.
+Without samples, one varied number gives a line in each panel, and one choice dots. Two numbers give a map or,
+if one of them has few values, a line for each of these. A choice beside a number, such as the contact law,
+gives a line for each choice; with more choices than COLOURS, these are the rows of a map. Two choices give a
+map. Samples of one number are points; samples of a choice or of several parameters give a histogram of each
+result, and dots of the result over the parameters that loads follow most. Runs that failed are crosses beside
+lines and dots, grey in a map, and left out of histograms.
 """
 
 from __future__ import annotations
@@ -43,27 +44,34 @@ from chain_impact.studies.sweep.quantities import Quantity, Results, constants, 
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-# [inch] NAMES_WIDTH: the width left of the panels for the names of a parameter's choices, one at each row of
-# dots; DOTS_WIDTH: the least width of a panel with dots
+# [inch] NAMES_WIDTH: the width for the names of a parameter's choices, left of panels with dots; DOTS_WIDTH:
+# the least width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
-# two varied numbers are drawn as curves, not as maps, if one of them has at most MOST_SPLIT values, each with
-# a line
+# two varied numbers are drawn as curves, not as a map, if one of them has at most MOST_SPLIT values; each of
+# these has a line
 MOST_SPLIT = 3
 MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
-# exactly this number of panels stands in one row if the figure is wide enough; of another number, two are in
-# a row, except for panels with dots
+# exactly this number of panels stands in one row if the figure is wide enough; otherwise a row has two
+# panels, except for panels with dots (``_dots_across``)
 IN_ONE_ROW = 3
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
-THREE_MAPS = 9.0  # [inch] width of the figure from which on three maps stand in one row
+THREE_MAPS = 9.0  # [inch] least width of a figure with three maps in one row
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
 def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
-    """Refuse a sweep that no picture can show; its runs need not be computed yet.
+    """Refuse a sweep that no picture can show.
+
+    Args:
+        varied: the number of varied parameters.
+        samples: the number of samples; None for a grid.
+        runs: the number of runs, which need not be computed yet.
+        source: the name of the scene, for errors.
 
     Raises:
-        SceneError: when too many parameters vary and there are no samples, or when there are too many runs.
+        SceneError: when more than MOST_VARIED parameters vary in a grid, or there are more than MOST_DRAWN
+            runs.
     """
     if varied > MOST_VARIED and samples is None:
         raise SceneError(
@@ -106,10 +114,10 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
         told.insert(0, influence(runs, quantities, varying))
     mark = " (×)" if kind in (DOTS, CURVES) else ""
     head, *parts = title(runs, results, mark)
-    kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure, the first line has two parts
+    kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure, the headline has two parts at most
     told = [", ".join(parts[kept:]), *told]
     headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
-    # a parameter that is a number comes before a choice, and gets the horizontal axis
+    # ``first`` gets the horizontal axis
     first, *others = in_order(varying, kind)
     count = len(quantities) * panels_of_each(runs.design)
     across = _across(count, kind, figure.get_figwidth())
@@ -129,13 +137,13 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 def panels_of_each(design: Design) -> int:
     """Return the number of panels of each quantity: 1, or more in a picture with histograms.
 
-    There each quantity has a histogram, and one panel for each of at most MOST_SCATTERS parameters.
+    In such a picture each quantity has a panel with its histogram, and one over each of ``drawn_parameters``.
     """
     return 1 + min(len(varying_in(design)), MOST_SCATTERS) if kind_of(design) == HISTOGRAMS else 1
 
 
 def name_once(figure: Figure) -> None:
-    """Remove the name of a horizontal axis from a panel if one below it in its column has the same name."""
+    """Remove the name of a panel's horizontal axis if a panel below in its column has the same name."""
     named: set[tuple[int, str]] = set()
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()
@@ -148,10 +156,10 @@ def name_once(figure: Figure) -> None:
 
 
 def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
-    """Return the parameters, that of the horizontal axis first.
+    """Return the parameters sorted, the parameter of the horizontal axis first.
 
-    A number comes before a choice and, in a picture with curves, a number with more than MOST_SPLIT values
-    before one with at most MOST_SPLIT values.
+    A number comes before a choice. In a picture with curves, a number with more than MOST_SPLIT values comes
+    before a number with at most MOST_SPLIT values.
     """
     return sorted(
         varying,
@@ -160,10 +168,10 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
 
 
 def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
-    """Return the parameters for which the picture can mark the value in the scene (``maps.SCENE_MARK``).
+    """Return the parameters whose value in the scene the picture marks (``maps.SCENE_MARK``), if it has one.
 
-    These are the parameter of the horizontal axis of curves, the parameters over which samples are drawn, and
-    both parameters of a map if ``own_value`` has a value of both. The other pictures mark no value.
+    These are, with curves, the parameter of the horizontal axis; with histograms, the parameters over which
+    samples are drawn; with maps, both parameters if ``own_value`` has a value of both; with dots, none.
     """
     kind = kind_of(runs.design)
     if kind == CURVES:
@@ -190,7 +198,8 @@ def kind_of(design: Design) -> str:
 def usual_size(runs: Runs, results: Results, width: float | None = None) -> tuple[float, float]:
     """Return the default width and height of the figure [inches].
 
-    If the user gives a ``width``, the height is for it: the width determines how many panels fit in a row.
+    If the user gives the ``width`` of the figure, the height is for this width, which determines how many
+    panels fit in a row.
     """
     count, kind = len(results.drawn) * panels_of_each(runs.design), kind_of(runs.design)
     if kind == DOTS:
@@ -204,9 +213,8 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
 def title(runs: Runs, results: Results, mark: str) -> list[str]:
     """Return the parts of the headline: the number of runs, ranges of results, and how many runs failed.
 
-    The results are those with ``in_headline`` that are not 0 or unknown in all runs.
-
-    ``mark``: how the picture marks failed runs, as text: " (×)", or "" if it does not.
+    The results are those with ``in_headline``, without results that are 0 or unknown in all runs. ``mark``:
+    the text for the mark of failed runs, " (×)", or "" if the picture does not mark them.
     """
     parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
     for quantity in results.every:
@@ -220,7 +228,7 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 def conditions(runs: Runs, varying: list[Variation]) -> str:
     """Return a text with each varied parameter: its range, or the number of different choices in the runs.
 
-    After a range stands the value in the scene, if it lies in the range; (+) tells that it is marked.
+    After a range stands the value in the scene, if this value lies in the range, and (+) if it is marked.
     """
     parts, shown = [], with_marks(runs, varying)
     for variation in varying:
@@ -235,16 +243,16 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
 
 
 def varying_in(design: Design) -> list[Variation]:
-    """Return the variations with more than one value; if there are none, the first variation."""
+    """Return the variations with more than one different value; without any, the first variation."""
     varying = [variation for variation in design.variations if len(np.unique(variation.values)) > 1]
     return varying or list(design.variations[:1])
 
 
 def _across(count: int, kind: str, width: float) -> int:
-    """Return how many panels a row of a figure with ``count`` panels and a ``width`` [inches] has at most.
+    """Return the largest number of panels in a row of a figure with ``count`` panels and a width [inches].
 
-    It is 3 for three panels, but 1 for three maps in a figure that is narrower than THREE_MAPS. For any other
-    ``count`` it is 2. ``kind`` is the kind of picture.
+    The number is 3 for three panels, but 1 for three maps in a figure narrower than THREE_MAPS. For any other
+    ``count`` the number is 2. ``kind`` is the kind of picture.
     """
     if count != IN_ONE_ROW:
         return 2
@@ -252,16 +260,19 @@ def _across(count: int, kind: str, width: float) -> int:
 
 
 def _dots_across(count: int, width: float) -> int:
-    """Return how many panels with dots stand in a row, so that all rows are about equally full.
+    """Return the number of panels with dots in a row, with which all rows are about equally full.
 
-    ``width`` is the width of the figure [inches].
+    ``count`` is the number of panels, ``width`` the width of the figure [inches].
     """
     most = max(1, int((width - NAMES_WIDTH) / DOTS_WIDTH))
     return math.ceil(count / math.ceil(count / most))
 
 
 def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> list[Axes]:
-    """Return ``count`` empty panels, at most ``most`` in a row; in a narrow figure, one in a row."""
+    """Return ``count`` empty panels: at most ``most`` in a row, or 1 in a narrow figure.
+
+    ``sharey``: whether all panels have the same vertical axis.
+    """
     across = 1 if is_narrow(figure) else min(count, most)
     grid = figure.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)
@@ -273,7 +284,7 @@ def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> l
 def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
     """Draw each quantity in a panel with a row for each choice of a parameter, and a dot in each row.
 
-    ``across``: the parameter. A run that failed has a cross at the left edge of its row.
+    ``across``: the parameter. The row of a run that failed has a cross at the left edge in place of a dot.
     """
     names = across.shown(across.values).tolist()
     count = len(quantities)

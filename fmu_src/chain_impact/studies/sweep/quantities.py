@@ -22,12 +22,12 @@ from chain_impact.variables.selection import missing_output_hint
 # MOST_ASKED: the largest number of additional outputs with a panel if ``panels`` is not given; MOST_PANELS:
 # the largest number of panels that ``panels`` may name
 MOST_ASKED, MOST_PANELS = 4, 8
-# the least range of an axis and of the colours of a map, relative to the largest |result|, so that a result
-# that hardly depends on a parameter does not look as if it does
+# the least range of an axis and of the colours of a map, relative to the largest |result|, so that small
+# changes of a result do not look large
 LEAST_RANGE = 0.1
-# Results are equal if their range, relative to the largest |result|, is at most this. The results of two
-# choices (`_equal` of curves.py) are compared in pairs: two are equal if they differ by at most 1e-8 (`atol`
-# of NumPy) plus this times the second of them.
+# Results are equal if their range, relative to the largest |result|, is at most EQUAL_RESULTS. The results of
+# two choices (`_equal` of curves.py) are compared run by run: two results are equal if they differ by at most
+# 1e-8 (`atol` of NumPy) plus EQUAL_RESULTS times the |second result|.
 EQUAL_RESULTS = 1e-9
 
 
@@ -40,7 +40,7 @@ class Quantity:
         name: the words for the quantity.
         unit: the unit in the picture; in QUANTITIES the unit of the column, without a prefix.
         in_headline: whether the headline has the smallest and the largest value.
-        factor: the factor from the unit of the column to the unit in the picture.
+        factor: the value in the picture divided by the value in the column.
     """
 
     column: str
@@ -60,12 +60,15 @@ class Quantity:
         return self.column == COUNT
 
     def label_for(self, values: np.ndarray) -> str:
-        """Return the label; its end tells the range of ``values``, if it is small: ", within 3 %"."""
+        """Return the label, with the relative range of ``values`` at the end if it is small: ", within 3 %".
+
+        ``_small_range`` says what is small.
+        """
         within = self._small_range(values)
         return f"{self.label}, within {100.0 * within:.2g} %" if within else self.label
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
-        """Return the ends of an axis wider than the range of ``values`` if this is small, else None.
+        """Return the ends of an axis wider than the range of ``values``; None unless this range is small.
 
         ``_small_range`` says what is small.
         """
@@ -77,7 +80,8 @@ class Quantity:
     def _small_range(self, values: np.ndarray) -> float:
         """Return the range of values, divided by the largest |value|, if it is small; else 0.
 
-        It is small if this quotient lies between EQUAL_RESULTS and LEAST_RANGE. For a count the result is 0.
+        The range is small if this quotient lies between EQUAL_RESULTS and LEAST_RANGE. For a count, and
+        without values, the result is 0.
         """
         largest = np.abs(values).max(initial=0.0)
         if self.is_count or not largest:
@@ -86,11 +90,14 @@ class Quantity:
         return within if EQUAL_RESULTS < within < LEAST_RANGE else 0.0
 
     def of(self, runs: Runs) -> np.ndarray:
-        """Return the values in all runs, in the unit of the picture, NaN where a run failed, shape (R,)."""
+        """Return the values in all runs, shape (R,), in the unit of the picture; NaN if a run failed.
+
+        A peak of force is also NaN after an impulse of a rigid wall or stop.
+        """
         return np.where(runs.failed, np.nan, self.factor * runs[self.column].astype(float))
 
     def range_text(self, values: np.ndarray) -> str:
-        """Return words with the smallest and the largest value: "peak force 1.2 to 3.4 kN"."""
+        """Return words with the smallest and the largest of ``values``: "peak force 1.2 to 3.4 kN"."""
         return with_unit(f"{self.name} {np.nanmin(values):.3g} to {np.nanmax(values):.3g}", self.unit)
 
 
@@ -102,13 +109,12 @@ QUANTITIES = (
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
 SHARED = ("N", "N·m", "J")
-"""Units for which main results and additional outputs have one prefix in the whole picture.
+"""Units that have the same prefix in the whole picture, for main results and additional outputs.
 
 An additional output in any other unit gets no prefix.
 """
 LOADS = (*(name for name, peak in PEAKS.items() if peak.is_load), JOINT_FORCE)
-"""The columns with forces and moments. For samples, only these are drawn, unless ``results_of`` finds none of
-them to draw, or the user names the columns."""
+"""The columns with forces and moments; of samples, ``results_of`` prefers these to other quantities."""
 
 
 @dataclass(frozen=True)
@@ -116,10 +122,9 @@ class Results:
     """The quantities that the picture of a sweep tells.
 
     Attributes:
-        every: all quantities that the picture tells: main results and the first additional outputs, of
-            samples only the loads among them, if there are any; or the columns that the user has named.
-        drawn: the quantities in ``every`` that have a panel. All others are the same in all runs, and are
-            told in words.
+        every: all quantities that the picture tells; see ``results_of``.
+        drawn: the quantities in ``every`` that have a panel. All other quantities in ``every`` are the same
+            in all runs, and are told in words.
     """
 
     every: list[Quantity]
@@ -127,19 +132,19 @@ class Results:
 
     @property
     def same(self) -> list[Quantity]:
-        """The quantities that are the same in all runs, and therefore have no panel."""
+        """The quantities in ``every`` without a panel, because they are the same in all runs."""
         return [quantity for quantity in self.every if quantity not in self.drawn]
 
 
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     """Return the quantities that the picture of a sweep tells, and the quantities that it draws in panels.
 
-    If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, it tells the
-    main results and the first MOST_ASKED additional outputs, except quantities that the scene cannot have,
-    such as a force at walls without walls, and forces that rigid walls leave unknown in all runs. Of these it
-    draws the quantities that differ between the runs, and forces that are unknown in some runs; or all, if
-    there are none of both. For samples, the picture tells and draws only the forces and moments (``LOADS``)
-    among the quantities that it would draw otherwise, if there are any.
+    If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, the picture
+    tells the main results (QUANTITIES) and the first MOST_ASKED additional outputs, except quantities that
+    the scene cannot have, such as a force at walls without walls, and forces that rigid walls leave unknown
+    in all runs. Of these, the picture draws the quantities that differ between the runs, and forces that are
+    unknown in some runs; without any, all. Of samples, the picture tells and draws only the forces and
+    moments (``LOADS``) among the quantities that it would draw otherwise, if there are any.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
@@ -175,8 +180,8 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
     """Return the names in ``available`` that match a pattern in ``panels``; ``*`` stands for any text.
 
     Raises:
-        UnknownNameError: when there is no such column.
-        SceneError: when there are too many.
+        UnknownNameError: when a pattern matches no name.
+        SceneError: when more than MOST_PANELS names match.
     """
     source = prepared.scene.name
     hint = partial(missing_output_hint, prepared)
@@ -188,7 +193,7 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
 
 
 def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
-    """Return the outputs that ``panels`` names and the table of a job lacks, so that the job can add them.
+    """Return the outputs that a pattern in ``panels`` matches and that the table of a job lacks.
 
     Raises:
         UnknownNameError: when there is neither a column nor an output for a panel.
@@ -200,7 +205,7 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
 
 
 def constants(runs: Runs, results: Results) -> str:
-    """Return words for the quantities that are the same in all runs; "" if there are none.
+    """Return words for the quantities that are the same in all runs that did not fail; "" without any.
 
     An example is "the same in all runs: impacts 14".
     """
@@ -212,16 +217,16 @@ def constants(runs: Runs, results: Results) -> str:
 
 
 def _at_end(name: str, prepared: PreparedScene) -> Quantity:
-    """Return the quantity for a column with an output, or with the time, at the end of each run."""
+    """Return the quantity for the column ``name``, an output or ``time``, at the end of each run."""
     unit = "s" if name == ENDED else prepared.units[name]
     return Quantity(name, f"{name} at the end", unit_text(unit))
 
 
 def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
-    """Return the quantities with prefixes in their units, such as kN; equal units get the same prefix.
+    """Return the quantities with prefixes in their units, such as kN, and the factors for these.
 
-    The prefix of a unit suits the largest |value| of all quantities with this unit, in all runs. An
-    additional output whose unit is not in SHARED gets no prefix.
+    The prefix of a unit suits the largest |value| of all quantities with this unit, in all runs; so equal
+    units get the same prefix. An additional output whose unit is not in SHARED gets no prefix.
     """
     shared = [quantity in QUANTITIES or quantity.unit in SHARED for quantity in quantities]
     families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]
@@ -238,6 +243,6 @@ def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
 
 
 def _differs(values: np.ndarray) -> bool:
-    """Return whether the finite ones of some values differ by more than round-off; True if none is finite."""
+    """Return whether the finite values differ by more than EQUAL_RESULTS; True if no value is finite."""
     finite = values[np.isfinite(values)]
     return not finite.size or bool(np.ptp(finite) > EQUAL_RESULTS * np.abs(finite).max())

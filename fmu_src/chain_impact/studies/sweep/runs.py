@@ -27,12 +27,12 @@ class Runs:
 
     @property
     def varied(self) -> tuple[str, ...]:
-        """The names of the parameters that the user varies, even with a single value."""
+        """The names of the parameters that the user varies, those with a single value included."""
         return tuple(variation.name for variation in self.design.variations)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of all columns."""
+        """The names of all columns: varied parameters, results, and the word for the status."""
         return *self.varied, *(self.rows.dtype.names or ()), STATUS_WORD
 
     def __len__(self) -> int:
@@ -40,14 +40,14 @@ class Runs:
         return len(self.rows)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Return a column of the table, shape (R,); a choice, such as a contact law, is given by its name."""
+        """Return a column of the table, shape (R,); the column of a choice has names, such as ids of laws."""
         if name not in self.names:
             raise KeyError(f"{name} is not a column of the sweep; there are {', '.join(self.names)}")
         return self._columns([name])[name]
 
     @property
     def failed(self) -> np.ndarray:
-        """Whether each run stopped before its end because of a fault, shape (R,)."""
+        """Whether each run stopped at a fault, shape (R,)."""
         return np.asarray(self[STATUS] != OK)
 
     @functools.cached_property
@@ -60,7 +60,7 @@ class Runs:
         return table
 
     def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
-        """Yield some columns for CHUNK runs or fewer at a time, in the order of the runs: name → values."""
+        """Yield the columns ``names`` of CHUNK runs or fewer at a time, in their order: name → values."""
         if isinstance(self.rows, Dataset):
             yield from self.rows.chunks(names)
             return
@@ -68,6 +68,6 @@ class Runs:
             yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
 
     def _columns(self, names: Sequence[str]) -> Columns:
-        """Return columns with the values of all runs: name → values, shape (R,)."""
+        """Return the columns ``names`` with the values of all runs: name → values, shape (R,)."""
         chunks = list(self.chunks(names))
         return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}

@@ -25,8 +25,9 @@ from chain_impact.system import cores
 from chain_impact.variables.prepared import PreparedScene
 
 # From this number of missing runs on, a kernel is compiled for exactly the sizes of the scene, if there is a
-# compiler, no cluster and no derivative. The compilation takes about 15 s, once. With such a kernel, runs of
-# a scene with moving walls take half the time, other runs nine tenths.
+# compiler, and neither a cluster nor a derivative is asked for. The compilation takes about 15 s; the kernel
+# is kept. With this kernel, runs of a scene with moving walls take about half the time, other runs about nine
+# tenths.
 OWN_KERNEL_FROM = 300_000
 
 
@@ -45,8 +46,8 @@ def sweep(
 ) -> Sweep:
     """Simulate a scene many times, each time with different values of some parameters.
 
-    Every run gives the same bits as ``simulate`` with its values. A run that fails gives a row with the
-    reason, and does not end the sweep.
+    Every run gives the same bits as ``simulate`` with the values of the run. The row of a run that fails has
+    a word for the fault; the sweep continues.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.
@@ -56,19 +57,19 @@ def sweep(
             ``"flores,zhang_sharf"``, and with ``samples`` an interval, ``"0.1:0.9"`` or ``"1e6:1e9:log"``. A
             value replaces only its own parameter, as in the FMU: an inertia does not change with the length
             of its link.
-        samples: number of runs whose values fill the space of the variations evenly. By default all
+        samples: number of runs, whose values then fill the space of the variations evenly. By default all
             combinations of the values are run.
         sampling: ``lhs``, a Latin hypercube, or ``sobol``, a scrambled Sobol' sequence.
         seed: random seed of the samples; the same seed gives the same samples.
-        outputs: names of further FMU outputs for the table, with their values at the end of each run.
+        outputs: names of further FMU outputs, whose values at the end of each run are columns of the table.
         path: file for the table, CSV or Parquet; or a folder, which ends in ``/`` or has no suffix. Rows are
             written to the folder as they are computed, to Parquet files of some runs each, and are not kept
             in memory. After an interruption, the same call continues with the missing runs: the folder, or
             the file with the suffix ``.partial`` in the folder of the table, has the finished runs.
-        threads: number of runs at the same time; the number of cores by default.
+        threads: number of runs at the same time on this machine; the number of cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers compute the
             runs instead of this machine. Workers need the same version of this package, and must be able to
-            write to the folder.
+            write to the folder of the table, if ``path`` is a folder.
         progress: called with the finished fraction, 0 to 1, if given.
 
     Raises:
@@ -134,14 +135,14 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """If an exception ends the ``with`` block, write the finished runs to the table and for ``take_up``.
+    """If an exception ends the ``with`` block, write the finished runs to the table, and call ``keep``.
 
     Args:
         table: the path of the table.
-        head: the data that identify the sweep.
-        rows: the rows of all runs.
+        head: the data that identify the sweep (``known_by``).
+        rows: the rows of all runs, which the block fills.
         done: the spans of the finished runs, to which the block adds.
-        design: the values of each run.
+        design: the varied values of each run.
     """
     try:
         yield

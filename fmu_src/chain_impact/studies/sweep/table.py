@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from chain_impact.pictures.sizes import Size
 
 TABLES = (".csv", PARQUET)
-SHOWN_RUNS = 10  # a notebook shows the rows of at most this number of runs, and tells how many more there are
+SHOWN_RUNS = 10  # a notebook shows the rows of the first SHOWN_RUNS runs, and the number of further runs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,13 +50,13 @@ class Sweep(Runs):
       the values of the FMU at the end of the run.
     - ``status``: ``ok``, or a word for the fault; ``solver.status`` has the number of the status.
 
-    A run that did not reach the end has NaN for energies and outputs.
+    A run with a fault has NaN for energies and for additional outputs of the motion.
 
     Attributes:
-        scene: the scene with the values that are not varied.
+        scene: the scene, which has the values of all parameters that are not varied.
         design: the varied values of each run.
         rows: the results, shape (R,), without the varied values and the word for the status; for a sweep into
-            a folder, the folder, whose columns are read when they are needed.
+            a folder, the folder, from which columns are read when they are needed.
         outputs: the names of the additional outputs.
     """
 
@@ -70,7 +70,7 @@ class Sweep(Runs):
         return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
 
     def _repr_html_(self) -> str:
-        """Return HTML for a notebook: the text of ``repr``, and a table of the first SHOWN_RUNS runs."""
+        """Return HTML for a notebook: the text of ``repr``, and a table of at most SHOWN_RUNS runs."""
         first = next(iter(self.chunks(self.names)), {})
         rows = list(
             zip(*(map(_cell_text, column[:SHOWN_RUNS].tolist()) for column in first.values()), strict=True)
@@ -87,9 +87,9 @@ class Sweep(Runs):
         return require("pandas", "pandas").DataFrame(self._columns(self.names))
 
     def save(self, path: str | Path) -> None:
-        """Write the table as CSV or Parquet, according to the suffix.
+        """Write the table as CSV or Parquet, according to the suffix of the path.
 
-        CSV has all digits of each number, and an empty cell for an unknown number.
+        CSV has all digits of each number, and an empty cell for NaN.
 
         Raises:
             SceneError: when the file has another suffix.
@@ -114,9 +114,9 @@ class Sweep(Runs):
                 returned, for a notebook.
             size: width and height [inches]; with the height None, the contents determine the height.
                 In a picture narrower than 6 inches all panels are in one column.
-            panels: the columns to draw, ``*`` for any text, such as ``"peak_force"``; by default the main
-                results and the first four additional outputs, as far as they differ between the runs. Of
-                samples, only forces and moments among these are drawn, if there are any.
+            panels: the columns to draw, such as ``"peak_force"``; ``*`` stands for any text. By default, the
+                main results and the first four additional outputs are drawn, as far as they differ between
+                the runs; of samples, only forces and moments among these, if there are any.
 
         Raises:
             SceneError: when too many parameters vary for a picture, there are too many runs or panels, or no
@@ -132,7 +132,7 @@ class Sweep(Runs):
 def write_table(path: Path, chunks: Iterable[Columns]) -> None:
     """Write a table as CSV or Parquet, according to the suffix of the path.
 
-    ``chunks`` yields the columns for some successive runs at a time.
+    ``chunks`` yields all columns of some successive runs at a time.
 
     Raises:
         MissingExtraError: when pyarrow is not installed, for Parquet.
@@ -152,7 +152,7 @@ def write_table(path: Path, chunks: Iterable[Columns]) -> None:
 
 
 def is_folder(path: str | Path) -> bool:
-    """Return whether a path for the table means a folder: it is a folder, ends in ``/``, or has no suffix."""
+    """Return whether a path for a table means a folder: the path is one, ends in ``/``, or has no suffix."""
     return str(path).endswith(("/", os.sep)) or not Path(path).suffix or Path(path).is_dir()
 
 
@@ -160,10 +160,9 @@ def table_path(path: str | Path) -> Path:
     """Return a path for the table of a sweep, after a check that the table can be written there.
 
     Raises:
-        SceneError: when the path is empty, or is neither a folder nor a file with one of the suffixes
-            ``TABLES``.
-        MissingExtraError: when pyarrow is not installed, for Parquet.
-        OSError: when nothing can be written at the path.
+        SceneError: when the path is empty, or means a file without one of the suffixes ``TABLES``.
+        MissingExtraError: when pyarrow is not installed, for a folder or a Parquet file.
+        OSError: when the parent folder does not exist, or cannot be written.
     """
     if not str(path):
         raise SceneError("the path of the table is empty: it must name a file or a folder")
@@ -180,7 +179,7 @@ def table_path(path: str | Path) -> Path:
 
 
 def _cell_text(value: object) -> str:
-    """Return the text of a value for a notebook's table, with 6 significant digits."""
+    """Return the text of a value for a notebook's table; a real number has 6 significant digits."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

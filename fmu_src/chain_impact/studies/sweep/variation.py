@@ -1,4 +1,4 @@
-"""The variation of one parameter: a list of values, or an interval for samples."""
+"""The variation of one parameter in a sweep: a list of values, or an interval of the samples' values."""
 
 from __future__ import annotations
 
@@ -38,9 +38,10 @@ class Variation:
 
     Attributes:
         variable: the parameter.
-        values: the values, or the two ends of the interval; each choice as its number, from 1.
+        values: the values in the unit of the parameter, or the two ends of the interval; a choice is given by
+            its number, from 1.
         interval: whether ``values`` are the ends of an interval.
-        logarithmic: whether values or samples are spread evenly in the logarithm.
+        logarithmic: whether the user asks for even spacing of values or samples in the logarithm.
     """
 
     variable: Variable
@@ -59,14 +60,14 @@ class Variation:
         return [item.name for item in self.variable.items]
 
     def shown(self, values: np.ndarray) -> np.ndarray:
-        """Return values as they are shown: names of choices in place of their numbers, for an enumeration."""
+        """Return values as a table shows them: of an enumeration, the names of the choices."""
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
-        """Return the values at fractions 0 ≤ x < 1 of the interval or of the list of values, as an array.
+        """Return the values at the fractions ``parts`` (0 ≤ x < 1) of the interval, or of the list of values.
 
-        Fractions of an interval count from its first end, and are fractions of the logarithm if it is
-        logarithmic. From a list of n values, a fraction x selects the value with the index ⌊n x⌋.
+        A fraction of an interval counts from the first end; in a logarithmic interval it is that of the
+        logarithm. From a list of n values, a fraction x selects the value with the index ⌊n x⌋.
         """
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
@@ -76,15 +77,16 @@ class Variation:
 
 
 def sweepable(source: Scene | PreparedScene) -> dict[str, Variable]:
-    """Return the parameters that can be varied, and the stop time, as name → variable."""
+    """Return what a sweep can vary, the parameters of the FMU and the stop time: name → variable."""
     return {variable.name: variable for variable in (*prepared_scene(source).parameters, STOP_TIME_VARIABLE)}
 
 
 def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
-    """Return the variation of each parameter in ``vary``, in this order.
+    """Return the variation of each parameter in ``vary`` (name → values), in the order of ``vary``.
 
     Raises:
-        SceneError: when a name is unknown, or a value is not allowed.
+        UnknownNameError: when a name is unknown.
+        SceneError: when ``vary`` is empty, or a value is not allowed.
     """
     prepared = prepared_scene(source)
     scene = prepared.scene
@@ -110,7 +112,10 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
 
 
 def _read(variable: Variable, values: Values, source: str) -> Variation:
-    """Return the variation of a parameter from text, as on the command line, or from numbers or choices."""
+    """Return the variation of a parameter from text, as on the command line, or from numbers or names.
+
+    ``source`` is the name of the scene, for errors.
+    """
     if isinstance(values, str):
         if ":" in values:
             return _range(variable, values, source)
@@ -155,7 +160,7 @@ def _number(variable: Variable, value: object, source: str) -> float:
     A text in degrees becomes radians, and the name of a choice its number, from 1.
 
     Raises:
-        SceneError: when the value is another text.
+        SceneError: when the value is neither a number, nor such a text.
     """
     names = [item.name for item in variable.items]
     if value in names:
@@ -170,7 +175,7 @@ def _number(variable: Variable, value: object, source: str) -> float:
 
 
 def _check(variation: Variation, source: str) -> None:
-    """Refuse a variation with a value that the parameter cannot have."""
+    """Refuse a variation with a value, or an end of its interval, that the parameter cannot have."""
     variable, values = variation.variable, variation.values
     good = np.isfinite(values)
     for limit, keeps in (
