@@ -9,10 +9,11 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, table, written_by
 
-# number of changes of the friction mode, per element, for which the log has room until a caller collects them
+# number of changes of friction modes for which the log has room, divided by the number of elements
 CHANGES_OF_EACH = 4
-# Number of ended contacts, not yet collected, in a full log. ``trajectory`` then returns; in other functions
-# new entries overwrite the oldest. Each candidate has one more row, because all contacts may end in one step.
+# Number of ended contacts, not yet collected, in a full log. ``trajectory`` then returns, and ``run_each``
+# collects them; in other functions new entries overwrite the oldest. The log has one more row for each
+# candidate, because all contacts may end in one step.
 LOG_SIZE = 32
 LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
 
@@ -22,8 +23,8 @@ def candidate_dtype(candidates: int) -> np.dtype:
     """Return the layout of the candidates: pairs of a point and a wall, stops of joints and of the slider."""
     return table(
         candidates,
-        # number of the point, 0…N, and N+1…N+P for sites; for a stop in a joint the number of the joint, 1…N;
-        # 0 for a stop of the slider
+        # number of the point, 0…N, or N+1…N+P for sites; at a stop in a joint the number of the joint, 1…N;
+        # at a stop of the slider 0
         ("point", INTEGER),
         # index of the wall in the scene's wall_names: a wall of the box has its index in WALLS
         # (rows/geometry.py), another wall 4 plus its index in `walls`; the kinds of stops follow all walls
@@ -33,10 +34,10 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # ---- derived at initialization
         # index of the place: ``point``, but N + ``point`` for a stop of a joint and for a site
         ("place", INTEGER),
-        ("radius", REAL),  # m, radius of the point: its clearance is 0 at this distance from the wall
+        ("radius", REAL),  # m, radius of the point: the distance from the wall at which the clearance is 0
         ("normal_x", REAL),  # x of the unit normal n of the wall, toward the free side
         ("normal_y", REAL),
-        ("offset", REAL),  # m, offset of the wall: n·p of the points p on the wall
+        ("offset", REAL),  # m, present offset of the wall: n·p of the points p on the wall
     )
 
 
@@ -51,8 +52,8 @@ def law_dtype(candidates: int) -> np.dtype:
         ("same_as", INTEGER),  # index of the first candidate with the same law
         ("number", INTEGER),  # number of the law, from 1; 0: no law has been set
         ("stiffness", REAL),  # N/m^exponent, stiffness K
-        ("exponent", REAL),
-        ("restitution", REAL),
+        ("exponent", REAL),  # exponent n of the elastic force K δⁿ
+        ("restitution", REAL),  # prescribed restitution e
         ("minimum_impact_speed", REAL),  # m/s, least impact speed v₀ in the law
         ("friction", REAL),  # coefficient of sliding friction
         # coefficient of static friction, not less than the coefficient of sliding friction
@@ -60,9 +61,9 @@ def law_dtype(candidates: int) -> np.dtype:
         # ---- derived from the parameters
         # factor f(e) of the damping, which is λ in the Hunt–Crossley family (forces/laws.py)
         ("damping_factor", REAL),
-        ("rate_exponent", REAL),  # exponent p of the penetration in the damping d δᵖ δ̇
+        ("rate_exponent", REAL),  # exponent p of the penetration δ in the damping force d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: the law damps only while δ grows; 0: always
-        ("impulsive", INTEGER),  # 1: the wall is rigid, and acts by impulses; 0: a force law
+        ("impulsive", INTEGER),  # 1: the wall or stop is rigid, and acts by impulses; 0: it has a force law
         # m, depth in the wall up to which a point counts as not touching; 0 at a rigid wall
         ("harmless_depth", REAL),
     )
@@ -82,13 +83,13 @@ def most_constraints(candidates: int, elements: int) -> int:
 def touch_dtype(candidates: int) -> np.dtype:
     """Return the layout of the data of the contacts, one entry for each candidate.
 
-    The impact speed v₀, the effective mass and the values that depend on them are latched: they are fixed at
-    the onset, and stay until v₀ is latched again or the law changes. At a stop in a joint, lengths and speeds
-    are angles and their rates times a lever arm (rows/geometry.py).
+    The impact speed v₀ and the effective mass are latched at the onset, as are expected penetration and
+    damping, which are computed anew if v₀ is raised or the law changes. At a stop in a joint, lengths and
+    speeds are angles and their rates times a lever arm, and forces are moments over this lever arm.
     """
     return record(
         # number of times that ``list_touching`` has listed the active contacts; an implicit step from before
-        # the last listing has entries of other contacts, and cannot predict the next step
+        # the last listing may have entries of other contacts, and does not predict the next step
         ("listings", INTEGER),
         ("active_count", bounded(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
@@ -100,37 +101,36 @@ def touch_dtype(candidates: int) -> np.dtype:
         # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", bounded(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, time of the onset of the latest contact
-        ("onset_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset
-        ("impact_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ ``minimum_impact_speed``
+        ("onset_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset, ≥ 0
+        ("impact_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ `law.minimum_impact_speed`
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
-        # m, expected penetration δ*; at a joint's stop angle × lever arm, at a rigid wall the longest link
+        # m, expected penetration δ*; at a rigid wall the length of the longest link
         ("depth_scale", REAL, (candidates,)),
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step that is searched for peaks: a peak lies in the
         # step if the rate falls through 0
         ("speed", REAL, (candidates,)),
-        # N/s, rate of the contact force at the start of the step that is searched for peaks; only its sign is
-        # used, and the number 1 means that the force may rise after an event
+        # N/s, rate of the contact force at the start of the step that is searched for peaks; only the sign is
+        # used, and after an event the number 1 stands for a force that may rise
         ("force_rate", REAL, (candidates,)),
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
-        # side of the kink (forces/force_formula.py) whose smooth force a step uses everywhere, also on the
-        # other side: 1: the side beyond the kink; 0: the side before it
+        # side of the kink (forces/force_formula.py) whose smooth force a step uses on both sides; 1: the side
+        # beyond the kink; 0: the side before the kink
         ("beyond_kink", INTEGER, (candidates,)),
-        # m/s, only a rate of the penetration beyond the kink δ̇ = 0 by more than this counts as a crossing; 0
-        # if the law damps in both directions
+        # m/s, a rate of the penetration counts as beyond the kink δ̇ = 0 only if its absolute value exceeds
+        # this margin; 0 if the law damps in both directions
         ("kink_margin", REAL, (candidates,)),
-        # 1: a stage of the tried step, or its end, lies beyond ``kink_margin`` on the other side of the kink
+        # 1: a stage or the end of the tried step lies on the other side of the kink, beyond ``kink_margin``
         ("kink_crossed", INTEGER, (candidates,)),
-        # number of the candidate's latest onset: the count of all onsets of the run up to this one
-        ("number", INTEGER, (candidates,)),
+        ("number", INTEGER, (candidates,)),  # `impact.count` after the candidate's latest onset
         ("peak_force", REAL, (candidates,)),  # N, peak force in the contact so far
         ("max_penetration", REAL, (candidates,)),  # m, largest penetration in the contact so far
-        ("joint_square", REAL, (candidates,)),  # N², largest squared force in a joint during the contact
-        ("joint", INTEGER, (candidates,)),  # number of the joint with this force, 1…N; 0 for none
+        ("joint_square", REAL, (candidates,)),  # N², largest squared force in any joint during the contact
+        ("joint", INTEGER, (candidates,)),  # number of the joint with that force, 1…N; 0 for none
         # m, errors of the clearances of the active contacts, in the order of ``active_index``; row 0 and row
         # 1 belong to the two error estimates of an explicit step
         ("gap_error", REAL, (2, candidates)),
-        ("x", REAL, (candidates,)),  # m, position at which the candidate touches at the onset
+        ("x", REAL, (candidates,)),  # m, x of the position at which the candidate touched at the onset
         ("y", REAL, (candidates,)),
     )
 
@@ -151,15 +151,14 @@ def impact_dtype() -> np.dtype:
 
 @written_by("events/contact_log.py")
 def latest_dtype() -> np.dtype:
-    """Return the layout of the list of the latest impacts, newest first, written whenever outputs are filled.
+    """Return the layout of the output list of the latest impacts, newest first.
 
     The values of a stop in a joint belong to angles: rad/s for speeds, N·m for ``peak_force``, rad for
     ``max_penetration`` and N·m·s for ``impulse``.
     """
     return record(
         ("requested", bounded(0, LATEST)),  # number of latest impacts that the scene requests
-        # number of ended contacts when the list was written; −1: a contact was active then, so the list is
-        # not final
+        # number of ended contacts when the list was last written; −1: a contact was active at this time
         ("listed", INTEGER),
         ("point", INTEGER, (LATEST,)),  # point of each impact, as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
@@ -197,19 +196,20 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # change that all impulses together cause: of each coordinate, or of its rate or its acceleration,
         # depending on the problem
         ("change", REAL, (coordinate_count(links),)),
-        # SOLVED, or the reason why the search for constraint forces has failed in the tried step (UNSOLVED,
-        # MOVING or SQUEEZED of kernel/rows/constraints.py)
+        # SOLVED, or the reason why the search for constraint forces has failed in the tried step or at the
+        # events before it: UNSOLVED, MOVING or SQUEEZED of rows/constraints.py
         ("unsolved", INTEGER),
         # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
         # than FOLD_RESIDUAL (rows/constraints.py) of the residual, and more than round-off
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
-        # 1: a rigid wall in the active set pulls, or a point not in the set stays below its target motion
+        # 1: a rigid wall in the active set pulls, or a point outside the set moves less than its target
         ("violated", INTEGER, (count,)),
         ("start", REAL, (count,)),  # position, speed or acceleration along the row without any impulses
         ("reached", REAL, (count,)),  # position, speed or acceleration along the row with all impulses
-        ("target", REAL, (count,)),  # the position, speed or acceleration to reach; at a wall the least one
+        # position, speed or acceleration to reach; in ``solve_lcp`` the least one that is allowed
+        ("target", REAL, (count,)),
         # residual target − reached of a constraint in the active set, else 0; during a correction the
         # residual times the impedance
         ("residual", REAL, (count,)),
@@ -217,16 +217,15 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, impedance with which a contact with a force law resists a projection; else 0
         ("resistance", REAL, (count,)),
-        # N, near a fold: force of the constraint, found from its forces at times before and after
+        # N, near a fold: force of the constraint, computed from its forces at earlier and later times
         ("refined", REAL, (count,)),
-        # N, near a fold: sum of the constraint's forces at times before and after, with the weights
+        # N, near a fold: sum of the constraint's forces at earlier and later times, with the weights
         # DIFFERENCE (ode/folds.py); small if the force is smooth
         ("uneven", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
         # sampled; the points are in the order of ``touch.active_index``
         ("sample", REAL, (2, candidates)),
-        # N, the least force of a rigid wall on each candidate in the stages of the step; 0 if the wall never
-        # pulls
+        # N, least force of a rigid wall on each candidate in the stages of the step; 0 if no force is < 0
         ("least_force", REAL, (candidates,)),
     )
 
@@ -237,7 +236,7 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
 
     That module finds, by iterations, constraint forces within the limits of friction.
     """
-    # at least ``constraint_count``, because every candidate is an element; 0 in a scene without friction
+    # at least the number of constraints, because every candidate is an element; 0 in a scene without friction
     count = 2 * elements
     return record(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
@@ -248,7 +247,7 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
         ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
-        ("residual", REAL, (count,)),  # m/s², the required acceleration minus the one with the forces p
+        ("residual", REAL, (count,)),  # m/s², required acceleration minus the acceleration with the forces p
         # N, the force p + D m⁺ before it is clipped to its limits, with the force p before the iteration, the
         # impedance D, and the residual m⁺ after the iteration (rows/limits.py)
         ("unlimited", REAL, (count,)),
@@ -263,9 +262,9 @@ def contact_log_dtype(candidates: int) -> np.dtype:
     """Return the layout of the log of contacts, a ring buffer: the ended contacts, then the active contacts.
 
     A caller that collects the ended contacts sets ``collected`` to ``count``. The log always contains the
-    latest LATEST impacts: after the entry of one of these come at most the entries of the others and, for
-    each other candidate, of one contact that began earlier. The row of a stop in a joint has angles and
-    moments: rad/s for speeds, N·m for ``peak_force``, rad for ``max_penetration``, kg·m² for
+    latest LATEST impacts: after the entry of one of these impacts come at most the entries of the other ones
+    and, for each other candidate, of one contact that began earlier. The row of a stop in a joint has angles
+    and moments: rad/s for speeds, N·m for ``peak_force``, rad for ``max_penetration``, kg·m² for
     ``effective_mass`` and N·m·s for ``impulse``.
     """
     log = LOG_SIZE + candidates
@@ -276,7 +275,7 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("point", INTEGER, (log,)),  # point of the contact, as in `candidate.point`
         ("wall", INTEGER, (log,)),  # wall of the contact, as in `candidate.wall`
         ("onset", REAL, (log,)),  # s, time of the contact's onset
-        # s, end of the contact; for an active contact NaN or, after `latest` was written, the present time
+        # s, end of the contact; for an active contact NaN or, in rows for `latest`, the communication point
         ("end", REAL, (log,)),
         ("impact_speed", REAL, (log,)),  # m/s, approach speed at the onset, `touch.onset_speed`
         ("separation_speed", REAL, (log,)),  # m/s, rate of the clearance at ``end``; NaN if ``end`` is NaN
@@ -284,9 +283,10 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("max_penetration", REAL, (log,)),  # m, largest penetration of the contact
         ("effective_mass", REAL, (log,)),  # kg, effective mass at the onset of the contact
         ("impulse", REAL, (log,)),  # N·s, impulse of the wall on the point in the contact
-        ("joint_force", REAL, (log,)),  # N, largest force in any joint during the contact
+        # N, largest force in any joint during the contact; 0 if no loads are requested
+        ("joint_force", REAL, (log,)),
         ("joint", INTEGER, (log,)),  # number of the joint with the largest force, 1…N; 0 for none
-        ("x", REAL, (log,)),  # m, position of the contact at its onset
+        ("x", REAL, (log,)),  # m, x of the position at which the candidate touched at the onset
         ("y", REAL, (log,)),
         ("number", INTEGER, (log,)),  # number of the contact's onset, as in `touch.number`
     )
@@ -307,21 +307,20 @@ def peaks_dtype() -> np.dtype:
 def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 
-    ``total`` and ``rate`` have an entry for each quadrature. In later fields only the quadratures that are
-    integrated at present have entries, packed in the order of ``index``.
+    ``total`` and ``rate`` have an entry for each quadrature. The fields after ``index`` have entries only for
+    the quadratures that steps integrate at present, in the order of ``index``.
     """
     count = candidates + elements + 3
     return record(
         ("computed", INTEGER),  # 1: steps integrate quadratures; 0: they do not, as no output needs one
         # N·s, value of ``total`` at the onset of the candidate's contact
         ("impulse_at_onset", REAL, (candidates,)),
-        # value of each quadrature, an integral from the start of the run, at the most recent event or
-        # re-initialization
+        # integral of each quadrature from the run's start to the last ``commit_quadratures`` or impact
         ("total", REAL, (count,)),
         # rate of each quadrature at the time of ``total``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
-        ("count", bounded(0, count)),
-        # index in ``total`` of each quadrature that steps integrate now; only ``count`` entries are used
+        ("count", bounded(0, count)),  # number of quadratures that steps integrate at present
+        # index in ``total`` of each of these quadratures; only the first ``count`` entries are used
         ("index", bounded(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
         ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end
@@ -338,7 +337,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
 def friction_dtype(elements: int) -> np.dtype:
     """Return the layout of the data of dry friction in the whole scene; `element` has each element's data."""
     return record(
-        ("used", INTEGER),  # 1: some wall, joint or slider has dry friction
+        ("used", INTEGER),  # 1: some wall, joint or the slider has dry friction
         # number of elements with friction at present: active contacts, joints and the slider, in this order
         ("count", bounded(0, elements)),
         ("contact_count", INTEGER),  # number of contacts among the elements with friction at present
@@ -356,20 +355,20 @@ def friction_dtype(elements: int) -> np.dtype:
 def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
     return record(
-        # indices of the elements that have friction now; only the first `friction.count` entries are used
+        # indices of the elements with friction at present; only the first `friction.count` entries are used
         ("index", bounded(0, elements - 1), (elements,)),
-        ("stuck", bounded(0, elements - 1), (elements,)),  # indices of the sticking elements, without gaps
-        ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
-        # the event of an element at `step.end` that the next step will apply, see kernel/events/marks.py
+        # indices of the sticking elements; only the first `friction.stuck_count` entries are used
+        ("stuck", bounded(0, elements - 1), (elements,)),
+        ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction
+        # the event of an element at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", INTEGER, (elements,)),
-        ("before", INTEGER, (elements,)),  # mode before the last choice; 2 if contact began
+        ("before", INTEGER, (elements,)),  # mode before the last choice of modes; 2 if the contact began then
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
-        # 1: the element is at rest, so its speed leaves the mode undecided, and the forces have determined
-        # it; 0: the element moves, and its motion has determined the mode; in a tangent instance also
-        # STOPPED = 2 of kernel/tangent/friction.py
+        # 1: the element is at rest, and the forces have determined the mode; 0: the element moves, and the
+        # motion has determined the mode; in a tangent instance also STOPPED = 2 of tangent/friction.py
         ("undecided", INTEGER, (elements,)),
-        # m/s, by how much the speed of an element against its direction of sliding may exceed the largest
-        # speed at rest and still count as an error
+        # m/s, a speed of an element against its direction of sliding counts as an error up to ``slack`` plus
+        # ``rest_speed`` (events/sampled.py)
         ("slack", REAL, (elements,)),
         ("anchor", REAL, (elements,)),  # m, the coordinate along t at which a sticking element is held
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
@@ -390,7 +389,7 @@ def changes_dtype(elements: int) -> np.dtype:
     """
     log = CHANGES_OF_EACH * elements
     return record(
-        ("count", INTEGER),
+        ("count", INTEGER),  # number of changes since the caller has last collected them
         ("time", REAL, (log,)),  # s, time of each change
         ("point", INTEGER, (log,)),  # number of the point or joint of the element; 0 for the slider
         # index of the wall in the scene's wall_names; −1 for dry friction in a joint or of the slider

@@ -1,4 +1,4 @@
-"""The counts, such as the number of links, at the start of a record; all sizes and offsets depend on them."""
+"""The counts, such as the number of links, at a record's start; they determine the sizes of its arrays."""
 
 from typing import NamedTuple
 
@@ -11,18 +11,18 @@ class Counts(NamedTuple):
 
     links: int  # N, number of links
     candidates: int  # C, number of candidates: pairs of a point or site and a wall, and stops
-    # F, number of parts that may have dry friction: all candidates, joints and a slider; 0 in a scene without
-    # dry friction
+    # F, number of elements, parts that may have dry friction: C candidates, N joints and, if present, the
+    # slider; 0 in a scene without dry friction
     elements: int = 0
-    # L, rows of the outputs of loads: number of joints plus number of walls; 0 if no loads are requested
+    # L, rows of the outputs of loads: N joints, then all walls; 0 if no loads are requested
     loads: int = 0
     # K, number of prescribed motions (chain/motion.py): two for a moving base, and two for each moving wall
     channels: int = 0
-    sites: int = 0  # P, number of sites: points of links other than their ends (chain/sites.py)
+    sites: int = 0  # P, number of sites: points of links other than the links' ends (chain/sites.py)
     signals: int = 0  # D, number of inputs and prescribed motions that signals drive (chain/signals.py)
     knots: int = 0  # R, number of knots of all signals: times at which polynomials of the signals begin
 
 
 COUNTS = Counts._fields
 FEATURES = ("skewed", "slides")
-"""The fields that follow the counts in an instance: two flags, 0 or 1 (record/instance.py explains them)."""
+"""The two flags, 0 or 1, that follow the counts in an instance; record/instance.py says what they mean."""

@@ -7,7 +7,7 @@ LARGEST, SMALLEST = float(np.finfo(REAL).max), 5e-324  # the largest and the sma
 
 
 def real(least: float, most: float) -> np.dtype:
-    """Return the type of a real field whose values must lie from ``least`` to ``most``.
+    """Return the type of a real field whose values must be ≥ ``least`` and ≤ ``most``.
 
     ``check_ranges`` in kernel/initialize.py checks these values at the start of a run. Other reals that the
     scene gives have no such range; most of them have other checks, such as values of contact laws, limits of
@@ -21,17 +21,17 @@ LIMIT = real(0.0, float("inf"))  # type of a real that is a limit: any number �
 
 
 def bounded(least: int, most: int) -> np.dtype:
-    """Return the type of an integer field whose values must lie from ``least`` to ``most``.
+    """Return the type of an integer field whose values must be ≥ ``least`` and ≤ ``most``.
 
-    The kernel uses the integer as an index or as a number of iterations: a value beyond the bounds could let
-    it access memory outside the record. ``within_bounds`` in kernel/entry.py checks these fields in a record
-    from outside. A bound is an affine function of the counts of the record (counts.py), as are all sizes.
+    The kernel uses the integer as an index or as a number of iterations: with a value beyond the bounds the
+    kernel could access memory outside the record. ``within_bounds`` in kernel/entry.py checks these fields in
+    a record from outside. A bound is an affine function of the counts of the record (counts.py).
     """
     return np.dtype(INTEGER, metadata={"least": least, "most": most})
 
 
 WRITERS: dict[str, dict[str, tuple[str, ...]]] = {}
-"""Part of the record → field → kernel modules that write the field; "" stands for all fields not named."""
+"""Part of the record → field → kernel modules that write the field; "" stands for all other fields."""
 
 
 def written_by(*writers, **fields):
@@ -62,7 +62,7 @@ AT_START: at the start of the next run; AT_ANY_TIME: also during a run.
 
 
 def settable(when: int):
-    """Declare that the scene or an importer gives values of a part of the record; decorates its layout.
+    """Declare that the scene or an importer gives values of a part; decorates the function of its layout.
 
     ``when`` says when the kernel applies new values: AT_START or AT_ANY_TIME. Each of these parts is copied
     to the tangent instances (``copy_given`` in kernel/tangent/duals.py), so that derivatives belong to the
@@ -92,23 +92,23 @@ def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
 def is_table(dtype: np.dtype) -> bool:
     """Return whether an array with this layout is a table, not an array of numbers or of dual numbers.
 
-    A dual number is a record of a value and its derivatives, too, but counts as one number.
+    A dual number is a record, too, of a value and derivatives, but counts as one number.
     """
     return dtype.base.names is not None and dtype.base.names != ("value", "slope")
 
 
 def vectors_dtype(points: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of the vectors, with components x and y, of a number of ``points``."""
+    """Return the layout of vectors, with an array of x and an array of y, each of length ``points``."""
     return record(("x", scalar, (points,)), ("y", scalar, (points,)))
 
 
 def place_count(links: int, sites: int) -> int:
-    """Return the number of places of a chain with N ``links``: the points 0…N, the joints 1…N, the sites."""
+    """Return the number of places of a chain with N ``links``: points 0…N, joints 1…N, all ``sites``."""
     return 2 * links + 1 + sites
 
 
 def loads_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of loads: forces or impulses at places, and moments in joints and on links."""
+    """Return the layout of loads: forces x, y at places, and moments in joints and on links; or impulses."""
     places = place_count(links, sites)
     numbers = ((name, scalar, (links,)) for name in ("joint", "link"))
     return record(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)

@@ -46,21 +46,21 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("height", NOT_NEGATIVE, (links,)),  # m, height, across the link, of a link that is a box; else 0
         # m, how far the centre of mass lies to the left of the link's line; < 0: to the right
         ("center_of_mass_offset", FINITE, (links,)),
-        # kg·m², inertia of the rotor of each joint's drive, which acts on the relative rotation in the joint
+        # kg·m², inertia of the rotor of each joint's drive against the relative rotation in the joint
         ("joint_armature", NOT_NEGATIVE, (links,)),
         ("wall", FINITE, (len(WALLS),)),  # m, positions of the walls x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
         # 1: the scene has inputs that act on the chain without contact, too: any except motions of walls
         ("has_inputs", INTEGER),
-        ("has_servos", INTEGER),  # 1: all joints, and a slider, have servos, whose targets are inputs
+        ("has_servos", INTEGER),  # 1: all drives are servos, whose targets are inputs; 0: no drive is a servo
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
         # ---- derived at initialization
         # m, distance along each link from its proximal joint to its centre of mass, given or derived
         ("center_of_mass", FINITE, (links,)),
         # kg·m², inertia of each link about its centre of mass, given or derived
         ("inertia", NOT_NEGATIVE, (links,)),
-        ("has_springs", INTEGER),  # 1: some drive has a spring
+        ("has_springs", INTEGER),  # 1: some drive, of a joint or the slider, has a spring
         ("has_springs_or_dampers", INTEGER),  # 1: some drive has a damper or a spring
         ("has_joint_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
         ("has_drive_friction", INTEGER),  # 1: some joint, or the slider, has dry friction
@@ -68,7 +68,7 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("has_joint_places", INTEGER),
         ("has_armatures", INTEGER),  # 1: some joint has an armature
         ("has_drive_limits", INTEGER),  # 1: some drive has a largest torque or force
-        # 1/s, upper bound on the decay rates and angular frequencies that dampers and springs cause
+        # 1/s, upper bound on the decay rates and angular frequencies that dampers and springs of drives cause
         ("joint_rate_bound", REAL),
         # distance along each link from its proximal joint to its centre of mass, over the link's length
         ("center_of_mass_ratio", REAL, (links,)),
@@ -76,14 +76,14 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("offset_ratio", REAL, (links,)),
         ("proximal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its proximal joint
         ("distal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its distal joint
-        # index of the first site of each link: link i has the sites from entry i up to entry i + 1, without
-        # the latter; entry N is the number of sites
+        # index of the first site of each link, with links counted from 0: link i has the sites from
+        # first_site[i] to first_site[i + 1] − 1; entry N is the number of sites
         ("first_site", bounded(0, sites), (links + 1,)),
         # number of the point at which the two arms of the elimination meet (chain/elimination.py): 0, the
         # base, if the base has a joint; else N/2, rounded down
         ("meeting_joint", bounded(0, links)),
         ("gravity_size", REAL),  # m/s², magnitude of gravity
-        ("reach", REAL),  # m, largest distance of a point or site of the stretched chain from the base
+        ("reach", REAL),  # m, largest distance from the base that a point or site can have
         # m, length of the longest link: the scale of positions, to which errors and round-off are relative
         ("longest_link", REAL),
         # J, (M s² + Σ I_a)/(1 s)², with the mass M of chain and carriage, the longest link s and the
@@ -97,10 +97,10 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
 def contact_dtype() -> np.dtype:
     """Return the layout of contact data common to all walls and the slider's stops.
 
-    The rest of their law is in `given`.
+    `given` and `walls` have the other data of the laws of these walls and stops.
     """
     return record(
-        ("exponent", POSITIVE),
+        ("exponent", POSITIVE),  # exponent n of the elastic force K δⁿ
         ("radius", NOT_NEGATIVE),  # m, radius of the points, and of sites without a radius of their own
         # m/s, least impact speed v₀ in the laws of walls and of the slider's stops: v₀ of a slower impact is
         # raised to this speed
@@ -115,10 +115,7 @@ def contact_dtype() -> np.dtype:
 @settable(AT_START)
 @written_by("initialize.py", restitution="forces/candidate_laws.py")
 def stops_dtype() -> np.dtype:
-    """Return the layout of the contact law of stops in joints.
-
-    `given` has the stiffness and the restitution of these stops.
-    """
+    """Return the layout of the contact law of stops in joints; `given` has its stiffness and restitution."""
     return record(
         ("law", INTEGER),  # number of the law of stops in joints, from 1; 0: the law of the walls is used
         # exponent n of the law of stops; the number DERIVED of chain/inertia.py: not given, `contact` has it
@@ -126,8 +123,8 @@ def stops_dtype() -> np.dtype:
         ("minimum_impact_speed", POSITIVE),  # rad/s, least impact speed in the law of stops in joints
         # ---- derived at initialization
         ("exponent", POSITIVE),
-        # restitution of stops in joints, given or that of the walls; the kernel does not read this field,
-        # because `law` has the restitution of each candidate
+        # restitution of stops in joints, given or `given.restitution`; the kernel only writes this field for
+        # its callers, because `law` has the restitution of each candidate
         ("restitution", REAL),
     )
 
@@ -150,22 +147,22 @@ def slider_dtype() -> np.dtype:
 def drive_dtype(links: int) -> np.dtype:
     """Return the layout of the drives, see kernel/chain/drives.py: a row for each joint, then for the slider.
 
-    The row of a slider has N and m in place of N·m and rad.
+    The row of a slider has N and m in place of N·m and rad; without a slider, this row is not used.
     """
     rows = (links + 1,)
     return record(
         ("friction", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
-        # N·m, largest size of the sum of the torques of motor, spring and damper; ∞: no limit
+        # N·m, largest absolute value of the sum of the torques of motor, spring and damper; ∞: no limit
         ("limit", LIMIT, rows),
-        ("min", REAL, rows),  # rad, least angle of the joint, where it meets its lower stop; −∞: no stop
-        ("max", REAL, rows),  # rad, largest angle of the joint, where it meets its upper stop; ∞: no stop
+        ("min", REAL, rows),  # rad, angle of the joint at which the lower stop begins to act; −∞: no stop
+        ("max", REAL, rows),  # rad, angle of the joint at which the upper stop begins to act; ∞: no stop
         # ---- set during the run
         # 1 or −1: the drive's torque is held at its positive or negative limit; 0: it is below the limit
         ("mode", INTEGER, rows),
-        ("chosen", INTEGER, rows),  # in a tangent instance: the mode that the primal instance has chosen
-        ("event", INTEGER),  # 1: at the end of the last step the mode of a drive ends
-        # N·m, the least result of ``mode_margin`` (chain/drives.py) in the stages of the tried step, or 0: a
-        # negative number says that a drive has passed the end of its mode
+        ("chosen", INTEGER, rows),  # in a tangent instance: the drive's ``mode`` in the primal instance
+        ("event", INTEGER),  # 1: at the end of the last step the mode of some drive ends; 0: none ends
+        # N·m, the least result of ``mode_margin`` (chain/drives.py) in the stages of the tried step, or 0 if
+        # this is larger; a negative number says that a drive has passed the end of its mode
         ("margin", REAL),
     )
 
@@ -176,7 +173,7 @@ def initial_dtype(links: int) -> np.dtype:
     """Return the layout of the positions and velocities at the start of a run."""
     return record(
         ("position", REAL, (2,)),  # m, initial position of the base, x and y
-        ("velocity", REAL, (2,)),  # m/s, initial velocity of the base, x and y
+        ("velocity", REAL, (2,)),  # m/s, initial velocity of the base, x and y; not used with a slider
         ("angle", REAL, (links,)),  # rad, initial absolute angle of each link
         ("angular_velocity", REAL, (links,)),  # rad/s, initial angular velocity of each link
         ("slider_velocity", FINITE),  # m/s, initial velocity of the base along the line of a slider
@@ -190,14 +187,14 @@ def solver_dtype() -> np.dtype:
     return record(
         # number of the method of integration, from 1: its position in SOLVER_METHODS of ode/control.py
         ("method", bounded(1, len(SOLVER_METHODS))),
-        ("tolerance", POSITIVE),
+        ("tolerance", POSITIVE),  # allowed error of a step, relative to the scales of ode/control.py
         # 1/s, largest cost per second of simulated time, as a number of evaluations of ẏ (kernel/cost.py)
         ("work_limit", POSITIVE),
     )
 
 
 def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[object, ...]]:
-    """Return a field for each input: an array with its values, such as the torque of each drive.
+    """Return a field for each input: an array of the input's values, such as the torque of each motor.
 
     If the number of ``rows`` is given, the array has a row for each coefficient of a polynomial, and a column
     for each value. ``target`` is the type of springs' targets, such as FINITE, a real in a checked range.
@@ -215,12 +212,12 @@ def piece_dtype(links: int) -> np.dtype:
     """
     return record(
         ("order", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
-        # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. Within
-        # the piece x is between −1 and 1, so that the powers of x lose no digits in a short or late piece.
+        # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. In a
+        # piece with an end, −1 ≤ x ≤ 1, so that the powers of x lose no digits in a short or late piece.
         ("middle", REAL),  # s, time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of the argument x in time
         ("until", REAL),  # s, time at which the piece ends; ∞ if it has no end
-        # 1/s, how fast the inputs change in the piece: for a sine its angular frequency
+        # rad/s, how fast the inputs change in the piece: the angular frequency of a sine that is as fast
         ("change_rate", REAL),
         *input_fields(links, DEGREE + 1),  # coefficients of the polynomials of the inputs
     )
@@ -231,29 +228,30 @@ def piece_dtype(links: int) -> np.dtype:
 def given_dtype(links: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
 
-    The kernel applies new values at the beginning of the next call of ``advance``. A piece of the inputs that
-    continues the present piece without a jump is applied at the start of the next step.
+    The kernel applies new values at the start of the next call that advances the run. A piece of the inputs
+    that continues the present piece without a jump is applied at the start of the next step.
     """
     return record(
-        # what has been set, but is not in use yet; the values are those of chain/inputs.py. REINITIALIZE: an
-        # input or a parameter, so that the solver begins anew; CONTINUES: only the next piece of the inputs,
-        # without a jump; 0: nothing
+        # what has been set, but is not in use yet, a number of chain/inputs.py. REINITIALIZE: an input or a
+        # parameter, so that the solver re-initializes; CONTINUES: only the next piece of the inputs, without
+        # a jump; 0: nothing
         ("changed", INTEGER),
-        ("law", INTEGER),  # number of the contact law of all walls and of the slider's stops, from 1
+        # number, from 1, of the contact law of walls and stops; stops in joints have `stops.law`, if > 0
+        ("law", INTEGER),
         # N/m^exponent, stiffness K of the slider's stops, and of walls without a stiffness in `walls`
         ("stiffness", REAL),
         # restitution e of the slider's stops, and of walls without a restitution in `walls`
         ("restitution", REAL),
-        ("friction", REAL),  # coefficient of sliding friction of walls without their own in `walls`
+        ("friction", REAL),  # coefficient of sliding friction of walls without such a coefficient in `walls`
         # coefficient of static friction of walls without any coefficient in `walls`; 0: equal to ``friction``
         ("static_friction", REAL),
         ("stop_stiffness", REAL),  # N·m/rad^exponent, stiffness of stops in joints
         # restitution of stops in joints; the number DERIVED of chain/inertia.py: not given, ``restitution``
         # is used
         ("stop_restitution", REAL),
-        # N·m·s/rad, damping of each joint's drive; the last one is the slider's, N·s/m
+        # N·m·s/rad, damping of each joint's drive; the last entry belongs to the slider, N·s/m
         ("drive_damping", NOT_NEGATIVE, (links + 1,)),
-        # N·m/rad, stiffness of each joint's drive; the last one is the slider's, N/m
+        # N·m/rad, stiffness of each joint's drive; the last entry belongs to the slider, N/m
         ("drive_stiffness", NOT_NEGATIVE, (links + 1,)),
         *input_fields(links, target=FINITE),
         ("piece", piece_dtype(links)),
@@ -264,9 +262,9 @@ def given_dtype(links: int) -> np.dtype:
 def inputs_dtype(links: int) -> np.dtype:
     """Return the layout of the values in use of the inputs, and of the damping and stiffness of drives."""
     return record(
-        # N·m·s/rad, damping of each joint's drive; the last one is the slider's, N·s/m
+        # N·m·s/rad, damping of each joint's drive; the last entry belongs to the slider, N·s/m
         ("drive_damping", REAL, (links + 1,)),
-        # N·m/rad, stiffness of each joint's drive; the last one is the slider's, N/m
+        # N·m/rad, stiffness of each joint's drive; the last entry belongs to the slider, N/m
         ("drive_stiffness", REAL, (links + 1,)),
         *input_fields(links),
         ("piece", piece_dtype(links)),
@@ -281,7 +279,7 @@ def motion_dtype(channels: int) -> np.dtype:
         # 1: the kernel sets ``piece`` to cubics, from the values given at communication points; 0: the
         # polynomials in ``piece`` are given
         ("interpolates", INTEGER),
-        ("jumps", INTEGER),  # 1: the speed of a belt jumps at the start of ``piece``
+        ("jumps", INTEGER),  # 1: the speed of some belt jumps at the start of ``piece``; 0: no speed jumps
         ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt; 0: of a base or a wall
         ("position", REAL, (channels,)),  # m, given position of each channel; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s, given velocity of each channel
@@ -299,7 +297,7 @@ def moved_dtype(channels: int) -> np.dtype:
         ("began", REAL),  # s, time at which the run started
         ("until", REAL),  # s, the communication point at which the cubics of the motions end
         # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
-        # none. The next three fields tell the user how
+        # none. The next three fields describe the contradiction to the user
         ("contradiction", INTEGER),
         # m, displacement of the channel in ``contradiction`` between its previous and its new given values
         ("distance", REAL),
@@ -318,11 +316,11 @@ def moved_dtype(channels: int) -> np.dtype:
         ("given_at", REAL, (channels,)),  # s, time of the most recent change of the given values
         # m, position of a channel at ``given_at``, from which later positions are extrapolated
         ("from_position", REAL, (channels,)),
-        # m/s, velocity of a channel at ``given_at``, from which later positions are extrapolated; ``mean`` is
-        # added to it
+        # m/s, velocity of a channel at ``given_at``; later positions are extrapolated with the velocity
+        # ``from_velocity`` + ``mean``
         ("from_velocity", REAL, (channels,)),
-        # 1: at the last change a position was given, which the motion follows; 0: only a velocity or an
-        # acceleration was given, and the position is its integral
+        # 1: the motion follows the given position; 0: a belt, or only a velocity or an acceleration was new
+        # at the last change, and the position is the integral of the velocity
         ("anchored", INTEGER, (channels,)),
         # m/s, for a base that was given positions without velocities: displacement between its last two given
         # positions over the time between them; else 0
@@ -346,7 +344,7 @@ def site_dtype(links: int, sites: int) -> np.dtype:
         # 1 to 4: the site is this corner of a box, and the box determines its position; 0: not a corner
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint
-        ("y", FINITE, (sites,)),  # m, distance of the site from the link's line, to the left
+        ("y", FINITE, (sites,)),  # m, distance of the site from the link's line; > 0: to the left
         ("given_radius", REAL, (sites,)),  # m, given radius; DERIVED: `contact.radius` is used
         # ---- derived at initialization
         ("radius", NOT_NEGATIVE, (sites,)),  # m, radius of the site, given or that of `contact`
@@ -357,10 +355,10 @@ def site_dtype(links: int, sites: int) -> np.dtype:
 
 @written_by("chain/motion.py", unmoved_offset="rows/geometry.py")
 def shift_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the motion of each candidate's wall and belt.
+    """Return the layout of the motion of wall and belt of each candidate.
 
     Every candidate has a row. For a wall that does not move, and for a stop, ``channel`` is −1, and of the
-    other columns only ``unmoved_offset`` is set.
+    other columns only ``unmoved_offset`` is set, and the rest stays 0.
     """
     return table(
         candidates,
@@ -369,18 +367,19 @@ def shift_dtype(candidates: int) -> np.dtype:
         ("unmoved_offset", REAL),  # m, `candidate.offset` while the wall's displacement is 0
         ("rate", REAL),  # m/s, speed of the wall along its normal n
         ("acceleration", REAL),  # m/s², acceleration of the wall along its normal n
-        ("travel", REAL),  # m, distance that the belt has moved along its direction t
-        ("belt_rate", REAL),  # m/s, speed of the belt along its direction t
-        ("belt_acceleration", REAL),  # m/s², acceleration of the belt along its direction t
+        ("travel", REAL),  # m, position of the belt's channel along t = (n_y, −n_x)
+        ("belt_rate", REAL),  # m/s, speed of the belt along t
+        ("belt_acceleration", REAL),  # m/s², acceleration of the belt along t
     )
 
 
 @settable(AT_ANY_TIME)
 @written_by()
 def walls_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the walls at any angle (at most one for each candidate) and of all materials.
+    """Return the layout of the walls at any angle, at most one for each candidate, and of all materials.
 
-    The materials are those of all walls; an importer may set their values at any time.
+    The materials are those of all walls. New values of materials take effect at any time, those of ``x``,
+    ``y`` and ``angle`` at the start of the next run.
     """
     return record(
         ("x", FINITE, (candidates,)),  # m, x of a point on each wall
@@ -393,7 +392,7 @@ def walls_dtype(candidates: int) -> np.dtype:
         ("restitution", REAL, (len(WALLS) + candidates,)),
         # coefficient of sliding friction of each wall; −1: `given.friction` is used
         ("friction", REAL, (len(WALLS) + candidates,)),
-        # coefficient of static friction of each wall. 0: the wall's coefficient of sliding is used. −1: it is
-        # used, too, if the wall has one of its own; if it has none, `given.static_friction` is used
+        # coefficient of static friction of each wall; 0: equal to the wall's coefficient of sliding; −1: not
+        # given, so equal to this wall's own coefficient of sliding or, without one, `given.static_friction`
         ("static_friction", REAL, (len(WALLS) + candidates,)),
     )

@@ -1,17 +1,18 @@
 """The layout of an instance, a flat record of all data of a running simulation, and the layouts of outputs.
 
 Parameters, inputs, the integrator's memory, statistics, outputs and scratch memory are the fields of one
-NumPy record without pointers, so the state of an FMU is a copy of its bytes. Every number takes eight bytes
-(a double or an integer) or, if complex, sixteen. So the code of an FMU finds each number by an index, counted
-in words of eight bytes from the start of the record, and needs no other knowledge of the layout.
+NumPy record without pointers, so the state of an FMU is a copy of the record's bytes. Every number takes
+eight bytes (a double or an integer) or, if complex, sixteen. So the code of an FMU finds each number by an
+index, counted in words of eight bytes from the start of the record, and needs no other knowledge of the
+layout.
 
-Points are numbered 0…N: 0 is the base, N is the tip. Sites follow, from N + 1. The state vector y is in
-kernel/chain/state.py.
+Points are numbered 0…N: 0 is the base, N is the tip. Sites follow, from N + 1. kernel/chain/state.py
+describes the state vector y.
 
-Every size and offset is an affine function of the counts (counts.py): a constant and a multiple of each. The
-compiled kernel relies on this (compilation/record_type.py). An offset depends on the counts of the fields
-before it, so the fields that every chain has come first. Fields of candidates, of dry friction, of loads,
-channels, sites and signals follow.
+Every size and offset is an affine function of the counts (counts.py): a constant plus a multiple of each
+count. The compiled kernel relies on this (compilation/record_type.py). The offset of a field depends on the
+sizes of the fields before it, so the fields that every chain has come first. Fields of candidates, of dry
+friction, of loads, channels, sites and signals follow.
 """
 
 import numpy as np
@@ -75,10 +76,10 @@ def output_dtype(
 ) -> np.dtype:
     """Return the layout of the outputs at the communication point.
 
-    ``force``, ``penetration``, ``penetration_rate`` and ``impulse`` have an entry for each candidate. For
-    both stops of a joint, the entry of its first stop has the moment [N·m, > 0 at joint_min], the angle
-    beyond the stop [rad], the rate of this angle, and the sum of the angular impulses [N·m·s]; the entry of
-    the second stop is 0.
+    ``force``, ``penetration``, ``penetration_rate`` and ``impulse`` have an entry for each candidate. The
+    entry of a joint's first stop has the values of both its stops: the moment on the joint's outer link [N·m,
+    > 0 at joint_min], the angle beyond the stop [rad], the rate of this angle [rad/s], and the sum of the
+    angular impulses [N·m·s]; the entry of the second stop is 0.
     """
     points = links + 1 + sites
     return record(
@@ -88,9 +89,9 @@ def output_dtype(
         ("angle", REAL, (links,)),  # rad, absolute angle of each link from +x
         ("angular_velocity", REAL, (links,)),  # rad/s, absolute angular velocity of each link
         ("angular_acceleration", REAL, (links,)),  # rad/s², absolute angular acceleration of each link
-        # rad, angle of each joint: of its outer link relative to the link before; of link 1, from +x
+        # rad, angle of each link relative to the link before; entry 0: absolute angle of link 1
         ("joint_angle", REAL, (links,)),
-        # rad/s, angular velocity of each joint's outer link relative to the link before; of link 1, absolute
+        # rad/s, angular velocity of each link relative to the link before; entry 0: absolute, of link 1
         ("joint_angular_velocity", REAL, (links,)),
         ("slider_position", REAL),  # m, position of the base along the slider's line, 0 at the start
         ("slider_velocity", REAL),  # m/s, velocity of the base along the slider's line
@@ -100,24 +101,26 @@ def output_dtype(
         ("slider_reaction", REAL),
         # N·m, moment of the slider's line on the carriage; set only if loads are requested
         ("slider_moment", REAL),
-        ("force", REAL, (candidates,)),  # N, force of the wall on the point, along the wall's normal
-        ("penetration", REAL, (candidates,)),  # m, penetration of each candidate; 0 without contact
-        # m/s, rate of the penetration, positive during compression; 0 without contact
+        ("force", REAL, (candidates,)),  # N, normal force of the wall on the point, ≥ 0
+        # m, penetration of each candidate; 0 without contact and at a rigid wall
+        ("penetration", REAL, (candidates,)),
+        # m/s, rate of the penetration, > 0 during compression; 0 where ``penetration`` is 0
         ("penetration_rate", REAL, (candidates,)),
-        ("impulse", REAL, (candidates,)),  # N·s, impulse of the wall on the point since the run's start
-        ("kinetic", REAL),  # J, kinetic energy
+        # N·s, impulse of the wall's normal force on the point since the run's start
+        ("impulse", REAL, (candidates,)),
+        ("kinetic", REAL),  # J, kinetic energy of links, armatures and carriage
         ("potential", REAL),  # J, potential energy of gravity, zero at the origin
         ("elastic", REAL),  # J, energy stored in contacts and in springs of passive drives
-        # J, energy dissipated by contacts, dampers of passive drives and dry friction since the start
+        # J, energy dissipated by contacts, dampers of passive drives and dry friction since the run's start
         ("dissipated", REAL),
-        # J, energy supplied by inputs, powered drives and prescribed motions since the start
+        # J, energy supplied by inputs, powered drives and prescribed motions since the run's start
         ("supplied", REAL),
         ("total", REAL),  # J, sum of the kinetic, potential and elastic energy
         ("friction", friction_output_dtype(elements)),
         ("load", load_output_dtype(loads)),
         # m, position of each channel: base, walls and belts with prescribed motions
         ("channel", REAL, (channels,)),
-        # value of each signal that drives an input, and its first and second derivatives in time
+        # value of each signal that drives an input or a motion, and the first and second derivative in time
         ("signal", REAL, (signals, 3)),
     )
 
@@ -127,7 +130,7 @@ STATE_OUTPUTS = (
     *("joint_angular_velocity", "slider_position", "slider_velocity", "kinetic", "potential", "elastic"),
     *("dissipated", "supplied", "total", "channel", "signal"),
 )
-"""The outputs that follow from the state alone, without forces and accelerations, which take longer."""
+"""The outputs that follow from state and time alone, without an evaluation of forces and accelerations."""
 
 
 def friction_output_dtype(elements: int) -> np.dtype:
@@ -135,13 +138,14 @@ def friction_output_dtype(elements: int) -> np.dtype:
     return record(
         ("force", REAL, (elements,)),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, impulse of the wall's friction force since the run's start
-        # 1: the contact of a candidate sticks; 0: it slides or has no friction, or there is no contact
+        # 1: the contact of a candidate sticks; 0: the contact slides or has no friction, or does not exist
         ("sticking", REAL, (elements,)),
         # entries 0…N−1: moment of dry friction on the outer link of each joint [N·m]; entry N: force of dry
         # friction on the slider [N]; later entries: 0
         ("drive_friction", REAL, (elements,)),
-        ("drive_sticking", REAL, (elements,)),  # 1: the joint (0…N−1), or the slider (N), sticks; else 0
-        ("dissipated", REAL),  # J, energy that dry friction has dissipated since the start
+        # entries 0…N−1: 1 if the joint sticks, else 0; entry N: the same for the slider; later entries: 0
+        ("drive_sticking", REAL, (elements,)),
+        ("dissipated", REAL),  # J, energy that dry friction has dissipated since the run's start
     )
 
 
@@ -151,17 +155,17 @@ def load_output_dtype(loads: int) -> np.dtype:
     Rows of walls have no impulses and no peaks.
     """
     return record(
-        # N, x and y of a force. Rows of joints: on the joint's outer link, by the link before, the ground or
-        # the carriage. Rows of walls: on the wall
+        # N, x and y of a force. Rows of joints: the force on the joint's outer link, by the link before, the
+        # ground or the carriage. Rows of walls: the force of all points on the wall
         ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
         # N·m, rows of joints: moment on the joint's outer link; rows of walls: moment on the wall, about the
         # wall's point in `walls`, or about the origin for a wall of the box
         ("moment", REAL, (loads,)),
-        ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the start of the run
+        ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the run's start, x
         ("impulse_y", REAL, (loads,)),
-        ("peak", REAL, (loads,)),  # N, largest size of the force in the joint since the start of the run
-        ("peak_time", REAL, (loads,)),  # s, time of the largest force; the start of the run if there was none
+        ("peak", REAL, (loads,)),  # N, largest magnitude of the force in the joint since the run's start
+        ("peak_time", REAL, (loads,)),  # s, time of ``peak``; the run's start as long as ``peak`` is 0
     )
 
 
@@ -173,25 +177,26 @@ def transmitted_dtype(loads: int) -> np.dtype:
     """
     return record(
         ("start_time", REAL),  # s, time at which the run started
-        ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
-        # N·s, x and y of the momentum of each joint's outer link at the start of the run; rows of walls are
-        # not used
+        # N·s, impulse of the input force at the tip from the run's start to the communication point
+        ("tip_impulse", REAL, (2,)),
+        # N·s, x and y of the momentum of each joint's outer link at the run's start; rows of walls are not
+        # used
         ("start_x", REAL, (loads,)),
         ("start_y", REAL, (loads,)),
-        # N², the largest squared force in each joint from the start of the run to the start of the last step
+        # N², the largest squared force in each joint from the run's start to the last ``update_load_peaks``
         ("peak", REAL, (loads,)),
-        ("peak_time", REAL, (loads,)),  # s, the first time at which each joint had the force ``peak``
-        # N², the largest squared force in each joint that the search of the last step has found so far; it
-        # starts from a stored maximum (loads.py)
+        ("peak_time", REAL, (loads,)),  # s, time at which each joint had the squared force ``peak``
+        # N², the largest squared force in each joint that the search of the last step has found so far; the
+        # search starts from a stored maximum (loads.py)
         ("largest_square", REAL, (loads,)),
         ("largest_time", REAL, (loads,)),  # s, time of ``largest_square``, if this exceeds ``peak``
         # N², ``largest_square`` after the search of the step that was last searched as a whole
         ("searched_square", REAL, (loads,)),
-        # `step.breaks` when a whole step was last searched; with ``searched_end`` it tells which step that
-        # was
+        # values of `step.breaks` and of `step.end` [s] when a whole step was last searched: they tell which
+        # step that was
         ("searched_breaks", INTEGER),
-        ("searched_end", REAL),  # s, value of `step.end` when a whole step was last searched
-        ("x", REAL, (loads,)),  # N, x and y of the joint forces at a sampled time (loads.py)
+        ("searched_end", REAL),
+        ("x", REAL, (loads,)),  # N, x and y of the joint forces at the last sampled time (loads.py)
         ("y", REAL, (loads,)),
         # N², ``before``, ``middle``, ``after``: squares of the joint forces at three successive sampled times
         ("before", REAL, (loads,)),
@@ -205,8 +210,8 @@ def instance_dtype(*counts: int) -> np.dtype:
     links, candidates, elements, loads, channels, sites, signals, knots = Counts(*counts)
     return record(
         *((name, INTEGER) for name in COUNTS),
-        ("skewed", INTEGER),  # 1: the centre of mass of some link lies beside its line
-        ("slides", INTEGER),  # 1: the base slides along a line, on a carriage
+        ("skewed", INTEGER),  # 1: the centre of mass of some link may lie beside the link's line; else 0
+        ("slides", INTEGER),  # 1: the base slides along a line, on a carriage; 0: the base is free or pinned
         # number of tangent instances that follow the record in memory (kernel/tangent/)
         ("tangents", INTEGER),
         ("chain", chain_dtype(links, sites)),

@@ -1,4 +1,4 @@
-"""Tables of the record's fields whose layouts declare a range or bounds (record/fields.py).
+"""Tables of the record's fields whose types declare a range or bounds (record/fields.py).
 
 The kernel checks these fields one after the other. The functions that take an instance ``d`` are for plain
 Python; their compiled versions are in compilation/built_in.py.
@@ -32,9 +32,9 @@ _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links i
 RANGED = tuple(_SMALL)
 """The paths of all fields of real numbers that must lie in a range, such as ("chain", "mass")."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
-# RANGE_OWNERS: for each field of RANGED, the owner of its entries, from which ``refuse_value``
+# RANGE_OWNERS: for each field of RANGED, to what its entries belong; from this ``refuse_value``
 # (initialize.py) finds the link or slider to name. OF_LINKS: links or drives, one entry each; OF_SITES:
-# sites; OF_STOPS: stops in joints; OF_CARRIAGE: the slider; OF_ALL: none of these, but the whole scene
+# sites; OF_STOPS: stops in joints; OF_CARRIAGE: the slider; OF_ALL: none of these
 OF_LINKS, OF_SITES, OF_STOPS, OF_CARRIAGE, OF_ALL = 0, 1, 2, 3, 4
 _OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS, "slider": OF_CARRIAGE}
 RANGE_OWNERS = tuple(
@@ -44,14 +44,14 @@ RANGE_OWNERS = tuple(
 
 
 def values_at(part, path):
-    """Return the values at a ``path`` in a part of the record as a flat array; a number is one entry."""
+    """Return the values at a ``path`` in a part of the record as a flat array; one number gives length 1."""
     for name in path:
         part = getattr(part, name)
     return np.ravel(part)
 
 
 def ranged_field(d, k):
-    """Return the values of field k of RANGED in the instance d as a flat array; a number is one entry."""
+    """Return the values of field k of RANGED in the instance d as a flat array, also for a single number."""
     return values_at(d, RANGED[k])
 
 
@@ -65,7 +65,7 @@ BOUNDED = tuple(marked(instance_dtype(*Counts(2, 1)), "least"))
 
 
 def bounded_field(d, k):
-    """Return the values of field k of BOUNDED in the instance d as a flat array; a number is one entry."""
+    """Return the values of field k of BOUNDED in the instance d as a flat array, also for a single number."""
     return values_at(d, BOUNDED[k])
 
 

@@ -20,10 +20,10 @@ from chain_impact.kernel.record.fields import (
 @settable(AT_START)
 @written_by("chain/signals.py")
 def signal_dtype(signals: int, knots: int) -> np.dtype:
-    """Return the layout of the signals, one row for each driven input, see kernel/chain/signals.py.
+    """Return the layout of the signals, one entry for each driven value, see kernel/chain/signals.py.
 
-    If one signal of the scene drives several inputs, its given numbers are only in the row of the first of
-    these inputs; ``source`` of each row is the index of this first row.
+    If one signal of the scene drives several values, its given numbers are only in the entry of the first of
+    these values; ``source`` of each entry is the index of this first entry.
     """
     return record(
         # kind of the signal, 0 to 4: constant, sine, ramp, steps, table
@@ -33,38 +33,43 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("source", bounded(0, signals - 1), (signals,)),
         # number of the driven input (chain/input_fields.py), such as MOTOR; CHANNEL for a prescribed motion
         ("input", bounded(0, CHANNEL), (signals,)),
-        # index of the driven value in the input's array, such as the joint's; for a prescribed motion the
-        # index of the channel
+        # index of the driven value in the input's array, for example of the joint, from 0; for a prescribed
+        # motion the index of the channel
         ("index", INTEGER, (signals,)),
-        # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2)
+        # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2); for an
+        # input 0
         ("order", bounded(0, 2), (signals,)),
         ("first", INTEGER, (signals,)),  # index of the signal's first knot in `knot`
         ("last", bounded(0, knots - 1), (signals,)),  # index of the signal's last knot in `knot`
         ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
-        ("gain", REAL, (signals,)),  # change of a table's value from one period to the next
-        ("value", REAL, (signals,)),  # value of a constant, in the unit of the input
+        # m, growth of the position over one period, if a periodic table gives a velocity or an acceleration;
+        # else 0
+        ("gain", REAL, (signals,)),
+        # ``value`` of a constant, ``mean`` and ``amplitude`` of a sine, ``initial`` and ``final`` value of a
+        # ramp: in the unit of the driven value
+        ("value", REAL, (signals,)),
         ("mean", REAL, (signals,)),
         ("amplitude", FINITE, (signals,)),
         ("frequency", FINITE, (signals,)),  # Hz, frequency of the sine at its start
         ("frequency_rate", FINITE, (signals,)),  # Hz/s, rate of change of the sine's frequency
         ("phase", FINITE, (signals,)),  # rad, phase of the sine at its start
         ("start", REAL, (signals,)),  # s, start of the sine or the ramp
-        # s, duration of the rise of a sine's amplitude from 0, which begins at ``start``; 0: the sine has
-        # its full amplitude from ``start`` on
+        # s, duration of the rise of a sine's amplitude from 0, which begins at ``start``; 0: the sine has the
+        # full amplitude from ``start`` on
         ("rise", NOT_NEGATIVE, (signals,)),
         ("initial", REAL, (signals,)),
         ("final", REAL, (signals,)),
         ("duration", REAL, (signals,)),  # s, duration of the ramp
         # ---- derived at initialization
         ("degree", bounded(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the polynomials
-        # number of times that the kernel integrates the signal over time: ``order``; 0 for a table, whose
-        # given polynomials are already the integral
+        # number of times that the kernel integrates the signal over time: ``order``, but 0 for a table, whose
+        # given polynomials already describe the position
         ("integrals", bounded(0, 2), (signals,)),
         # m, initial position of the base, if the signal is the velocity or acceleration of the base: this
         # constant is added to the integral of the signal; else 0
         ("begin", REAL, (signals,)),
         ("segment", INTEGER, (signals,)),  # index in `knot` of the knot whose polynomial is in use
-        ("lap", INTEGER, (signals,)),  # number of the table's repetition; < 0 before its first knot
+        ("lap", INTEGER, (signals,)),  # number of the table's repetition, from 0; < 0 before the first knot
     )
 
 

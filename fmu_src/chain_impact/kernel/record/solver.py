@@ -36,46 +36,45 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
     """Return the layout of the last accepted step, of its dense output, and of data for the next step."""
     state = state_size(links)
     return record(
-        ("time", REAL),  # s, the communication point, in the last step: start ≤ time ≤ end
+        ("time", REAL),  # s, the communication point; between calls it lies in the last step
         ("start", REAL),  # s, time at which the last step starts
         # s, the time from which the entry t of the state y counts: the start of the last or of the tried step
         ("clock", REAL),
-        ("end", REAL),  # s, time at which the last step ends: as a whole, or at the event that truncates it
-        # s, time from ``start`` to the event that begins the step: 0, but with derivatives in a tangent
-        # instance
+        ("end", REAL),  # s, time at which the last step ends: its whole end or, if the step was cut, the cut
+        # s, 0, but with derivatives in a tangent instance: time from ``start`` to the event that begins the
+        # step
         ("start_delay", REAL),
         # size of the whole step in its integration variable: time [s], or the fictitious time of a contact
         # (kernel/ode/sundman.py)
         ("size", REAL),
-        ("end_fraction", REAL),  # fraction of ``size`` at which the step ends; 1 if it is not truncated
-        ("next_size", REAL),  # the proposed size of the next step, in its integration variable
-        # ``next_size`` as it was before the present contacts began, for the first step after they have ended
+        ("end_fraction", REAL),  # fraction of ``size`` at which the step ends; 1 if the step is not cut
+        ("next_size", REAL),  # proposed size of the next step, in the integration variable of that step
+        # value of ``next_size`` before the present contacts with a force law began; it is proposed again
+        # after these contacts have ended
         ("flight_size", REAL),
         ("state", REAL, (state,)),  # state y at `start`
         ("state_end", REAL, (state,)),  # state y at `end`
-        # J, the rounding loss of the dissipated energy at ``start`` and at ``end``: the part that its entry
-        # in y lacks
+        # J, what the dissipated energy in y lacks by rounding, at ``start`` and at ``end``
         ("remainder", REAL),
         ("remainder_end", REAL),
-        # J, the part of the dissipated energy that its entry in y lacks at the end of the whole step of
-        # ``size``
+        # J, what the dissipated energy in y lacks by rounding at the end of the whole step of ``size``
         ("remainder_whole", REAL),
         # coefficients of the dense output, the interpolant of y over the whole step of ``size``
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at ``end``; 0: it must be evaluated
-        # the user of the dense output (kernel/ode/last_step.py), OUTPUTS or SOLVER; 0: there is none yet
+        # for whom the dense output was completed: OUTPUTS or SOLVER of ode/last_step.py; 0: for nobody yet
         ("dense_for", bounded(0, SOLVER)),
         # number of the method of the last step, see kernel/ode/control.py
         ("last_method", bounded(EXPLICIT, IMPLICIT)),
-        # number of breaks in the sequence of steps: times that a step began in another state than at the end
-        # of the step before, or in another integration variable; data of the last step are then not valid
+        # number of breaks in the sequence of steps since the run's start; data that were derived from a step
+        # before the last break, such as clearances, are not valid (ode/last_step.py)
         ("breaks", INTEGER),
         # index of the candidate of the regularized contact, in whose fictitious time the step runs; −1: the
         # integration variable is time
         ("regularized", bounded(NO_CONTACT, candidates - 1)),
-        ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the present or next step's method
+        ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the method of the tried or next step
         ("other_size", REAL),  # s, size of the other method's steps when the method changed; 0: not known
-        ("stiff_count", INTEGER),  # number of steps in a row that have favoured the other method
+        ("stiff_count", INTEGER),  # number of steps in a row that have suggested the other method
         ("switch_hysteresis", INTEGER),  # value of ``stiff_count`` at which the method changes
     )
 
@@ -91,16 +90,16 @@ def trial_dtype(links: int) -> np.dtype:
         # error of the tried step relative to the tolerance or, if larger, the energy that the step loses,
         # relative to the allowed loss; valid if ``outcome`` is ACCEPTED or INACCURATE
         ("error", REAL),
-        # factor on the size of the next step: < 1 if a shorter implicit step may cost less, else 1
+        # factor on the next size: < 1 after an implicit step, by the cost of its iteration; else 1
         ("cost_factor", REAL),
     )
 
 
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
-    """Return the layout of the reason for a fault status."""
-    # number of the part of the scene that is the reason of the fault: 1…C for the candidates, then the links,
-    # the drives (of the N joints and of a slider) and, for each candidate, the base at this candidate's wall;
+    """Return the layout of the cause of a fault status."""
+    # number of the part of the scene that causes the fault: 1…C for the candidates, then the links, the
+    # drives (of the N joints and of a slider) and, for each candidate, the base at this candidate's wall;
     # 0: no part
     return record(("part", INTEGER))
 
@@ -110,10 +109,10 @@ def statistics_dtype() -> np.dtype:
     """Return the layout of the run's status, and of counts of steps and evaluations since its start."""
     return record(
         ("steps", INTEGER),  # number of accepted steps
-        ("rejected_steps", INTEGER),
+        ("rejected_steps", INTEGER),  # number of tried steps that were rejected
         # number of evaluations of ẏ that the solver needs; evaluations for outputs do not count
         ("rhs_evaluations", INTEGER),
-        ("implicit_steps", INTEGER),
+        ("implicit_steps", INTEGER),  # number of accepted implicit steps
         ("status", bounded(OK, LAST_STATUS)),  # status of the run, see kernel/status.py
     )
 
@@ -129,8 +128,8 @@ def limits_dtype() -> np.dtype:
         # cost from the start of the run to the start of the present communication step, in evaluations;
         # UNLIMITED of cost.py: this step may have any cost
         ("call_count", INTEGER),
-        # cost since the start of calculations other than evaluations of ẏ (locating points, finding responses
-        # to impulses), as a number of evaluations that cost as much
+        # cost, from the start of the run, of calculations other than evaluations of ẏ (locating points,
+        # finding responses to impulses), as a number of evaluations that cost as much
         ("other_cost", INTEGER),
     )
 
@@ -143,17 +142,17 @@ def balance_dtype() -> np.dtype:
         ("at_start", REAL),  # J, energy balance at the start of the last step
         # value of `step.breaks` when the energy balance was last evaluated at the start of a step
         ("breaks", INTEGER),
-        # s, start of the window of time; the changes of the balance in it must not exceed a limit together
+        # s, start of the window of time in which the sum of the changes of the balance has a limit
         ("start", REAL),
         # J, energy balance at the start of the window, plus the later changes that new parameters cause
         ("reference", REAL),
-        ("allowed", REAL),  # J, largest change of the balance allowed to any step of the window so far
+        ("allowed", REAL),  # J, largest change that is allowed to a step, over the window so far
         # J, the part of a step's allowed change of the balance that does not depend on the state
         ("least_allowed", REAL),
         ("since", REAL),  # s, time at which the run started
         # J, energy balance at the start of the run, plus the later changes that new parameters cause
         ("origin", REAL),
-        # J, the value of ``available`` at the start of the last step
+        # J, value of ``available`` before the last step
         ("available_at_start", REAL),
         # J, the largest energy that motion, springs, walls and heat together can have had at any time up to
         # the end of the last step
@@ -162,23 +161,23 @@ def balance_dtype() -> np.dtype:
         ("unit_motion", REAL),
         # J, the sum M g (s + Σ L_i) + E₂ in the formula of the energy's scale S (kernel/ode/balance.py)
         ("unit_scale", REAL),
-        ("weight", REAL),  # N, weight of the chain
+        ("weight", REAL),  # N, weight of chain and carriage
     )
 
 
 def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
     """Return the layout of the factors of ``slots`` matrices M + Jᵀ D J + K (chain/response.py)."""
     return record(
-        # factors of each link, with the inertia H and the coupling h of its rotation, and the resistance κ of
-        # its inner joint: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling`` σ = κ/(H + κ) and
-        # ``complement`` 1 − σ = H/(H + κ)
+        # factors of each link, with the inertia H and the coupling h of the link's rotation, and the
+        # resistance κ of the link's inner joint: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling``
+        # σ = κ/(H + κ) and ``complement`` 1 − σ = H/(H + κ)
         *(
             (name, scalar, (slots, links))
             for name in ("gain_x", "gain_y", "inverse", "coupling", "complement")
         ),
         # 1: in the slot's matrix joints transmit moments; 0: ``coupling`` and ``complement`` are not used
         ("coupled", INTEGER, (slots,)),
-        # 1/kg, inverse articulated inertia at the joint where the arms meet: xx, xy, yy
+        # 1/kg, mobility of the joint where the arms meet: xx, xy, yy (``set_middle_mobility``)
         ("middle_mobility", scalar, (slots, 3)),
     )
 
@@ -187,7 +186,7 @@ def elimination_dtype(links: int) -> np.dtype:
     """Return the layout of the results of chain/elimination.py: for each link h/H, 1/H and h₀/H.
 
     These are ``gain``, ``inverse`` and ``bias``, with the inertia H and the coupling h of the link's rotation
-    and the moment h₀ about its inner joint without accelerations.
+    and the moment h₀ about the link's inner joint without accelerations.
     """
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
@@ -213,7 +212,7 @@ def elimination_dtype(links: int) -> np.dtype:
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
 def scratch_dtype(links: int, sites: int) -> np.dtype:
-    """Return the layout of the scratch memory; its fields are valid only within a step, unless noted."""
+    """Return the layout of the scratch memory; fields are valid only within a step, unless noted."""
     points, state = links + 1, state_size(links)
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
@@ -224,13 +223,14 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("rate_end", REAL, (state,)),
         ("y", REAL, (state,)),  # the state y that is being evaluated
         ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for evaluations that are no stages of a step
-        # the state some time before or after that of ``y``, at which ode/folds.py finds forces near a fold
+        # a state at a time before or after that of ``y``, at which ode/folds.py finds forces near a fold
         ("nearby", REAL, (state,)),
         ("error", REAL, (2, state)),  # the two error estimates of a tried step, for each entry of y
-        ("link", vectors_dtype(points)),  # m, link vectors L_i, from joint to joint; entry N is not used
+        # m, link vectors L_i, from the proximal to the distal joint of each link; entry N is not used
+        ("link", vectors_dtype(points)),
         # loads on the chain, forces or impulses: N or N·s at places, N·m or N·m·s in joints and on links
         ("load", loads),
-        ("moment", REAL, (links,)),  # N·m, sum of the moments on each link in both of its joints
+        ("moment", REAL, (links,)),  # N·m, sum of the moments on each link in its proximal and distal joint
         ("thrust", REAL),  # N, force of the slider's motor, spring and damper on the carriage
         ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
         # factors of the matrices M + Jᵀ D J + K, see kernel/chain/response.py
@@ -245,10 +245,10 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         # 1: ``position``, ``velocity`` and ``acceleration`` are those at the end of the last step; they then
         # remain valid after the step
         ("at_end", INTEGER),
-        # changes of all coordinates, or of their rates: the response of the chain to impulses or forces
+        # changes of all coordinates, of their rates or of their accelerations: the response of the chain
         ("change", REAL, (coordinate_count(links),)),
-        ("motion", places),  # motions of all places that the changes of coordinates cause
-        # m/s², for each point, a bound on the second derivative of its position relative to the base, by the
+        ("motion", places),  # motions of all places that such changes cause
+        # m/s², for each point, a bound on the second derivative of the position relative to the base, by the
         # integration variable of the step: time or fictitious time, both in seconds
         ("reach", REAL, (points,)),
     )
@@ -262,11 +262,11 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with clearances at both ends of the searched interval."""
     return record(
-        # what is known of the candidates' φ (``phi_start``) at the end of a step (events/exclusion.py):
+        # what is known of the candidates' φ (``phi_end``) at the end of a step (events/exclusion.py):
         # NOTHING; VALUES: φ and φ′; WITH_CURVES: also φ″; FAR: candidates without contact have at least the
         # clearance ``safe_distance``
         ("known", bounded(0, FAR)),
-        # value of `step.breaks` for which ``known`` is valid; after another break nothing is known
+        # value of `step.breaks` for which ``known`` is valid; for other values nothing is known
         ("known_for", INTEGER),
         # m, lower bound on the clearances of all candidates without contact, at the end of a step
         ("safe_distance", REAL),
@@ -281,15 +281,16 @@ def search_dtype(candidates: int) -> np.dtype:
         # m/s², bound, over the step, on the second derivative of the clearance of each candidate that the
         # search examines, in the integration variable of the step
         ("curvature", REAL, (candidates,)),
-        # φ of each candidate at the start of the interval: the clearance [m]; in contact the penetration [m],
-        # u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)
+        # φ of each candidate at the start and the end of the searched interval: the clearance [m]; in contact
+        # the penetration [m], u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)
         ("phi_start", REAL, (candidates,)),
         ("phi_end", REAL, (candidates,)),
-        # derivative φ′ of each candidate's φ by the step's variable, at the start of the interval
+        # φ′ of each candidate at the start and the end of the interval: the derivative of φ by the step's
+        # integration variable, time or fictitious time, both in seconds
         ("phi_start_rate", REAL, (candidates,)),
         ("phi_end_rate", REAL, (candidates,)),
-        # second derivative φ″ of each candidate's φ by the step's variable (time or fictitious time, both in
-        # seconds), at the start of the whole step, which may have several intervals
+        # φ″ of each candidate, the second derivative, at the start and the end of the whole step, which may
+        # have several intervals
         ("phi_start_curve", REAL, (candidates,)),
         ("phi_end_curve", REAL, (candidates,)),
     )
@@ -309,14 +310,14 @@ def search_dtype(candidates: int) -> np.dtype:
 def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
     """Return the layout of the scratch memory of an implicit step, and of the data of the last implicit step.
 
-    The extended state z consists of y without its last two entries, the clearances of active contacts with a
+    The extended state z consists of y without the last two entries, the clearances of active contacts with a
     force law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
     # Data of the linear systems with complex shifts s, one shift of each conjugate pair. ``factors`` has a
-    # slot for each shift; the other fields serve one system at a time. For the real shift, ``scratch`` has
-    # the same data, and ``parts`` has x.
+    # slot for each shift; the other fields serve one system at a time. For the real shift, `scratch` has such
+    # data, and ``parts`` has x.
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
@@ -336,20 +337,21 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("weight", REAL, (extended,)),
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the step's start to its nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
-        ("friction", REAL, (RADAU_STAGES, elements)),  # N, forces of dry friction at the nodes
+        # N, force of dry friction of each element with friction, at the nodes
+        ("friction", REAL, (RADAU_STAGES, elements)),
         # right-hand sides of the linear systems, later their solutions (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
         ("last", REAL, (RADAU_STAGES, extended)),
-        # value of `touch.listings` in the step of ``last``; while it is the same, the active contacts are the
-        # same, and ``last`` can predict the stages of the next step
+        # value of `touch.listings` in the step of ``last``; while `touch.listings` has this value, the active
+        # contacts are the same, and ``last`` can predict the stages of the next step
         ("listing", INTEGER),
         ("iterations", INTEGER),  # number of Newton iterations in the tried step
-        ("correction", REAL),  # largest component of the last Newton correction, relative to the tolerance
+        ("correction", REAL),  # largest component of the last Newton correction, over the tolerated error
         # convergence rate θ of Newton's iteration, the ratio of its last two corrections; ∞ after a
         # correction above FAILED_CORRECTION (ode/radau.py)
         ("contraction", REAL),
-        # changes of the state at one and at two thirds of the step that correct the dense output
+        # changes of y, at one third and at two thirds of the step, by which the dense output is corrected
         ("thirds", REAL, (2, state)),
         # m, link vectors L_i in the state at which the Jacobian A was evaluated
         ("link", vectors_dtype(links + 1)),
@@ -359,11 +361,11 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law, by the rate of the
         # penetration; in the order of `touch.active_index`
         ("damping", REAL, (candidates,)),
-        # N·m/rad, slope −∂F/∂ψ of the torque F of each drive, by its joint's angle ψ; the last entry is the
-        # slider's [N/m]
+        # N·m/rad, slope −∂F/∂ψ of the torque F of each joint's drive, by the joint's angle ψ; the last entry
+        # belongs to the slider [N/m]
         ("drive_stiffness", REAL, (links + 1,)),
-        # N·m·s/rad, slope −∂F/∂ψ̇ of the torque F of each drive, by its joint's rate ψ̇; the last entry is
-        # the slider's [N·s/m]
+        # N·m·s/rad, slope −∂F/∂ψ̇ of the torque F of each joint's drive, by the joint's rate ψ̇; the last
+        # entry belongs to the slider [N·s/m]
         ("drive_damping", REAL, (links + 1,)),
         # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
         # active contacts; in the order of `touch.active_index`
