@@ -1,9 +1,9 @@
-"""The slave of an FMU: pythonfmu's wrapper calls it in the importing process, and it calls the kernel.
+"""The slave of an FMU: pythonfmu's wrapper calls the slave in the importer's process.
 
-The slave needs only Python 3.8 and its standard library. The kernel is the same library as in native FMUs: it
-knows the state of each instance, and checks each call. If the kernel refuses a call, the slave raises
-SlaveError, which is fatal for the instance. FMI would also allow the slave to discard a step, but fmpy ends
-without a message after a discarded step.
+The slave needs only Python 3.8, its standard library and pythonfmu's modules, which the FMU contains. The
+slave calls the kernel, the same library as in native FMUs. The kernel knows the state of each instance, and
+checks each call. If the kernel refuses a call, the slave raises SlaveError, which is fatal for the instance.
+FMI would also allow the slave to discard a step, but fmpy ends without a message after a discarded step.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ _log = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)(
 
 
 class SlaveError(Exception):
-    """Raised when the kernel refuses a call, or Ctrl-C ends it; its text is ``reason``.
+    """Raised when the kernel refuses a call, or Ctrl-C ends a call.
 
-    By default, this is the kernel's last message.
+    The text of the error is ``reason`` or, by default, the kernel's last message.
     """
 
     def __init__(self, *slaves: ChainImpact, reason: str = "") -> None:
@@ -77,7 +77,7 @@ if not FIRST:
 def _release() -> None:
     """At the end of the process, let pythonfmu 0.7.0 release its data while its library is still loaded.
 
-    Otherwise it would release them later, in memory that is no longer valid.
+    Otherwise pythonfmu would release these data later, in memory that is no longer valid.
     """
     for wrapper in WRAPPERS:
         # Windows has no RTLD_NOLOAD (AttributeError); OSError means that the library is no longer loaded
@@ -110,7 +110,7 @@ def _access(function: str, code: str = "") -> Any:
 
 
 class ChainImpact(Fmi2Slave):  # type: ignore[misc]
-    """One instance of the FMU; a reset of the FMU makes a new one."""
+    """One instance of the FMU; a reset of the FMU makes a new instance."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -123,7 +123,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         KERNEL.fmi2FreeInstance(self.component)
 
     def _call(self, function: str, *arguments: Any) -> None:
-        """Call a function of the kernel for this instance; pass on its messages to the importer."""
+        """Call a function of the kernel for this instance; pass on the kernel's messages to the importer."""
         call, status = getattr(KERNEL, function), PENDING
         try:
             while status == PENDING:  # between two calls Python handles signals, such as that of Ctrl-C

@@ -8,14 +8,17 @@ from collections.abc import Callable
 Progress = Callable[[float], None]
 """A function that is called with the finished fraction of some work, from 0 to 1."""
 log = logging.getLogger("chain_impact")
-"""The package's logger: INFO tells of long work and of what the work leaves out, DEBUG of its steps."""
+"""The package's logger: INFO tells of long work and of what this work leaves out, DEBUG of single steps."""
 log.addHandler(logging.NullHandler())
 
 
 def log_once(sentence: str, seconds: float) -> None:
-    """Log that work of about ``seconds`` begins, which is done once because its result is kept."""
+    """Log that work of about ``seconds`` [s] begins, which is done once, because the result is kept.
+
+    ``sentence`` describes the work.
+    """
     log.info("%s (about %.0f s, then kept)", sentence, seconds, extra={"seconds": seconds})
 
 
 def silent(_done: float) -> None:
-    """Do nothing; used as the callback where no progress is shown."""
+    """Do nothing; this is the ``Progress`` of work that shows none."""

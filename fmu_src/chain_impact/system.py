@@ -1,7 +1,7 @@
-"""All code that depends on the operating system or the processor.
+"""The code of the package that depends on the operating system or the processor.
 
-Two other parts depend on them, too, but run without this package and so cannot use this module: the slave of
-an FMU (slave.py), and the C interface of native FMUs (compilation/c_interface/).
+Two other parts that depend on them run without this package and so cannot use this module: the slave of an
+FMU (slave.py), and the C interface of native FMUs (compilation/c_interface/).
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ class Platform(NamedTuple):
         machine: the processor's name in Python on this system, ``platform.machine()``.
         suffix: the suffix of the file of a shared library.
         fmi3: the platform's name in FMI 3.0 (2.5.1.4.1).
-        target: the platform's name for zig, with the oldest version of the C library or of macOS that runs
-            the code.
-        cpu: zig's name of the oldest processor that runs the code. Code for it gives equal bits on all
-            processors that run it.
-        tag: the platform's name in a wheel's file name, with the same oldest version.
+        target: the platform's name for zig, on Linux and macOS with the oldest version of the C library or of
+            macOS that runs the code.
+        cpu: zig's name of the oldest processor that runs the code. Code for this processor gives equal bits
+            on all processors that run the code.
+        tag: the platform's name in a wheel's file name, with the same oldest version, if any.
         has_pythonfmu: whether pythonfmu has a wrapper for the platform.
     """
 
@@ -117,7 +117,7 @@ def _host(system: str, machine: str, word: int) -> str:
 
 
 def _machine() -> str:
-    """Return the name of the processor for which this Python is built.
+    """Return the name of this machine's processor or, on Windows, of that for which this Python is built.
 
     On ARM, Windows can also run a Python that is built for x86-64, which needs libraries for x86-64.
     """
@@ -161,7 +161,8 @@ def cache_folder() -> Path:
 def included(in_package: str, in_repository: str) -> Path:
     """Return the path of a file or folder that a wheel of this package contains.
 
-    It is ``in_package`` if that exists in the package; else, without a wheel, ``in_repository``.
+    The result is ``in_package``, relative to the package, if that exists; else, in an installation without a
+    wheel, ``in_repository``, relative to the repository.
     """
     installed = Path(__file__).parent / in_package
     return installed if installed.exists() else Path(__file__).parents[2] / in_repository
@@ -170,10 +171,10 @@ def included(in_package: str, in_repository: str) -> Path:
 def others_can_write(status: os.stat_result) -> bool:
     """Return whether another user of this machine, except root, can write into a folder with a ``status``.
 
-    This is so if another user, except root, owns the folder, or if all users or the folder's group may write
-    into it. The right of the group does not count if it is the group of root, or if its number equals the
-    user's number: on many systems no other user belongs to such a group. On Windows the result is False,
-    because a user's own folder is closed to others.
+    The result is True if another user, except root, owns the folder, or if all users or the folder's group
+    may write into the folder. The right of the group does not count if the group is that of root, or if the
+    group's number equals the user's number: on many systems no other user belongs to such a group. On Windows
+    the result is False, because a user's own folder is closed to others.
     """
     if SYSTEM == WINDOWS:
         return False
@@ -184,8 +185,8 @@ def others_can_write(status: os.stat_result) -> bool:
 def remove_lock(lock: Any) -> None:
     """Release a lock of the package filelock, and remove the lock's file.
 
-    The file is removed before the release, so that no other process takes the lock in between; on Windows
-    after it, because Windows does not remove an open file.
+    The file is removed before the release, so that no other process takes the lock in between. On Windows
+    the file is removed after the release, because Windows does not remove an open file.
     """
     file = Path(lock.lock_file)
     if SYSTEM == WINDOWS:
@@ -199,7 +200,7 @@ def remove_lock(lock: Any) -> None:
 
 @contextmanager
 def removal() -> Iterator[None]:
-    """Context for code that removes files; on Windows, an error tells that a program uses one of them.
+    """Context for code that removes files; on Windows, an error says that a program uses one of the files.
 
     Windows refuses to remove a library that a program has loaded. On other systems the file is removed, and
     the program keeps its library until it ends.
@@ -224,7 +225,7 @@ LISTEN = 0.2  # [s] a program that waits checks for Ctrl-C at these intervals
 def has_screen() -> bool:
     """Return whether the program can open a window.
 
-    On Linux it can if the environment names a display server; on other systems it always can.
+    On Linux the result is True if the environment names a display server; on other systems it is True.
     """
     return SYSTEM != "Linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
@@ -232,8 +233,8 @@ def has_screen() -> bool:
 def prepare_console() -> None:
     """Let the console print a question mark for a character that its encoding lacks, instead of failing.
 
-    By default such a character ends the program. In the locale POSIX, Python makes one exception: it prints
-    bytes of a file name that are no text. These become question marks, too.
+    By default such a character ends the program. In the locale POSIX, by default Python prints bytes of a
+    file name that are no text as they are; these bytes become question marks, too.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
@@ -241,16 +242,16 @@ def prepare_console() -> None:
 
 
 def quoted(word: str) -> str:
-    """Return a word of a command in the form that the shell of this system reads as one word."""
+    """Return a word of a command in the form that the command line of this system reads as one word."""
     return subprocess.list2cmdline([word]) if SYSTEM == WINDOWS else shlex.quote(word)
 
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Context that yields a path to write to; at its end, the file appears at ``path`` in one step.
+    """Context that yields a path to write to; at the context's end, the file appears at ``path`` in one step.
 
-    If the writing fails, ``path`` stays as it was. If ``path`` is a link, a device or anything else that is
-    no plain file, the path that is yielded is ``path`` itself.
+    If the writing fails, ``path`` stays as it is. But if ``path`` is a link, a device or anything else that
+    exists and is no plain file, the context yields ``path`` itself, and the file is written in place.
     """
     try:
         if path.is_symlink() or (path.exists() and not path.is_file()):

@@ -87,9 +87,9 @@ from chain_impact.kernel.status import (
     set_status,
 )
 
-# [s] the longest step: a chain in flight without spin has no errors that would limit it
+# [s] the longest step: a chain in flight without spin has no errors that would limit the size of steps
 LONGEST_STEP = 1.0
-# [s] a run fails if a step must be shorter; far below the resolution of time except near t = 0
+# [s] a run fails if a step must be shorter than this; far below the resolution of time except near t = 0
 SHORTEST_STEP = 1e-18
 
 
@@ -122,10 +122,10 @@ def log_is_full(d, capacity):
 
 
 def advance_to_onset(d, time):
-    """Advance to ``time`` as ``advance`` does, without limits on log and cost, or only to the first onset.
+    """Advance to ``time`` [s] as ``advance`` does, without limits on log and cost, or to the first onset.
 
-    ``event_update`` or the next call applies this onset. It may be at the present time, as at the start of a
-    run with a point at a wall, unless an earlier call has already stopped at it.
+    ``event_update`` or the next call applies this onset. The onset may be at the present time, as at the
+    start of a run with a point at a wall, unless an earlier call has already stopped there.
 
     Returns:
         A status; ONSET_DUE if contacts begin at the time that is reached.
@@ -175,8 +175,8 @@ def reinit_if_changed(d, time):
 def must_reinit(d):
     """Return whether an input or parameter has changed so that the solver must re-initialize.
 
-    A value that was set and then set back has not changed. A new piece of the inputs that continues the
-    present piece without a jump needs no re-initialization: the next step applies it.
+    If values were set and then set back, the mark ``given.changed`` is cleared. A new piece of the inputs
+    that continues the present piece without a jump needs no re-initialization: the next step applies it.
     """
     if d.given.changed == REINITIALIZE and inputs_in_use(d) and laws_in_use(d):
         withdraw_request(d)
@@ -219,9 +219,9 @@ def apply_pending_inputs(d):
     """Use the given inputs and laws from now on, and choose held contacts and modes again.
 
     Returns:
-        A status. After the fault that a law is invalid, or would become rigid while a point touches a wall,
-        the old laws stay, but the new inputs are in use. FORCES_NOT_FOUND: no forces satisfy the new values;
-        all of these are in use.
+        A status. After the fault that a law is invalid, or would become rigid during a contact, the old laws
+        stay, but the new inputs are in use. FORCES_NOT_FOUND: no forces satisfy the new values; all new
+        values are in use.
     """
     clear_unsolved(d)
     apply_inputs(d)
@@ -294,7 +294,7 @@ def find_step(d):
 
 
 def try_step(d, h):
-    """Try a step of size h; if ``control.accepted``, it becomes the last step, up to its first event."""
+    """Try a step of size h; if the step is accepted, it becomes the last step, up to its first event."""
     clear_stage_notes(d)
     attempt(d, h)
     if not control.accepted(d):
@@ -333,7 +333,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ; return where in the repetition contacts begin.
 
-    The result is a fraction of the repeated step, near 1, or −1: its end (``onset_fraction``) or a rejection.
+    The result is a fraction of the repeated step, near 1; −1: no onset, or at the end, or a rejected step.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)

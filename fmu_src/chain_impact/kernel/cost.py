@@ -69,7 +69,7 @@ def uncount_cost(d, counted):
 
 
 def cost_exceeded(d):
-    """Return whether the cost exceeds the limit for the present second of simulated time.
+    """Return whether the cost in the present window of time (COST_WINDOW) exceeds `solver.work_limit`.
 
     Searches and iterations that may take long call this function, to end early.
     """
@@ -77,7 +77,7 @@ def cost_exceeded(d):
 
 
 def cost_of_a_call(d):
-    """Return the cost [evaluations] that one call of the kernel may add before it returns, even if not done.
+    """Return the cost [evaluations] after which one call of the kernel returns, even if it is not done.
 
     The caller of the kernel can then stop the run, or call the kernel again.
     """
@@ -97,8 +97,8 @@ def allow_any_length(d):
 def check_cost(d):
     """Return TOO_MUCH_WORK, STEP_TOO_LONG or OK, and begin a new window of cost when one has passed.
 
-    TOO_MUCH_WORK: a second of simulated time costs more than `solver.work_limit` allows. STEP_TOO_LONG: a
-    communication step costs more than is allowed for LONGEST_CALL.
+    TOO_MUCH_WORK: the present window costs more than `solver.work_limit` allows. STEP_TOO_LONG: the present
+    communication step costs more than `solver.work_limit` allows for LONGEST_CALL.
     """
     limits = d.limits
     if cost_exceeded(d):

@@ -117,7 +117,7 @@ def is_within(number, least, most):
 def advance_to(d, time):
     """Advance the instance to ``time`` [s], and return a status.
 
-    If the log is full, newly ended contacts overwrite the oldest contacts that the caller has not collected.
+    If the log of contacts is full, ended contacts overwrite the oldest ones, even if these are not collected.
     """
     return advance(d, time, UNLIMITED, UNLIMITED)
 
@@ -134,8 +134,8 @@ def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
     The caller may have set new values of inputs or parameters that the run does not use yet. The function
-    applies them, too, for the outputs that they change at once, and so changes the instance. Therefore ``d``
-    must be a copy of the run's instance.
+    applies these values, too, for the outputs that they change at once, and so changes the instance.
+    Therefore ``d`` must be a copy of the run's instance.
 
     Returns:
         The status of the run or, if the new values cause a fault, the status of this fault. After such a
@@ -150,7 +150,7 @@ def observe_now(d):
 def observe_trial(d):
     """Apply the new values of inputs and parameters, and fill the outputs that these values change at once.
 
-    The result is a status; after a fault all outputs stay as they were. The function leaves ``d`` in a state
+    The result is a status; after a fault all outputs stay as they are. The function leaves ``d`` in a state
     from which no run can continue.
     """
     counted = counted_cost(d)
@@ -180,8 +180,8 @@ def trajectory(d, words, times, spans, rows, of_state):
             derivative. Other outputs and derivatives are then not computed.
 
     Returns:
-        The number of rows that are filled. It is smaller than T in three cases: after a fault, if the log of
-        ended contacts or that of dry friction is full, and after about a second of computing.
+        The number of rows that are filled. This number is smaller than T in three cases: after a fault, if
+        the log of ended contacts or that of dry friction is full, and after about a second of computing.
     """
     log_capacity = len(d.contact_log.point) - d.candidates
     cost_limit = cost_so_far(d) + cost_of_a_call(d)
@@ -239,7 +239,7 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
 
 
 def finish_run(d, end_time, cost_limit):
-    """Advance to ``end_time`` [s], and return a status; PAUSED beyond ``cost_limit``.
+    """Advance to ``end_time`` [s], and return a status; PAUSED if the cost exceeds ``cost_limit``.
 
     If ``end_time`` is reached, the outputs are filled.
 

@@ -83,8 +83,8 @@ def mechanical_energy(d, y):
     for i in range(n):
         m, ratio, omega = d.chain.mass[i], d.chain.center_of_mass_ratio[i], y[omega_at(n) + i]
         # r_C = (cx, cy) leads from the proximal joint to the centre of mass: p_C = p_i + r_C,
-        # v_C = v_i + ω r_C⊥. The next line sets its part along the link's line; if the centre may lie beside
-        # this line, the other part is added below
+        # v_C = v_i + ω r_C⊥. The next line sets the part of r_C along the link's line; if the centre may lie
+        # beside this line, the other part is added below
         cx, cy = ratio * d.scratch.link.x[i], ratio * d.scratch.link.y[i]
         if d.skewed:
             beside = d.chain.offset_ratio[i]
@@ -202,8 +202,8 @@ def clear_stage_notes(d):
 def joint_moments(d, y):
     """Set the sum of the moments of joints on each link; return the dissipated and the supplied power [W].
 
-    Drives dissipate power. Drives and the force at the tip supply power. The drive of the proximal joint of
-    link i exerts the torque +τ_i on link i and −τ_i on link i − 1. A free base has no joint, so τ_1 is 0.
+    Passive drives dissipate power. Drives and the force at the tip supply power. The drive of the proximal
+    joint of link i exerts the torque +τ_i on link i and −τ_i on link i − 1; a free base has no such torque.
     """
     dissipated, supplied = 0.0, 0.0
     # without inputs no force acts at the tip; its velocity is not read, because it is unknown in flight
@@ -228,7 +228,7 @@ def joint_moments(d, y):
 
 
 def add_place_moments(d):
-    """Add the moments of stops and dry friction in joints to both links, from loads at the joints' places."""
+    """Add the moments of stops and dry friction in joints to the links, from the loads at joints' places."""
     for i in range(d.links):
         add_joint_moment(d, i, d.chain.longest_link * d.scratch.load.x[joint_place(d, i)])
 

@@ -53,7 +53,7 @@ def dispatch(functions):
 def called_in_turn(first, *others):
     """Return a function that calls several functions, one after the other, with its own arguments.
 
-    The returned function returns nothing. For one function alone, the result is this function.
+    The returned function returns nothing. If ``first`` is the only function, the result is ``first``.
     """
     if not others:
         return first

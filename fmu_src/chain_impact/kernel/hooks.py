@@ -32,7 +32,7 @@ def on_observe_trial(_d):
 def on_truncate(_d):
     """Do nothing; a run calls this hook when the last step has been cut at the communication point.
 
-    At this moment the log already has the active contacts up to this point.
+    At this moment the log of contacts already has the active contacts up to the communication point.
     """
 
 

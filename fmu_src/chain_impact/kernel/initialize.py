@@ -107,7 +107,7 @@ def set_start(d, time):
 
 
 def set_initial_state(d, y):
-    """Set y to the state that the initial values describe."""
+    """Set the coordinates, rates and energies in y to the initial values; the energies are 0."""
     n = d.links
     for j in range(2):
         # the state does not contain the motion of a moving base: the base's entries are 0
@@ -126,8 +126,8 @@ def set_initial_state(d, y):
 def clear_run(d, time):
     """Clear the data of an earlier run that would affect a run from ``time`` [s] on.
 
-    The rest of the record, which is large, stays: to clear it, too, would take a twentieth of the time of a
-    short run.
+    The rest of the record, which is large, is not cleared, because that would take a twentieth of the time of
+    a short run.
     """
     clear_numbers(d.step)
     clear_numbers(d.trial)
@@ -221,8 +221,8 @@ def derive_sites(d):
 def derive_drives(d):
     """Derive, from the values in use, which effects drives have, and ``chain.joint_rate_bound``.
 
-    This is a bound [1/s] on the rates of oscillations and decays that springs and dampers of drives cause.
-    The modes of all drives are first set to "below the limit".
+    ``joint_rate_bound`` is a bound [1/s] on the rates of oscillations and decays that springs and dampers of
+    drives cause. The modes of all drives are first set to "below the limit".
     """
     clear_saturation(d)
     set_effect_flags(d)

@@ -89,8 +89,8 @@ def link_momenta(d, x, y):
 def joint_forces(d, contact_force, friction_force, x, y):
     """Set x and y to the force f_i [N] in each joint, for the accelerated points.
 
-    ``contact_force`` has the normal force of each candidate, and ``friction_force`` the friction force of
-    each element.
+    ``contact_force`` has the normal force [N] of each candidate, and ``friction_force`` the friction force
+    [N] of each element.
     """
     for i in range(d.links):
         ax, ay = at_center_of_mass(d, d.scratch.acceleration, i)
@@ -115,11 +115,11 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Change x and y from what each link needs to the forces, or impulses, in the joints.
+    """Change x and y from the forces, or impulses, that each link needs to those in the joints.
 
-    An entry of a link is its mass times (a_C − g), minus the forces of walls on it; or the integral of this
-    over time. The force in a joint is the sum of these entries from its link to the tip, minus the force, or
-    impulse, ``at_tip``.
+    The entry of a link before the call is the link's mass times (a_C − g), minus the forces of walls on the
+    link; or the integral of this over time. The force in a joint is the sum of these entries from the joint's
+    outer link to the tip, minus the force, or impulse, ``at_tip``.
     """
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
@@ -182,7 +182,8 @@ def fill_slider_reaction(d):
 def add_wall_load(d, c):
     """Add the force of candidate c's point on its wall, and the moment of this force, to the outputs.
 
-    The moment is about the wall's point (`walls.x`, `walls.y`); for a wall of the box it is about the origin.
+    The moment is about the given point of the wall (`walls.x`, `walls.y`), which does not move with the wall;
+    for a wall of the box it is about the origin.
     """
     out, wall, place = d.output, d.candidate.wall[c], d.candidate.place[c]
     fx, fy = wall_force(d, c, out.force, out.friction.force)
@@ -304,10 +305,10 @@ def search_peaks(d, time, peak_at_end):
 
 @has_dual_rule
 def time_of_peak(_d, time, _place):
-    """Return the ``time`` [s] of a peak; its place is a fraction of the last step, or a time.
+    """Return the ``time`` [s] of a peak; the second place is a fraction of the last step, or a time.
 
-    In a tangent instance, the time has derivatives if the place has: it is an event or a parabola's maximum.
-    Otherwise they are NaN: the force is largest at a sample, whose place is fixed, although the peak shifts.
+    In a tangent instance, the time has derivatives if the place has any, as an event or the maximum of a
+    parabola. Otherwise the derivatives are NaN: at a sample the place is fixed, although the peak shifts.
     """
     return time
 
@@ -361,7 +362,7 @@ def square_of_force(d, i):
 def square_at(d, i, theta):
     """Return |f|² [N²] of the joint in row i at the fraction θ of the last step.
 
-    If it is larger than ``transmitted.largest_square``, this is raised to it, with its time.
+    ``transmitted.largest_square`` of the joint is raised to this value, with its time, if it is smaller.
     """
     load_joints_at(d, theta)
     square = square_of_force(d, i)

@@ -43,7 +43,7 @@ from chain_impact.kernel.rows.geometry import (
 def observe(d):
     """Fill the outputs with the values at ``step.time``, and call ``on_observe`` (kernel/hooks.py).
 
-    In a kernel with tangent instances, this function sets the derivatives of the outputs.
+    In a kernel with tangent instances, ``on_observe`` sets the derivatives of the outputs.
     """
     fill_outputs(d)
     hooks.on_observe(d)
@@ -111,7 +111,7 @@ def fill_motion(d, theta):
 
 
 def fill_points(d, vectors, out):
-    """Copy the ``vectors`` of points 0…N and of sites to ``out``; its row k has the vector of point k."""
+    """Copy the ``vectors`` of points 0…N and of sites to ``out``, whose row k has the vector of point k."""
     for k in range(d.links + 1):
         out[k, 0], out[k, 1] = vectors.x[k], vectors.y[k]
     for s in range(d.sites):
@@ -205,8 +205,8 @@ def fill_quadratures(d, theta):
 def fill_quadrature(d, i, value):
     """Store the ``value`` of quadrature i in its output.
 
-    The last two quadratures, the components of the impulse of the force at the tip, have no output; they are
-    stored for the impulses in the joints.
+    The last two quadratures, the components of the impulse of the force at the tip, have no output; the
+    impulses in the joints are computed from them.
     """
     e = i - d.candidates
     if e < 0:

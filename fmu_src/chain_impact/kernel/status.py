@@ -23,8 +23,8 @@ WALL_JUMPS = 19
 BASE_BEYOND_WALL = 20
 NO_ROOM = 21
 SIGNAL_JUMPS = 22
-# no fault: ended contacts, or changes of friction modes, fill their log; after the caller has collected them,
-# the run may continue
+# no fault: the log of ended contacts, or of changes of friction modes, is full; after the caller has
+# collected the entries, the run may continue
 LOG_FULL = -1
 PAUSED = -2  # no fault: the call has returned so that the caller can stop or continue the run
 ONSET_DUE = -3  # no fault: contacts begin at the time that was reached, and their onsets are not applied yet
@@ -78,7 +78,7 @@ STATUS_TEXT = {
     SIGNAL_JUMPS: "a signal lets the velocity of the base or of a wall jump, which would be an impact of "
     "unknown strength: let it rise or begin smoothly",
 }
-# status → its name in results of sweeps: the constant's name in lower case
+# status ≥ 0 → its name in results of sweeps: the constant's name in lower case
 STATUS_NAME = {code: name.lower() for name, code in globals().items() if name[0] != "_" and code in range(99)}
 LAST_STATUS = max(STATUS_TEXT)
 

@@ -252,7 +252,7 @@ def clear_impulses(d):
 
 
 def find_residual(d):
-    """Set the residual target − motion of each constraint in the active set; return their largest size."""
+    """Set the residuals: target − motion in the active set, else 0; return the largest |residual|."""
     constraints, worst = d.constraints, 0.0
     for k in range(constraint_count(d)):
         left = constraints.target[k] - constraints.reached[k]
