@@ -123,7 +123,7 @@ def _log(*call: Any) -> None:
 def _heard(record: logging.LogRecord) -> bool:
     """Collect a log message of a slave in Python, if this thread runs an FMU in ``listening``.
 
-    As a filter of the logger, it returns whether the message is logged: only if this thread runs no FMU.
+    The result tells the logger whether to log the message: only if this thread runs no FMU.
     """
     said = getattr(_here, "said", None)
     if said is not None:
@@ -168,7 +168,7 @@ def _callbacks() -> Any:
     """Return the callbacks for all FMUs of FMI 2.0.
 
     There is only one set, because fmpy's library for messages knows only the logger of the last set, and
-    would send the messages of all FMUs to it.
+    would send the messages of all FMUs to this logger.
     """
     from fmpy import fmi2
 
@@ -188,7 +188,7 @@ def _callbacks() -> Any:
 
 @cache
 def _in_place(kind: type) -> type:
-    """Return a class like ``kind``, of fmpy's instances, that does not change the working folder.
+    """Return a subclass of ``kind``, a class of fmpy's instances, that does not change the working folder.
 
     fmpy's constructor changes the working folder of the whole process to load the library, and does not
     restore it after an error. The returned class runs the same code with an ``os`` whose ``chdir`` does
@@ -204,9 +204,9 @@ def _in_place(kind: type) -> type:
 def _place_binaries(binaries: Path, folder: str) -> None:
     """Copy this machine's binaries to the folder ``folder`` of ``binaries``, in which fmpy looks for them.
 
-    Nothing is copied if ``folder`` is the machine's own folder. On ARM it is not, because fmpy looks for the
-    binary of an FMI 2.0 FMU in the folder of x86-64. The machine's own folder has a name by FMI 2.0 or a name
-    by FMI 3.0; both names are tried.
+    Nothing is copied if ``folder`` is the machine's own folder. On ARM ``folder`` is another one, because
+    fmpy looks for the binary of an FMI 2.0 FMU in the folder of x86-64. The machine's own folder has a name
+    by FMI 2.0 or a name by FMI 3.0; both names are tried.
     """
     names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
     for name in names:

@@ -198,7 +198,7 @@ def add_units(root: Element, variables: Sequence[Variable]) -> None:
 
 
 def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
-    """Return the declared types of real numbers as name → attributes: one for each unit and its quantity."""
+    """Return the declared types of real numbers, one for each unit: name of the quantity → attributes."""
     used, types = {variable.unit for variable in variables}, {}
     for name in in_order(used):
         quantity = unit_of(name).quantity

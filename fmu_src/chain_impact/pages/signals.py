@@ -22,7 +22,7 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
     """Return the table of signal ``name``: file name, interpolation, period and ``columns``.
 
     ``columns``: input that the table drives → its piecewise polynomial: number, start times and coefficients
-    of the pieces, and the gain, its change from one period to the next.
+    of the pieces, and the gain, the change of the input from one period to the next.
     """
     signal, columns = scene.signals[name], {}
     for driven in driven_by(scene):

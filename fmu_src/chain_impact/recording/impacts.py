@@ -219,7 +219,7 @@ def wall_names_of(record: Any) -> list[str]:
 
 
 def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
-    """Return the impacts that an FMU's outputs show, also if it has no list of them: see `IMPACT_DTYPE`.
+    """Return the impacts that an FMU's outputs show, also if the FMU has no list: see `IMPACT_DTYPE`.
 
     ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` has no list. Its
     outputs show only the last impact of each communication step. Only the point, the wall, the onset and the

@@ -22,7 +22,7 @@ MOST_COLOURS = 12
 def spread(values: np.ndarray) -> float:
     """Return how much larger the large values are than the small ones, as a ratio.
 
-    It is the quantile LARGE_QUANTILE divided by the quantile 1 − LARGE_QUANTILE; 1 if any value is not
+    The ratio is the quantile LARGE_QUANTILE divided by the quantile 1 − LARGE_QUANTILE; 1 if any value is not
     positive.
     """
     low, high = np.quantile(values, [1.0 - LARGE_QUANTILE, LARGE_QUANTILE])

@@ -23,7 +23,7 @@ LEAST_DURATION = 1e-4
 # impact are shown for this fraction of the time of others, because nothing moves during the impact
 INSTANT = 0.1
 FRAME_RATE = 60.0  # [1/s] frames per second on the screen, unless a sine needs more
-# least number of frames in a period of the fastest sine that drives an input; with fewer, its motion would
+# least number of frames in a period of the fastest sine that drives an input; with fewer, the motion would
 # look wrong
 FRAMES_OF_A_PERIOD = 16.0
 FLIGHT_STEP = 1 / 240  # [s] far from impacts, the rate is computed at simulated times with this distance
@@ -101,8 +101,8 @@ def fastest_sine(recording: Recording) -> float:
             begin, value = float(signal.get("start", 0.0)), float(signal["frequency"])
             if begin >= stop or float(signal.get("amplitude", 1.0)) == 0.0:
                 continue
-            # f + ḟ s is the frequency at the time s after the signal's start: it is largest at s = 0 or at
-            # the end
+            # f + ḟ s is the frequency at the time s after the signal's start: |f + ḟ s| is largest at s = 0
+            # or at the end
             change = float(signal.get("frequency_rate", 0.0)) * (stop - begin)
             fastest = max(fastest, abs(value), abs(value + change))
     return fastest

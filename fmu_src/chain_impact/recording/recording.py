@@ -49,8 +49,8 @@ class Recording:
         sensitivities: the derivatives that were asked for, or None.
         stops: joint → its range, for the joints with stops.
         point_names: number of a point → its name, for points with names.
-        stop_law: the contact law of the stops if the scene gives `stops.model`; "" if it does not, or if the
-            law is unknown, as for an FMU.
+        stop_law: the contact law of the stops if the scene gives `stops.model`; "" if the scene gives none,
+            or if the law is unknown, as for an FMU.
         stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; for an FMU, their times are accurate
             to a communication step.
         inputs: the names of the inputs that have no column.

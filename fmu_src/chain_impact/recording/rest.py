@@ -9,9 +9,9 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 
-# [1] A point is at rest if two distances are at most this, relative to the size of the largest path of any
-# point: how far its speed, and how far its acceleration, would move it in the duration of the run if they
-# stayed constant. The size of a path is the diagonal of the rectangle around it.
+# [1] A point is at rest if two distances in the duration T of the run are at most this, relative to the size
+# of the largest path of any point: v T at its speed v, and a T²/2 at its mean acceleration a. The size of a
+# path is the diagonal of the rectangle around it.
 REST_WAY = 0.02
 # [1] the size of the largest path counts as at least this times the size of the chain, because smaller paths
 # are no motion

@@ -94,8 +94,8 @@ class Pictured(Recording):
             curves: outputs by their names in the FMU, ``*`` for any text: ``["contact[*].y_min.force",
                 "point[4].y"]``. They are drawn in place of the panels, with a panel for each unit, or for
                 each quantity of a unit with many curves. The run is repeated with more rows within impacts.
-            around: the number of an impact, from 1, with ``curves`` only: they show only this impact and the
-                time around it.
+            around: the number of an impact, from 1, with ``curves`` only: the curves show only this impact
+                and the time around it.
             title: the title of the picture, by default the impact in view or a summary of the run; None for
                 no title.
             ax: axes of matplotlib to draw into, one for each panel; without ``panels`` or ``kind``, axes for

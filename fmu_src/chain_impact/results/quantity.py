@@ -33,10 +33,10 @@ class RankedQuantity(NamedTuple):
         unit: the unit.
         where: words for the impact, the joint or the time of the value.
         slopes: the derivatives of the value with respect to the P parameters of the run, shape (P,).
-        size: the size, in the ``unit``, to which a change is compared: a change that is tiny beside it is
-            round-off.
-        value_in: a function that returns the value in another run of the scene; NaN if it is a value of an
-            impact that the other run does not have.
+        size: the size, in the ``unit``, to which a change is compared: a change that is tiny beside this size
+            is round-off.
+        value_in: a function that returns the value in another run of the scene; NaN for a value of an impact
+            that the other run does not have.
     """
 
     value: float
@@ -118,8 +118,8 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
     again = partial(_impact_in, number=number, field=field)
-    # a coordinate on a wall through the origin is 0 up to round-off, so the length of the chain is its least
-    # size
+    # a coordinate on a wall through the origin is 0 up to round-off, so its size counts as at least the
+    # length of the chain
     links = sensitivities.prepared.scene.chain.links
     least = sum(link.length for link in links) if field in POSITION else 0.0
     size = max(abs(float(value)), least)

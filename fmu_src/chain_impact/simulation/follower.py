@@ -182,7 +182,7 @@ class Follower:
     def _join(self, pieces: list[Piece], piece: Piece) -> None:
         """Append a piece, or replace the last piece by one over both if these meet and one polynomial fits.
 
-        If ``_alike`` says that this would probably fail, it is not tried.
+        One polynomial for both is not tried if they are ``_alike``.
         """
         meets = bool(pieces) and pieces[-1].end == piece.start
         both = (
@@ -246,8 +246,8 @@ class Follower:
         """Return two times [s], just before and just after the only jump or kink of an interval.
 
         Both are the time of a kink if the functions at a searched time fit the polynomials of both sides.
-        The result is None if there is none or more than one, or if the polynomials beside it have a degree >
-        SIMPLE.
+        The result is None if the interval has no or more than one jump or kink, or if a polynomial beside the
+        jump or kink has a degree > SIMPLE.
         """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter

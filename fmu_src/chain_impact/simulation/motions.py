@@ -264,9 +264,10 @@ def contradictions(
     columns: np.ndarray,
     called: Callable[[str, float], float],
 ) -> list[str]:
-    """Return a sentence for each input that contradicts the motion of its channel, from another input.
+    """Return a sentence for each input that contradicts another value of the same channel.
 
-    So does a position of the base whose start is not that of the scene.
+    A velocity or acceleration can contradict the motion that another input gives; a position of the base can
+    contradict the initial position in the scene.
     """
     texts = []
     for channel, column in zip(channels, columns, strict=True):

@@ -51,7 +51,8 @@ def _at_start(d: Any, j: int, segment: int) -> np.ndarray:
 def _watched(name: str) -> list[int]:
     """Return which of VALUE, RATE and SECOND of an input change the chain's accelerations at once.
 
-    The motion of a wall counts as changing none; that it does if a point touches the wall is not considered.
+    The motion of a wall counts as changing none, although it changes accelerations if a point touches the
+    wall.
     """
     if name.startswith("base."):
         return [SECOND]

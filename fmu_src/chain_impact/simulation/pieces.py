@@ -67,13 +67,13 @@ class Pieces:
 
     @cached_property
     def jumps(self) -> np.ndarray:
-        """For each piece, whether any signal jumps at its start, shape (P,); true for the first piece."""
+        """Whether any signal jumps at the start of each piece, shape (P,); true for the first piece."""
         before = self._at(self.start[1:], slice(None, -1))
         after = self._at(self.start[1:], slice(1, None))
         return np.append(True, (np.abs(after - before) > self.same).any(axis=1))
 
     def _at(self, times: np.ndarray, which: slice) -> np.ndarray:
-        """Return the signals' values in the pieces ``which``, each at its own time [s], shape (P, M)."""
+        """Return the values of the signals in the P pieces ``which``, one time [s] in each, shape (P, M)."""
         x = (times - self.middle[which]) * self.scale[which]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])
         return np.asarray(np.einsum("pkm,pk->pm", self.powers[which], powers_of_x))

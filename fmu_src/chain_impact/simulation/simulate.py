@@ -227,7 +227,7 @@ def _size_of_rows(count: float, columns: int) -> float:
 def _too_large(what: str, count: float, columns: int) -> SceneError:
     """Return the error for rows of outputs that need too much memory.
 
-    The text ``what`` begins its message.
+    The text ``what`` begins the message of the error.
     """
     rows = f"{count:.4g} rows of {columns} outputs, {_size_of_rows(count, columns) / 1e9:.4g} GB"
     limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"

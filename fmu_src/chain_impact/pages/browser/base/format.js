@@ -94,7 +94,7 @@ export function speedText(value) {
   return `${names[value] ?? Number(value.toPrecision(3))} ×`;
 }
 
-/** Return the units of a contact's speed, force and impulse; at a stop of a joint (`atStop`) those of their angular counterparts. */
+/** Return the units of a contact's speed, force and impulse; at a stop of a joint (`atStop`) of angular speed, moment, angular impulse. */
 export function unitsOf({ atStop }) {
   const units = SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"];
   return { speed: unitText(units.impact_speed), force: unitText(units.peak_force), impulse: unitText(units.impulse) };

@@ -92,7 +92,7 @@ export function axisOptions(options = {}) {
 
 /**
  * Return the width of a vertical axis [pixels] that its widest label needs: the function `size` of uPlot for the axis with an `index`.
- * uPlot calls it several times in one layout, with a number `cycle` from 0; from 2 on, it returns the width that the axis has.
+ * uPlot calls this function several times in one layout, with a number `cycle` from 0; from 2 on, the result is the axis's present width.
  */
 export function labelledWidth(plot, labels, index, cycle) {
   const { _size, font, gap, ticks } = plot.axes[index];

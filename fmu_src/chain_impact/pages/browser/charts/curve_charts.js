@@ -16,7 +16,7 @@ export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
 const KILO = 1e3; // [N or N·m] if a force or moment of a chart reaches this, the chart is in kN or kN·m
 const ROUND_OFF = 1e-12; // a value below this times the largest value of its unit is round-off, and is shown as 0
 
-/** Return the curves with 0 in place of values that are round-off of `largest`, or of the largest value in the curves if it is larger. */
+/** Return the curves with 0 in place of values that are round-off beside `largest` or, if larger, beside the curves' largest value. */
 function withoutRoundOff(curves, largest) {
   const scale = largestIn(curves.map(({ values }) => values), largest);
   return curves.map((curve) => ({ ...curve, values: curve.values.map((value) => (Math.abs(value) < ROUND_OFF * scale ? 0 : value)) }));

@@ -8,7 +8,7 @@ import { energyOffset, energyText, movedBy } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
 const DENSE = 0.4; // a curve with more turns than this for each pixel of the chart's width fills an area
-const FAINT = 0.5; // opacity of such a curve, so that the others are seen behind it
+const FAINT = 0.5; // opacity of a curve that fills an area, so that other curves are seen behind it
 const CURVE_APART = 0.3; // [pixels of the screen] least distance between two points of a drawn curve
 
 /** A chart of quantities over time, with a list of their names and their values at the present time. */
@@ -28,7 +28,7 @@ export class TimeChart extends Chart {
     return `${withMinus(fixed(time, 4))} s`;
   }
 
-  /** Read the chart at a time: the list shows the values at this time; without it, those at the present time. */
+  /** Read the chart at a time: the list shows the values at this time; without a time, those at the present time. */
   read(time) {
     super.read(time);
     if (this.drawn) this.draw(...this.drawn);
@@ -217,8 +217,8 @@ function patternOf(stroke, dash = [1]) {
 }
 
 /**
- * Add an entry to the legend of a chart, the <dl> `list`: words for a quantity, and a line that looks like its curve. Return the element of
- * the entry in which the quantity's present value is to stand.
+ * Add an entry to the legend of a chart, the <dl> `list`: words for a quantity, and a line that looks like the quantity's curve. Return the
+ * element of the entry in which the quantity's present value is to stand.
  */
 function entryOf(list, { name, words = name, stroke, dash }) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));

@@ -33,7 +33,7 @@ const NUMBERED = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
 /**
- * Return a unit vector on the screen out of the chain at a point: at an end along the link, at a bend out of it, else across the link.
+ * Return a unit vector on the screen out of the chain at a point: at an end along the link, at a bend outwards, else across the link.
  */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];
@@ -267,9 +267,9 @@ export class ChainDrawing {
   }
 
   /**
-   * Return where a contact is drawn on the screen, and a direction, `away`, for its label. At a wall or a stop of a slider these are the
-   * foot of the point on it, and the direction away from it. At a stop of a joint these are the place where the link crosses the arc of the
-   * joint's range, and a direction at a right angle to the link.
+   * Return the `position` of a contact on the screen, and a direction, `away`, for its label. At a wall or a stop of a slider these are the
+   * point's projection onto the wall or stop, and its normal. At a stop of a joint these are the place where the link crosses the arc of
+   * the joint's range, and a direction at a right angle to the link.
    */
   #contactPosition(frame, point, wall) {
     const side = this.recording.sidesAt(frame)[wall];
@@ -345,7 +345,7 @@ export class ChainDrawing {
       if (sticks) {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
-      // the label tells if the force includes friction, because the list of impacts has the force without it
+      // the label tells if the force includes friction, because the list of impacts has the force without friction
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
       texts.push(...this.#arrow([x, y], [dx, dy], force, "force", held + whole + (rubs ? " with friction" : "")));

@@ -9,7 +9,7 @@ const NUMBERED_PART = 0.5; // fraction of RING_TIME for which a ring has its num
 const PALE = 0.1; // a ring with a smaller opacity may lie behind a label
 const NUMBERS = 8; // largest number of impacts that have their numbers at one time
 
-/** Return the impacts that have rings at a frame: those that began less than RING_TIME before it. */
+/** Return the impacts that have rings at a frame: those that began at it, or less than RING_TIME before. */
 export function recentImpacts(recording, frame) {
   const now = recording.timeAt(frame);
   return recording.impacts.filter(({ onset }) => onset <= now && onset > now - RING_TIME);
@@ -35,7 +35,7 @@ export function ringsOf(recent, places, now) {
   });
 }
 
-/** Return a function: middle of a place for a ring's number → whether it is clearly nearer to this ring than to any at another position. */
+/** Return a function: middle of a place for a ring's number → whether the middle is clearly nearer to this ring than to rings elsewhere. */
 export function isOwnPlace({ position }, rings) {
   const others = rings.filter((other) => apart(other.position, position) >= SAME);
   return (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));

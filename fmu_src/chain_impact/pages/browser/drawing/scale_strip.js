@@ -9,7 +9,7 @@ const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the w
 const BAR_TEXT = 6; // largest number of letters in the text beside the scale bar
 export const STRIP = 30; // [pixels] height of the strip
 
-/** Return both ends of the part of a line on the screen that lies below the strip; they are equal if no part does. */
+/** Return both ends of the part of a line on the screen that lies below the strip; the ends are equal if no part lies there. */
 export function belowStrip([[x0, y0], [x1, y1]]) {
   const at = (y) => (y0 === y1 ? 0 : Math.min(Math.max((y - y0) / (y1 - y0), 0), 1));
   const ends = [y0 < STRIP ? at(STRIP) : 0, y1 < STRIP ? at(STRIP) : 1];
@@ -17,9 +17,9 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Draw a scale bar of a round length, at most LONGEST_BAR of `width` [pixels], that of the strip to the left of any legend: in the middle
- * or, if the ruler of forces reaches so far, to the right of its end, `rulerEnd` [pixels]. If it would end beyond the width, draw none.
- * `scale` is in pixels per metre.
+ * Draw a scale bar of a round length, at most LONGEST_BAR × `width`: in the middle or, if the ruler of forces reaches so far, to the right
+ * of the ruler's end, `rulerEnd` [pixels]. A bar that would end beyond `width` is not drawn. `width`: that of the strip to the left of any
+ * legend [pixels]; `scale`: in pixels per metre.
  */
 export function drawScaleBar(group, scale, width, rulerEnd) {
   const wanted = (LONGEST_BAR * width) / scale;

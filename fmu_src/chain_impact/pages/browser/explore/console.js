@@ -26,8 +26,8 @@ export function consoleInterface(changes, ask) {
     },
     /**
      * Simulate the scene with the changes `given`, name → value, but without the changes on the page; `output`: names of the outputs that
-     * are wanted, all by default. Return {time, columns, impacts, statistics}. If the run stops before its end, throw an error with its
-     * `status`, the `time` reached [s] and the `result` up to then.
+     * are wanted, all by default. Return {time, columns, impacts, statistics}. If the run stops before its end, throw an error with the
+     * run's `status`, the `time` reached [s] and the `result` up to then.
      */
     async simulate(given = {}, { output } = {}) {
       const { scene } = changes;

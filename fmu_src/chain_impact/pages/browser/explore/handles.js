@@ -84,7 +84,7 @@ export class Handles {
   }
 
   /**
-   * Return the time t [s] that scales the arrows of velocities: the arrow of a velocity v has the length v·t. It is shorter for fast
+   * Return the time t [s] that scales the arrows of velocities: the arrow of a velocity v has the length v·t. The time is shorter for fast
    * motions, so that no arrow is too long, and does not change while a handle is dragged.
    */
   #arrowTime(velocity) {

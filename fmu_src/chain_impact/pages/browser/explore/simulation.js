@@ -143,7 +143,7 @@ export class Simulation {
     find("status").append(" ", button);
   }
 
-  /** Return a button that sets all coefficients of friction at walls to 0, for a run that rigid walls have refused because of it. */
+  /** Return a button that sets all coefficients of friction at walls to 0, for a scene with rigid walls and friction, which cannot run. */
   #withoutFriction() {
     const { changes } = this;
     const button = make("button", { type: "button", className: "action", textContent: "Set the friction of walls to 0" });

@@ -6,8 +6,8 @@ const STEP = 1 / 30; // [s] time on the screen by which one press of an arrow ke
 /** The clock. It calls its listeners whenever one of its properties is set. */
 export class Clock {
   #listeners = [];
-  // the impact to which the reader has gone, until the time changes; the time alone would not tell it, because impacts may have the same
-  // onset
+  // the impact to which the reader has gone, until the time changes; the time alone would not tell which impact, because several may have
+  // the same onset
   #goneTo = null;
 
   constructor(speed) {

@@ -5,8 +5,8 @@ import { speedText } from "../base/format.js";
 import { SPEEDS } from "./clock.js";
 
 /**
- * Connect buttons, slider and keys with the clock; they do nothing until it has a recording. Return a function that must be called when the
- * clock has another recording.
+ * Connect buttons, slider and keys with the clock; they do nothing until the clock has a recording. Return a function that must be called
+ * when the clock has another recording.
  */
 export function connect(clock, drawing) {
   const actions = {
@@ -50,10 +50,10 @@ export function connect(clock, drawing) {
   return connectSlider(clock);
 }
 
-/** Return whether a key is left to the element with the focus or to an open dialog: a text field, for example, uses it itself. */
+/** Return whether a key is left to the element with the focus or to an open dialog: a text field, for example, uses most keys itself. */
 function keepsKey({ target, key }) {
   if (find("help").open || target.closest("dialog")) return true;
-  if (target.closest("input[type=range]:not(#scrub)")) return /^(Arrow|Page|Home$|End$)/.test(key); // they move the slider
+  if (target.closest("input[type=range]:not(#scrub)")) return /^(Arrow|Page|Home$|End$)/.test(key); // these keys move the slider
   if (target.closest("input:not([type=checkbox], [type=range])")) return true;
   if (target.closest("select")) return true;
   return key === " " && target.closest("summary, button, input[type=checkbox]") !== null;

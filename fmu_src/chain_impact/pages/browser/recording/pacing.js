@@ -1,7 +1,7 @@
 // The rate: simulated seconds per second on the screen; smaller during impacts, to show them slowly. `pacing.py` computes the
 // same rate for films, and has the constants. In an impact the rate is such that the impact takes a given time on the
-// screen, but at most 1. Before and after the impact the rate grows linearly with the distance in time from the impact, up
-// to 1.
+// screen, but the rate is at most 1. Before and after the impact the rate grows linearly with the distance in time from the
+// impact, up to 1.
 
 export const PACING = SHARED.pacing;
 

@@ -22,7 +22,7 @@ function pinLines(x, y, points) {
 
 /**
  * Return the corners of the free region between the walls if all of it lies near the motion, else an empty list. `low`, `high`: corners of
- * the rectangle around the motion, `width`: its longer side; near means at most ROOM times the width beyond it.
+ * the rectangle around the motion, `width`: its longer side; near means at most ROOM times the width beyond this rectangle.
  */
 function enclosureOf(walls, [low, high], width) {
   const around = [low.map((end) => end - VIEW.ROOM * width), high.map((end) => end + VIEW.ROOM * width)];

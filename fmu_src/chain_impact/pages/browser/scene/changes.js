@@ -90,7 +90,7 @@ export class Changes {
 
   /**
    * Return the changes `from` with the changes `given` added, name → number, after a check. A given value that equals the scene's value is
-   * left out. It stays a change if the scene derives the parameter from others: only an unchanged parameter follows from these.
+   * left out, unless the scene derives the parameter from others: only a parameter that is no change follows from these others.
    */
   with(given, from = this.values) {
     const values = { ...from };

@@ -10,8 +10,8 @@ import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, withOutputs } from "./signals.js";
 
 /**
- * Return the values in a file for `rows` of variables: name → the number, its path in the file (`steps`), and the rule by which it is
- * derived, if it is.
+ * Return the values in a file for `rows` of variables: name → the `number`, its path in the file (`steps`) and, for a number that follows
+ * from others, the rule (`derived`).
  */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];

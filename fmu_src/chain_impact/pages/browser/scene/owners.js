@@ -90,7 +90,7 @@ function ownersIn({ over, has, numbers, conditions }, known, lists) {
 /**
  * Return a template with an owner's words in place of words in braces.
  *
- * They are its number {n}, the number {of} of its link, its {name}, and {before}: the link n − 1, or the base if n is 1.
+ * The words are the owner's number {n}, the number {of} of its link, its {name}, and {before}: the link n − 1, or the base if n is 1.
  */
 export function filled(text, { n, of, name }) {
   const before = n > 1 ? `link ${n - 1}` : "the base";

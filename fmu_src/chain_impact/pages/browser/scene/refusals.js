@@ -80,7 +80,7 @@ function tablesOfLaws({ chain, contact, stops }, valueAt) {
 
 /**
  * Throw the error for a `path` whose last key, or whose value, should be the name of one of `walls`, but is not; the caller has found this.
- * If it is the value, `value` has the first words of the sentence, such as "= 'roof' ".
+ * If the value should be the name, `value` has the first words of the sentence, such as "= 'roof' ".
  */
 export function refuseWall(path, walls, value = "") {
   if (!walls.length) refuse(path, "no_walls");

@@ -15,7 +15,7 @@ export class Engine {
     this.worker.onerror = ({ message }) => this.#fail(new Error(message || "the browser does not let it begin"));
   }
 
-  /** Send a scene to the worker, for which it answers requests from then on; return this engine. */
+  /** Send a scene to the worker, which answers all later requests for this scene; return this engine. */
   open(scene) {
     this.#sceneSent = this.compiled.then((module) => this.worker.postMessage({ kind: "scene", scene, module }));
     return this;

@@ -53,7 +53,7 @@ export class Kernel {
     this.bytes.set(start);
   }
 
-  /** Make the memory reach to an address; only this function lets it grow, which makes all arrays over the memory invalid. */
+  /** Make the memory reach to an address; only this function lets the memory grow, which makes all arrays over the memory invalid. */
   #reserve(end) {
     const { exports, start } = this;
     const missing = Math.ceil((end - exports.memory.buffer.byteLength) / PAGE);
@@ -198,8 +198,8 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that still last, with their peaks so far. This changes the record: the kernel cuts its last step at the present
-   * time, and writes these contacts into the log after the ended ones, where they do not count as ended. So this is called only at the
+   * Return the contacts that still last, with their peaks so far. The call changes the record: the kernel cuts its last step at the present
+   * time, and writes these contacts into the log after the ended ones, where they do not count as ended. So the call is made only at the
    * end of a run.
    */
   #unfinished() {

@@ -109,7 +109,7 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
   };
 }
 
-/** Return { time, curves } of inputs for a run: of driven inputs, whose values are its first columns, and of inputs with steps. */
+/** Return { time, curves } of inputs for a run: of driven inputs, whose values are the run's columns, and of inputs with steps. */
 function inputCurves({ scene, parameters }, { time, columns }, inputSteps, valueOf) {
   const driven = scene.driven.map(({ name, unit }, k) => ({ name, unit, values: columns[k] }));
   const stepped = Object.entries(inputSteps).map(([name, pairs]) => ({

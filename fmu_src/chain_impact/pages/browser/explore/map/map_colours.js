@@ -8,7 +8,7 @@ const { BEYOND_QUANTILES, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.
 
 const KNOTS = 9; // number of values between which colours of crowded values lie
 const CROWDED = 2; // least ratio of the largest to the least value, for values that crowd
-const FAR_FROM_MIDDLE = 0.2; // fraction of the scale: a median farther from the middle than this is far from it
+const FAR_FROM_MIDDLE = 0.2; // values can crowd only if their median is farther than this from the middle, as a fraction of the scale
 
 /** Return the colour for a fraction of the scale, from 0 to 1, as [red, green, blue], each from 0 to 255. */
 export function colourAt(share) {

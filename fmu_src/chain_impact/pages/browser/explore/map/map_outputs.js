@@ -68,7 +68,7 @@ function ofFirst({ contactPoints, sliderStops, stops }) {
     ? units.map(([key, unit]) => ({ name: `impact[1].${key}`, unit, integer: key === "place", isPlace: key === "place", words: [] })) : [];
 }
 
-/** Let some maps show the output `name`: its values are their `results`, or for a place indices in a list of all places. */
+/** Let some maps show the output `name`: the maps' `results` become its values or, for a place, indices in a list of all places. */
 export function takeOutput(maps, name) {
   const all = new Set(maps.flatMap(({ runs }) => runs.map((values) => values?.[name])));
   maps.forEach((map) => {

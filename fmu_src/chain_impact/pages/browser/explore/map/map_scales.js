@@ -23,8 +23,8 @@ export function rangeOf({ name, low, high }, value) {
 }
 
 /**
- * Return the end of an axis, an angle in radians, that the text of a field stands for; an angle in it without a unit is in degrees. A field
- * with a refused value is marked; `words`: those for the parameter.
+ * Return the end of an axis that the text of a field stands for. For an angle, a number without a unit is in degrees, and the result in
+ * radians. A field with a refused value is marked; `words`: those for the parameter.
  */
 export function limitOf(changes, name, field, words) {
   const { factor } = shownIn(changes.parameters.get(name));

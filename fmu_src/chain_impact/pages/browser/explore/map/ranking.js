@@ -1,4 +1,4 @@
-// What drives an output of the map: the parameters in the order of their effects, each from a run in which it is changed by 1 %.
+// What drives an output of the map: the parameters in the order of their effects, each from a run with this parameter changed by 1 %.
 
 import { find, make } from "../../base/dom.js";
 import { digits, withMinus } from "../../base/format.js";

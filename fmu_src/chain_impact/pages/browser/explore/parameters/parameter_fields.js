@@ -22,7 +22,7 @@ export function attempt(field, change) {
   }
   const row = field.closest(".main-parameter, .parameter");
   explain(row);
-  if (!field.validity.valid) row.querySelector(".refusal").scrollIntoView({ block: "nearest" }); // bars of a phone may hide it
+  if (!field.validity.valid) row.querySelector(".refusal").scrollIntoView({ block: "nearest" }); // bars of a phone may hide the reason
 }
 
 /** Return an empty element for a row, in which `explain` shows why the row's value is refused. */

@@ -193,8 +193,8 @@ function endsOfSignal(key, value, beside, stop) {
 }
 
 /**
- * Return the entries for sliders of the signals' numbers. A number has no slider if its default and its value in the scene are 0; it is
- * only in the list of all parameters.
+ * Return the entries for sliders of the signals' numbers. A number has no slider if its default and its value in the scene are 0; the list
+ * of all parameters has it.
  */
 function signalSliders({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name }) => {
@@ -221,7 +221,7 @@ export function mainParametersOf(changes) {
     const ofWalls = key ? walls.filter((wall) => parameters.has(`wall.${wall}.${key}`)) : [];
     const common = ofWalls.length > 0 && ofWalls.length === walls.length ? [] : [entry];
     return [...common, ...ofWalls.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, get label() {
-      const words = boxWallText(wall, (name) => changes.valueOf(name)); // they change with gravity
+      const words = boxWallText(wall, (name) => changes.valueOf(name)); // the words change with gravity
       return `${entry.label} at ${words ? `the ${words}` : wall}`;
     } }))];
   }).filter(({ name }) => parameters.has(name)).concat(startSlider(changes), inputSliders(changes));
