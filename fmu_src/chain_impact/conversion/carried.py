@@ -1,9 +1,10 @@
 """A scene that is read from an MJCF file of this package: the scene in the file, with the user's changes.
 
 Such a file has elements for MuJoCo, and beside them the data of the scene. Two conversions are compared: of
-the elements in the file, and of the elements that the scene gives. Where both are the same, the scene's
-values hold, because they are exact, and include values that MJCF cannot hold. Where they differ, a user has
-changed the elements, or has chosen other axes or joints; there the values of the file's elements hold.
+the elements in the file, and of the elements that this package writes for the scene. Where both give the same
+value, the scene's value holds, because it is exact; so do values that MJCF cannot hold. Where the conversions
+differ, a user has changed the elements, or has chosen other axes or joints: the value from the file's
+elements holds.
 """
 
 from __future__ import annotations
@@ -22,20 +23,20 @@ from chain_impact.recording.text import few
 from chain_impact.scene.names import input_key
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 
-# two numbers that differ by at most SAME, absolutely or relatively, are the same up to round-off
+# two numbers are the same, up to round-off, if they differ by at most SAME, or by this part of the larger one
 SAME = 1e-12
 ABSENT: Any = object()
-"""Stands for the value of a key that a table does not have."""
+"""The mark that stands for the value of a key that a table does not have."""
 BODY = ("shape", "height", "points")
-"""The keys of a link for its outline and its points."""
+"""The keys of a link for its shape and its points."""
 
 
 class Carried(NamedTuple):
-    """The scene in a file of this package, and its conversion to MJCF and back.
+    """The scene in a file of this package, and the conversion of this scene to MJCF and back.
 
     Attributes:
         scene: the scene, from the data in the file.
-        written: the conversion of the MJCF elements that this package writes for the scene.
+        written: the conversion to a scene of the MJCF elements that this package writes for ``scene``.
     """
 
     scene: Scene
@@ -43,21 +44,22 @@ class Carried(NamedTuple):
 
 
 def read_carried(data: Mapping[str, Any], name: str, source: str) -> Carried:
-    """Return the scene with the data ``data`` and the name ``name``, and its conversion to MJCF and back.
+    """Return the scene of ``data`` with the name ``name``, and its conversion to MJCF and back.
 
     ``source`` is the file's name for messages.
 
     Raises:
-        SceneError: when the data are not a scene.
+        SceneError: when the data are not a valid scene.
+        MissingExtraError: when mujoco is not installed.
     """
     scene = scene_from_dict({**data, "name": identifier(name, "model")}, source)
     return Carried(scene, planar_chain(read_mjcf_text(mjcf_of(scene)[0]), Choices(), source))
 
 
 def with_carried(found: Converted, carried: Carried, choices: Choices) -> Converted:
-    """Return the conversion ``found`` of a file's elements, with the values of the scene in the file.
+    """Return the conversion ``found`` of a file's elements, merged with the scene in the file.
 
-    ``choices`` are the user's choices for ``found``; see the head of this module.
+    The docstring of this module tells which values hold. ``choices`` are the user's choices for ``found``.
     """
     scene, written = carried
     merger = _Merger(scene, written.data, found.data, choices)
@@ -88,9 +90,12 @@ class _Merger:
 
     Attributes:
         alike: whether both conversions have the same kind of base and the same number of links.
-        changed: the keys whose values come from the file's elements.
-        lost: the parts of the scene that are left out, because its axes or joints are others.
-        missing: the inputs, signals and derivatives of the scene whose wall or motor the file does not have.
+        turned: whether signals are left out: not ``alike``, or the user's choices change the start angles.
+        numbers: name of the shape that stands for a point in MJCF → number of the point.
+        changed: names of the values that come from the file's elements.
+        lost: names of the tables and keys of the scene that are left out, because axes or joints are others.
+        missing: names of the inputs, signals and derivatives of the scene that are left out, because the file
+            does not have their wall or motor.
     """
 
     def __init__(
@@ -109,7 +114,7 @@ class _Merger:
         self.numbers = {identifier(point_name(k), "geom"): k for k in range(count + 1)}
 
     def data(self) -> dict[str, Any]:
-        """Return the merged tables."""
+        """Return the data of the merged scene, and fill ``changed``, ``lost`` and ``missing``."""
         ours = scene_to_dict(self.scene)
         data: dict[str, Any] = self._merged("", *map(_mergeable, (ours, self.written, self.found)))
         if self.found["chain"]["base"] != "slider":
@@ -129,7 +134,8 @@ class _Merger:
     def _leave_out_inputs(self, data: dict[str, Any]) -> None:
         """Remove inputs, signals and derivatives from ``data`` whose wall or motor the file lacks.
 
-        A signal with several inputs keeps those that exist.
+        A signal keeps those of its inputs that exist; a signal without inputs is removed, and so are the
+        derivatives with respect to its parameters.
         """
         inputs, walls = data["inputs"], {*data["box"], *(wall["name"] for wall in data["walls"])}
         gone = [name for name in inputs["wall_motion"] if name not in ("*", *walls)]
@@ -155,15 +161,16 @@ class _Merger:
             self.missing.append("outputs.sensitivities")
 
     def _is_of_lost_signal(self, name: str, signals: Mapping[str, Any]) -> bool:
-        """Return whether ``name`` is a parameter of a signal of the scene that is not in ``signals``."""
+        """Return whether ``name`` is a parameter of a signal that the scene has, but ``signals`` has not."""
         of, _, rest = name.partition(".")
         return of == "signal" and rest.partition(".")[0] in set(self.scene.signals) - set(signals)
 
     def _merged(self, key: str, ours: Any, written: Any, found: Any) -> Any:
         """Return the scene's value ``ours`` if ``written`` and ``found`` are the same, else ``found``.
 
-        Tables, and lists of equal length, are merged entry by entry; a wall that is in ``written``, but not
-        in ``found``, is left out. ``key`` is the name of the value for messages.
+        Tables, and three lists of equal length, are merged entry by entry. An entry of ``walls`` that is in
+        ``written``, but not in ``found``, is left out: the result is then ABSENT. ``key`` is the name of the
+        value for messages.
         """
         if key.startswith("walls.") and found is ABSENT and isinstance(written, dict):
             self.changed.append(key)
@@ -186,10 +193,10 @@ class _Merger:
         return found
 
     def _contact(self, ours: dict[str, Any]) -> dict[str, Any]:
-        """Return the table ``contact`` of the scene, with the changed coefficients of friction of the file.
+        """Return the table [contact] of the scene, ``ours``, with the changed coefficients of friction.
 
-        A coefficient of a wall is written to the wall's table in ``contact.wall``; the table of a wall that
-        the file lacks is left out.
+        A coefficient that the file's elements change is written to the wall's table in ``contact.wall``. The
+        table of a wall that the file lacks is left out.
         """
         before, now = _frictions(self.written), _frictions(self.found)
         removed = before.keys() - now.keys()
@@ -206,8 +213,8 @@ class _Merger:
     def _links(self, ours: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
         """Return the tables of the links, and the numbers of the link ends (points 0 to N) that touch walls.
 
-        The second result is None if the file's elements have the lengths and points that the scene gives: the
-        link ends that touch are then those of the scene. ``ours`` are the scene's tables of links.
+        The second result is None if the file's elements have the same lengths and points as those written for
+        the scene: then ``contact.points`` of the scene holds. ``ours`` are the scene's tables of links.
         """
         written, found = (data["chain"]["links"] for data in (self.written, self.found))
         points = [link.get("points", []) for link in found]
@@ -235,13 +242,13 @@ class _Merger:
     def _points(
         self, i: int, tables: Sequence[dict[str, Any]], length: float
     ) -> tuple[list[dict[str, Any]], set[int]]:
-        """Return the tables of the points of a link, and the numbers of its ends that touch walls.
+        """Return the tables of the points of a link, and the numbers of the link's ends that touch walls.
 
         The ends of the link with index ``i`` are the points ``i`` and ``i`` + 1 of the chain.
 
         Args:
             i: the index of the link, from 0.
-            tables: its points in the conversion of the file's elements.
+            tables: the link's points in the conversion of the file's elements.
             length: the length of the link [m].
         """
         points, ends = list[dict[str, Any]](), set[int]()
@@ -268,11 +275,11 @@ class _Merger:
         return points, ends
 
     def _kept(self, table: dict[str, Any], known: Mapping[str, Any], index: int) -> dict[str, Any]:
-        """Return the table of a scene's point, with the scene's numbers where the file's are the same.
+        """Return ``table``, a point of the scene, with the scene's name and the scene's unchanged numbers.
 
         Args:
             table: the point in the conversion of the file's elements.
-            known: the point in the conversion of the scene's elements.
+            known: the same point in the conversion of the elements that are written for the scene.
             index: index of the point in ``scene.chain.sites``.
         """
         site = self.scene.chain.sites[index][1]
@@ -281,16 +288,16 @@ class _Merger:
 
 
 def _mergeable(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene in the form that ``_merged`` merges: walls by name.
+    """Return the data of a scene in the form that ``_merged`` needs: ``walls`` is a table from name to wall.
 
-    ``chain.links`` and ``contact``, which are merged apart, are left out.
+    ``chain.links`` and ``contact`` are left out, because other methods merge them.
     """
     walls = {wall["name"]: wall for wall in data.get("walls", [])}
     return {**_without(data, ["contact"]), "chain": _without(data["chain"], ["links"]), "walls": walls}
 
 
 def _frictions(data: Mapping[str, Any]) -> dict[str, float]:
-    """Return name → coefficient of friction, 0 if it is not given, for each wall of a conversion."""
+    """Return name → coefficient of sliding friction, 0 if not given, for each wall in the data of a scene."""
     names = [*data.get("box", {}), *(wall["name"] for wall in data.get("walls", []))]
     materials = data.get("contact", {}).get("wall", {})
     return {name: materials.get(name, {}).get("friction", 0.0) for name in names}
@@ -301,7 +308,7 @@ def _without(table: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are the same, where numbers may differ by SAME."""
+    """Return whether two values are equal, except that numbers in them may differ by round-off (SAME)."""
     if isinstance(one, dict) and isinstance(other, dict):
         return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
     if isinstance(one, list) and isinstance(other, list):

@@ -25,17 +25,18 @@ ALL = Choices()
 
 
 def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
-    """Return the scene of a robot in URDF or MJCF, and the remarks of the conversion.
+    """Return the scene of a robot in URDF or MJCF, and its conversion with data and remarks.
 
     ``choices`` are the user's choices for the conversion.
 
     Raises:
-        SceneError: when the file has no planar chain, or the choices do not fit the file.
+        SceneError: when the file is not URDF or MJCF, has no planar chain, or the choices do not fit it.
         MissingExtraError: when the package that reads the format is not installed.
         OSError: when the file cannot be read.
     """
     with warnings.catch_warnings():
-        # numbers that are unusual for a scene, of which its checks would warn, are usual for a robot
+        # numbers of which the checks of a scene warn, because they are probably mistakes, are usual for
+        # robots
         warnings.simplefilter("ignore", SceneWarning)
         robot = read_robot(path, choices.keyframe)
 
@@ -53,7 +54,7 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
 
 
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
-    """Read a robot from a file, at the start that ``keyframe`` gives.
+    """Return the robot of a file in URDF or MJCF; ``keyframe`` is the name of the start in MJCF (Choices).
 
     The errors are those of ``of_robot``.
     """
@@ -75,10 +76,10 @@ def _scene(done: Converted, path: Path) -> Scene:
 
 
 def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Converted:
-    """Write a scene as MJCF if ``output`` ends in .xml, else a robot as a scene; return the conversion.
+    """Write the scene ``source`` as MJCF if ``output`` ends in .xml, else the robot ``source`` as a scene.
 
-    A written scene has the remarks of the conversion as comments at its beginning. The errors are those of
-    ``of_robot`` and ``load_scene``.
+    Return the conversion with its remarks; in a written scene, these are also comments at the beginning. The
+    errors are those of ``of_robot`` and ``load_scene``.
     """
     if output.suffix.lower() == ".xml":
         scene = scene_of(source)
@@ -94,7 +95,7 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
 
 
 def remark_lines(done: Converted) -> list[tuple[str, str]]:
-    """Return the remarks of a conversion as pairs of title and sentence, warnings first."""
+    """Return the remarks of a conversion as pairs (title, sentence), warnings first and notes last."""
     titles = (WARNING, DIFFERS, LEFT_OUT, "note")
     remarks = (done.warnings, done.differs, done.left_out, done.notes)
     return [(title, line) for title, lines in zip(titles, remarks, strict=True) for line in lines]

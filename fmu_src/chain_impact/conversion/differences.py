@@ -1,4 +1,4 @@
-"""The differences between a robot and its scene, each a line of text, with the largest effect first."""
+"""The differences between a robot and its scene, and the lines of text that tell of them."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from enum import IntEnum
 
 from chain_impact.recording.text import few
 
-# a difference whose `size` is at most NEGLIGIBLE gives no warning, unless its `effect` is MOTION
+# [1] a `size` up to which a difference gives no warning, unless its `effect` is MOTION
 NEGLIGIBLE = 0.02
-LINE_NAMES = 6  # largest number of names in a line; the line counts further ones: "and 3 more"
+LINE_NAMES = 6  # largest number of names in a line of text, which counts further names: "and 3 more"
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # titles under which differences are reported
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 
@@ -28,7 +28,7 @@ class Effect(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Difference:
-    """A part of a robot's file that the scene does not have, or has in another form.
+    """A part of a robot's file that the scene does not have, or that the scene has in another form.
 
     Attributes:
         kind: the kind of element in the file, such as ``joint``.
@@ -36,12 +36,12 @@ class Difference:
         text: the rest of the sentence on the difference, after kind and name.
         effect: what the difference changes.
         differs: True if the scene has the part in another form, False if the scene does not have it.
-        size: how large the difference is, such as a distance divided by the length of its link; 0 if unknown.
-            Differences of equal ``effect`` are reported from the largest one.
-        joints: names of joints; if there are names, and all these joints are held, the difference has no
+        size: the size of the difference as a part of 1, such as a distance divided by the length of a link;
+            0 if unknown. Of differences with equal ``effect``, the largest is reported first.
+        joints: names of joints. If there are names, and all these joints are held, the difference has no
             effect and is not reported.
-        bodies: indices of bodies, −1 for the world; if there are indices, and all these bodies belong to the
-            same link or all to none, the difference has no effect and is not reported.
+        bodies: indices of bodies, −1 for the world. If there are indices, and all these bodies belong to one
+            link, or all to no link, the difference has no effect and is not reported.
     """
 
     kind: str
@@ -66,9 +66,11 @@ class Difference:
     def matters(self, held: Collection[str], link_of: dict[int, int]) -> bool:
         """Return whether the difference has an effect on the scene, and so must be reported.
 
+        See ``joints`` and ``bodies``.
+
         Args:
             held: names of the joints that are held.
-            link_of: body → index of its link, −1 for a body in no link.
+            link_of: index of a body → index of its link, −1 for no link; −1, the world, is a body, too.
         """
         if self.joints and self.joints <= set(held):
             return False
@@ -83,7 +85,11 @@ def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> 
 
 @contextmanager
 def collected_warnings(package: str) -> Iterator[list[Difference]]:
-    """Context that makes differences of kind ``package`` of Python warnings; it fills the list at its end."""
+    """Context manager that yields a list, and at its end fills it with differences of the kind ``package``.
+
+    There is one difference for each different text of a Python warning in the ``with`` block; the warnings
+    are not shown.
+    """
     differences: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -93,7 +99,7 @@ def collected_warnings(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
-    """Return a sentence for each group of differences with this ``title``, the same kind and the same text.
+    """Return a sentence for all differences with the title ``title`` that have the same kind and text.
 
     The sentences are in the order of ``Effect``; for the same effect, the largest difference comes first.
     """
@@ -106,7 +112,7 @@ def lines(differences: Iterable[Difference], title: str) -> list[str]:
 
 
 def line(kind: str, names: Sequence[str], text: str, shown: int = LINE_NAMES) -> str:
-    """Return the sentence "<kind> <names>: <text>", with up to ``shown`` names and a count of the others."""
+    """Return the line "<kind> <names>: <text>", with up to ``shown`` names and a count of further names."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
     return f"{' '.join(filter(None, (kind, few(names, shown))))}: {text}"

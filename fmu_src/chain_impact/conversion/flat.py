@@ -1,4 +1,4 @@
-"""The plane in space in which a chain moves, and the directions of the scene's axes in it."""
+"""The plane in space in which a chain moves, and the directions of the scene's axes in this plane."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from chain_impact.conversion.joints import PARALLEL
 from chain_impact.scene.reading import SceneError
 
 ZERO_LENGTH = 1e-9  # [m] a length up to ZERO_LENGTH counts as 0, because it may be round-off
-# a number up to NUMBER_ROUND_OFF counts as 0; the round-off of numbers near 1 is smaller
+# a number of smaller magnitude counts as 0; the round-off of numbers near 1 is smaller
 NUMBER_ROUND_OFF = 1e-14
 X, Y, Z = np.eye(3)
 
@@ -29,7 +29,7 @@ class Plan(NamedTuple):
     axis: np.ndarray
 
     def flat(self, point: np.ndarray) -> np.ndarray:
-        """Return the scene's coordinates of points or vectors in space, shape (…, 2)."""
+        """Return the coordinates in the scene, shape (…, 2), of points or vectors in space, shape (…, 3)."""
         return np.stack([point @ self.x, point @ self.y], axis=-1)
 
     @property
@@ -40,15 +40,16 @@ class Plan(NamedTuple):
 
 
 def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
-    """Return the plane at right angles to ``axis``, the direction of the joints' axes.
+    """Return the plane at right angles to ``axis``, the direction of the joints' axes, and the scene's axes.
 
-    By default y points upwards as far as the plane allows, and x, at right angles to y, is horizontal. Of its
-    two possible directions, x has the one nearer to the robot's x axis or, if x is at right angles to that
-    axis, nearer to the robot's y axis. If ``axis`` is vertical, x and y are the robot's x and y axes.
-    ``directions``, such as ``-x,z``, replace this default.
+    By default the scene's y axis points upwards as far as the plane allows, and the x axis is horizontal. Of
+    its two possible directions, the x axis has the one nearer to the robot's x axis or, if both are at right
+    angles to that axis, the one nearer to the robot's y axis. If ``axis`` is vertical, the scene has the
+    robot's x and y axes. ``directions`` replace this default: ``-x,z`` are the robot's directions of x and y.
+    ``source`` is the file's name for errors.
 
     Raises:
-        SceneError: when the directions are not two directions at right angles to each other and to the axes.
+        SceneError: when the directions are not two directions at right angles to each other and to ``axis``.
     """
     axis = axis / np.linalg.norm(axis)
     if directions is not None:
@@ -64,7 +65,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
 
 
 def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Return the part of a vector that is at right angles to a unit vector ``axis``."""
+    """Return the component of a vector that is at right angles to the unit vector ``axis``."""
     return np.asarray(direction - np.dot(direction, axis) * axis)
 
 
@@ -98,6 +99,6 @@ def near(value: float) -> float:
 
 
 def _cleaned(axis: np.ndarray) -> np.ndarray:
-    """Return a direction without round-off; one along an axis of the robot has only components 0 and ±1."""
+    """Return a unit vector in which each component near 0 or ±1, up to round-off, is exactly 0 or ±1."""
     whole = np.rint(axis)
     return np.where(np.abs(axis - whole) < NUMBER_ROUND_OFF, whole, axis) + 0.0

@@ -13,15 +13,15 @@ import numpy as np
 from chain_impact.conversion.robot import Joint, Robot
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
-PARALLEL = 1e-6  # [rad] axes count as parallel if the angle between them is at most PARALLEL
+PARALLEL = 1e-6  # [rad] axes count as parallel if the angle between the lines along them is at most PARALLEL
 
 
 class NoChainError(SceneError):
     """Raised when the moving joints of a robot form no planar chain.
 
     Attributes:
-        joints: names of joints; if one of them is held, the others may form a chain. ``proposals`` tries
-            this.
+        joints: names of joints. If one of these joints is held, the others may form a chain, which
+            proposals.py tries.
     """
 
     def __init__(self, message: str, joints: Sequence[str] = ()) -> None:
@@ -32,10 +32,11 @@ class NoChainError(SceneError):
 
 @dataclass(frozen=True)
 class Moving:
-    """A joint of the chain, its body, and a point on its axis and the direction of its axis in space.
+    """A joint, the index of its body, and the place of its axis in space.
 
-    The point and the direction are those with the joints of the chain at zero; in the result of
-    ``joints_at_start`` they are those with all joints at their start.
+    ``anchor`` is a point on the axis [m], ``axis`` the unit vector along it, both shape (3,). They are those
+    with held joints at their start and all other joints at zero, or, in the result of ``joints_at_start``,
+    with all joints at their start.
     """
 
     joint: Joint
@@ -51,7 +52,8 @@ class Chosen(NamedTuple):
         poses: rotation and position of each body in space, with held joints at their start and all other
             joints at zero.
         hinges: the hinges, from the base to the tip.
-        slides: two slides for a free base, one slide for a sliding base, else none.
+        slides: the sliding joints before the hinges: two for a free base, one for a base on a slider, none
+            for a pinned base.
         held: names of the joints that do not move.
     """
 
@@ -62,15 +64,19 @@ class Chosen(NamedTuple):
 
     @property
     def base(self) -> str:
-        """The kind of the scene's base."""
+        """The kind of the scene's base: pinned, slider or free."""
         return ("pinned", "slider", "free")[len(self.slides)]
 
 
 def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
-    """Return the joints that form the chain; raise NoChainError if the moving joints form no chain.
+    """Return the joints that form the chain.
 
     ``wanted`` are the names of the joints that move, while all others are held at their start; without names
     all joints move. ``source`` is the file's name for messages.
+
+    Raises:
+        NoChainError: when the moving joints form no planar chain.
+        UnknownNameError: when the robot has no joint with a wanted name.
     """
     held = _held(robot, wanted, source)
     poses, moving = moving_joints(robot, held)
@@ -92,9 +98,10 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
 
 
 def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[Moving]]:
-    """Return the pose of each body, and the joints that can move.
+    """Return the pose of each body, and the joints that are not in ``held``, in the order of their bodies.
 
-    A pose is a rotation and a position in space. The joints ``held`` are at their start, all others at zero.
+    A pose is a rotation matrix and a position [m] in space. The joints ``held``, by name, are at their start,
+    all others at zero.
     """
     poses = _poses(robot, held)
     return poses, [moved for moved in _placed(robot, poses) if moved.joint.name not in held]
@@ -128,9 +135,9 @@ def _held(robot: Robot, wanted: Sequence[str], source: str) -> set[str]:
 
 
 def _poses(robot: Robot, held: set[str]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the rotation and position of each body in space.
+    """Return the rotation matrix and the position [m] of each body in space.
 
-    The joints ``held`` are at their start, all others at zero.
+    The joints ``held``, by name, are at their start, all others at zero.
     """
     poses: list[tuple[np.ndarray, np.ndarray]] = []
     for body in robot.bodies:
@@ -178,7 +185,7 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
 
 
 def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
-    """Return groups of joints; the axes of all joints in a group are parallel."""
+    """Return all ``hinges`` in groups: the axes of the joints in a group are parallel."""
     groups: list[list[Moving]] = []
     for hinge in hinges:
         group = next((g for g in groups if _parallel(g[0].axis, hinge.axis)), None)
@@ -196,8 +203,8 @@ def _parallel(first: np.ndarray, second: np.ndarray) -> bool:
 def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], source: str) -> None:
     """Refuse sliding joints that a scene cannot have.
 
-    A scene can have one slide in the plane of the motion, or two at right angles in this plane, before the
-    first hinge. ``order`` are all moving joints, in the order of the bodies.
+    A scene can have one slide in the plane of the motion, or two in this plane at right angles to each other,
+    in both cases before the first hinge. ``order`` are all moving joints, in the order of the bodies.
     """
     first = next(moved for moved in order if moved.joint.kind == "hinge")
     before = [moved for moved in order[: order.index(first)] if moved.body in above(robot, first.body)]

@@ -1,4 +1,4 @@
-"""The reader of robots in MJCF, which uses MuJoCo: its compiler applies defaults and computes inertias."""
+"""The reader of robots in MJCF, which uses MuJoCo's compiler: this applies defaults and computes inertias."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
 CARRIED = "chain_impact"
-"""The name of the text element in files of this package that holds the data of the scene as JSON."""
-# [rad] or [m] MJCF needs both limits of a joint that has one limit. In a file that is written, this number
-# stands for the missing limit; in a file that is read, a limit of at least this size counts as missing.
+"""The name of the text element that has the data of the scene as JSON, in files of this package."""
+# [rad] or [m] MJCF needs two limits of a joint. In a file that is written, UNLIMITED or −UNLIMITED stands for
+# a limit that the scene does not have; in a file that is read, a limit of at least this magnitude counts as
+# none.
 UNLIMITED = 1e9
 NO_KEYFRAME = "none"
-"""The word that a user gives in place of a keyframe's name, so that the robot starts in the file's pose."""
+"""The word in place of a keyframe's name with which the robot starts in the pose of the file's elements."""
 
 
 class Start(NamedTuple):
-    """The state of a robot at the start, in MuJoCo's arrays."""
+    """The state of a robot at the start: MuJoCo's arrays qpos, qvel, ctrl, act, mocap_pos and mocap_quat."""
 
     positions: np.ndarray
     speeds: np.ndarray
@@ -44,6 +45,7 @@ class Start(NamedTuple):
 def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
     """Return the robot of an MJCF file, at the start that a keyframe gives; by default the first keyframe.
 
+    For NO_KEYFRAME, and without keyframes in the file, the robot starts in the pose of the file's elements.
     Files of meshes and pictures may be missing. The mass of a missing mesh counts as 0, which is reported.
 
     Raises:
@@ -67,9 +69,9 @@ def read_mjcf_text(text: str) -> Robot:
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
-    """Return the state at the start, and a list with a note on the keyframe, empty if the file has none.
+    """Return the state at the start, and a list with a note on the keyframe; empty if the file has none.
 
-    A keyframe that the file does not have is refused.
+    Refuse the name ``keyframe`` if the file does not have it; None stands for the first keyframe.
     """
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
     wanted = (names[0] if names else NO_KEYFRAME) if keyframe is None else keyframe
@@ -87,7 +89,7 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
 
 
 def _carried(text: str, source: str) -> dict[str, Any]:
-    """Return the data of the scene from the text element of a file.
+    """Return the data of the scene from ``text``, the JSON in the text element of a file.
 
     Older versions of this package wrote the data in two parts, which are joined.
     """
@@ -99,7 +101,7 @@ def _carried(text: str, source: str) -> dict[str, Any]:
 
 
 class _Reader:
-    """A reader of a compiled model, which collects what a scene cannot have as differences."""
+    """The reader of a compiled model; ``differences`` collects what a scene cannot have."""
 
     def __init__(self, mujoco: Any, file: Compiled, start: Start, source: str) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
@@ -110,7 +112,7 @@ class _Reader:
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
-        """Return the robot, named as in the file or, if the file has no name, ``name``."""
+        """Return the robot; ``notes`` begin its notes, and ``name`` is its name if the file has none."""
         model = self.model
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
@@ -132,12 +134,12 @@ class _Reader:
         )
 
     def _off(self, *flags: str) -> bool:
-        """Return whether the file disables at least one of several features, given by MuJoCo's flags."""
+        """Return whether the file disables at least one feature of ``flags``, such as "GRAVITY"."""
         bits = (getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{flag}") for flag in flags)
         return any(self.model.opt.disableflags & bit for bit in bits)
 
     def body(self, b: int) -> Body:
-        """Return body ``b`` of MuJoCo's model, where body 0 is the world."""
+        """Return body ``b`` of MuJoCo's model; body 0 is the world, so it is body ``b`` − 1 of the robot."""
         model = self.model
         inertial = self._axes(model.body_iquat[b])
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
@@ -159,10 +161,10 @@ class _Reader:
         )
 
     def _pose(self, b: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the position and the quaternion of body ``b`` relative to its parent.
+        """Return the position [m] and the quaternion of body ``b`` relative to the parent of the body.
 
-        For a body with a free joint, and for a mocap body, these are values of the state at the start; for
-        any other body, they are those in the file.
+        For a body with a free joint, and for a mocap body, both are those of the state at the start; for any
+        other body, they are those in the file, with the body's joints at zero.
         """
         model, j = self.model, self.model.body_jntadr[b]
         if model.body_mocapid[b] >= 0:
@@ -174,7 +176,10 @@ class _Reader:
         return model.body_pos[b], model.body_quat[b]
 
     def joint(self, j: int) -> Joint:
-        """Return joint ``j`` with its drives; angles and positions count from the pose in the file."""
+        """Return joint ``j`` of MuJoCo's model; angles and positions count from the pose in the file.
+
+        The joint has the values of the actuators that drive it.
+        """
         model, kinds = self.model, self.mujoco.mjtJoint
         at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
         kind = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}.get(
@@ -215,7 +220,7 @@ class _Reader:
         self.differences.append(of_joint(joint, text, Effect.CONTACT, differs=True))
 
     def _others(self) -> Iterator[Difference]:
-        """Yield one difference with the numbers of sensors, cameras, lights and skins, if there are any."""
+        """Yield one difference that counts sensors, cameras, lights and skins; nothing if there are none."""
         model = self.model
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})

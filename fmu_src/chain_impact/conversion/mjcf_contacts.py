@@ -1,4 +1,4 @@
-"""The contacts that are possible in an MJCF model by MuJoCo's rules, and their friction."""
+"""The contacts that are possible in an MJCF model by MuJoCo's rules, and the friction in these contacts."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.robot import LinkShape, Plane, identifier, outline
 
 POINT = re.compile(r"point\[\d+\]")  # matches the names that ``point_name`` gives to shapes
-BITS = 16  # MuJoCo stores a pair of bodies that may not touch as one number: (first << BITS) + second
+BITS = 16  # MuJoCo stores a pair of bodies that may not touch as one integer: (first << BITS) + second
 
 
 def point_name(number: int) -> str:
-    """Return the name of the shape that stands for point ``number`` in files of this package."""
+    """Return the name of the shape that stands for point ``number`` of a scene in files of this package."""
     return f"point[{number}]"
 
 
 class Contacts:
-    """The shapes of a MuJoCo model, and which of them can touch.
+    """The shapes of a MuJoCo model, and which of these shapes can touch each other.
 
     The method ``differences`` yields the contacts that a scene cannot have, or has in another form.
     """
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str], ours: bool) -> None:
-        """Divide the shapes of a model into those that move and those that do not.
+        """Divide the shapes of a model into those that can move, and those that are fixed to the world.
 
         Args:
             mujoco: the package.
@@ -55,11 +55,11 @@ class Contacts:
         return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
     def _touch(self, geom: int, other: int) -> bool:
-        """Return whether two shapes can touch, by these rules of MuJoCo.
+        """Return whether two shapes, given by their indices, can touch each other, by rules of MuJoCo.
 
-        None can if the file disables contacts. Else two shapes can if the file lists them as a pair.
-        Otherwise they can if ``contype`` of one shape and ``conaffinity`` of the other have a bit in common,
-        and their bodies are neither an excluded pair nor fixed to each other.
+        No shapes can touch if the file disables contacts. Otherwise two shapes can if the file lists them as
+        a pair. So can two other shapes if ``contype`` of one shape and ``conaffinity`` of the other have a
+        bit in common, and their bodies are neither an excluded pair nor fixed to each other.
         """
         model = self.model
         if not self.works:
@@ -73,11 +73,11 @@ class Contacts:
         return bool(types[geom] & affinities[other] or types[other] & affinities[geom])
 
     def _rubs(self, geom: int, other: int) -> float:
-        """Return the coefficient of friction between two shapes, by MuJoCo's rules.
+        """Return the coefficient of sliding friction between two shapes, by MuJoCo's rules.
 
-        A listed pair has its own coefficient. Otherwise the shape with the higher priority determines it;
-        with equal priorities, the larger coefficient counts. If the model has an override, its coefficient
-        replaces these. A contact with ``condim`` 1 has no friction, and the coefficient 0.
+        A listed pair has its own coefficient. Otherwise the coefficient is that of the shape with the higher
+        priority or, with equal priorities, the larger one. If the model has an override, the coefficient of
+        the override replaces these. A contact with ``condim`` 1 has no friction: the result is 0.
         """
         model = self.model
         if frozenset((geom, other)) in self.pairs:
@@ -92,7 +92,7 @@ class Contacts:
         return friction if rubs else 0.0
 
     def planes(self) -> Iterator[Plane]:
-        """Yield the planes that do not move, with the bodies that can touch each, and the friction."""
+        """Yield the planes that are fixed to the world, with the bodies that can touch each, and friction."""
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
         for g in filter(self._is_wall, self.still):
@@ -109,7 +109,7 @@ class Contacts:
             )
 
     def shapes(self, b: int) -> list[LinkShape]:
-        """Return the shapes of body ``b``, except planes that do not move."""
+        """Return the shapes of body ``b`` of MuJoCo's model, except planes that are fixed to the world."""
         model = self.model
         geoms = (g for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g))
         return [self._shape(g) for g in geoms]
@@ -126,7 +126,7 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # a kind that ``outline`` does not know, such as an ellipsoid, gets the box around it
+        else:  # of a kind that ``outline`` does not know, such as an ellipsoid, it returns the box around it
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         walls = list(filter(self._is_wall, self.still))
@@ -145,10 +145,10 @@ class Contacts:
         )
 
     def differences(self) -> Iterator[Difference]:
-        """Yield a difference for each shape that does not move, touches moving bodies, and is no plane.
+        """Yield a difference for each shape, fixed to the world and no plane, that moving bodies can touch.
 
-        Only planes become walls. If a moving body can touch a plane that does not move, a further difference
-        says that such contacts are soft in MuJoCo.
+        Only planes become walls. If a moving body can touch a plane that is fixed to the world, a further
+        difference says that such contacts are soft in MuJoCo.
         """
         model = self.model
         walls = False

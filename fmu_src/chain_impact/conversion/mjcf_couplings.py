@@ -21,11 +21,11 @@ FORCES = {
     "tendon_limited": "LIMIT",
     "tendon_armature": None,
 }
-"""Field with an effect of a tendon → flag that disables this effect; None if no flag does."""
+"""Field of the model that gives tendons an effect → flag that disables this effect; None without a flag."""
 
 
 def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
-    """Yield a difference for each active coupling between joints or bodies of a model."""
+    """Yield a difference for each equality, tendon and flex of a model that has an effect on the motion."""
     flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
     off = {name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))}
     if "mjDSBL_EQUALITY" not in off and "mjDSBL_CONSTRAINT" not in off:
@@ -38,7 +38,7 @@ def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
 
 
 def _equality(mujoco: Any, model: Any, e: int) -> Difference:
-    """Return the difference that equality constraint ``e`` makes: the scene does not have it."""
+    """Return the difference for the equality constraint with index ``e``, which the scene does not have."""
     kinds, ids = mujoco.mjtObj, (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))
     kind = mujoco.mjtEq(model.eq_type[e]).name.removeprefix("mjEQ_").lower()
     joints, bodies = frozenset[str](), frozenset[int]()
@@ -59,9 +59,9 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
 
 
 def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Difference]:
-    """Yield a difference for tendon ``t`` if the tendon has an effect on the motion.
+    """Yield a difference for the tendon with index ``t`` if the tendon has an effect on the motion.
 
-    The tendon has one if one of its fields in FORCES is not 0 and the file does not disable this effect.
+    The tendon has an effect if a field in FORCES is not 0 for it, and the file does not disable this effect.
     ``off`` has the names (mjDSBL_…) of all flags by which the file disables features.
     """
     acting = [

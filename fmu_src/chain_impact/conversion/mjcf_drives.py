@@ -1,4 +1,4 @@
-"""MJCF's actuators at a joint as drives of a scene: motors, and servos, which are springs and dampers."""
+"""MJCF's actuators at a joint as drives of a scene: motors, and servos, which act as springs and dampers."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
-# [rad/s] A speed that joints of robots hardly reach. If a limit of torque acts on a damper only above this
-# speed, the difference has no effect.
+# [rad/s] or [m/s] A speed that joints of robots hardly reach. If the limit of the drives acts on the damper
+# only above FAST, this difference counts as one without effect.
 FAST = 20.0
-ALIKE = 1e-9  # two limits, or a servo's gain and stiffness, count as equal up to this part of them
+ALIKE = 1e-9  # [1] two limits, or a servo's gain and stiffness, count as equal up to this relative difference
 
 
 @dataclass(frozen=True)
 class Drive:
-    """The torque of an actuator at a joint: ``torque − stiffness q − damping q̇``.
+    """The torque of an actuator at a joint: ``torque − stiffness q − damping q̇``, limited to low … high.
 
     q is MuJoCo's angle [rad] or position [m] of the joint. The units are those of a hinge; a slide has N and
     m in place of N·m and rad.
 
     Attributes:
         name: the name of the actuator.
-        torque: the part of the torque that does not depend on q, with the control at the start [N·m].
-        gain: the change of the torque if the control changes by 1 [N·m].
-        stiffness: of the actuator as a spring [N·m/rad].
-        damping: of the actuator as a damper [N·m·s/rad].
-        low: least torque [N·m], −∞ if there is none.
-        high: largest torque [N·m], ∞ if there is none.
+        torque: the torque for q = q̇ = 0, with the control at the start [N·m].
+        gain: the change of the torque if the control grows by 1 [N·m].
+        stiffness: stiffness of the actuator as a spring [N·m/rad].
+        damping: damping of the actuator as a damper [N·m·s/rad].
+        low: least torque [N·m], −∞ without a limit.
+        high: largest torque [N·m], ∞ without a limit.
     """
 
     name: str
@@ -45,20 +45,20 @@ class Drive:
 
     @property
     def is_servo(self) -> bool:
-        """Whether the actuator is a servo, which controls an angle or a speed, and not a motor."""
+        """Whether the actuator is a servo, which controls an angle or a speed; otherwise it is a motor."""
         return self.stiffness > 0.0 or self.damping > 0.0
 
 
 class Drives:
     """The actuators of a model as drives of a scene.
 
-    ``differences`` collects what a scene cannot have of the actuators, or has in another form.
+    ``differences`` collects what a scene does not have of the actuators, or has in another form.
     """
 
     def __init__(self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray) -> None:
-        """Find the actuators of each joint.
+        """Find the actuators of each joint, and report active actuators that act on anything else.
 
-        ``control`` and ``activation`` are MuJoCo's arrays at the start.
+        ``control`` and ``activation`` are MuJoCo's arrays ctrl and act at the start.
         """
         self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
         self.differences: list[Difference] = []
@@ -73,7 +73,7 @@ class Drives:
                 self._tell_other(a)
 
     def _active(self, a: int) -> bool:
-        """Return whether actuator ``a`` can act: neither all actuators nor its group are disabled."""
+        """Return whether actuator ``a`` can act: the file disables neither all actuators nor its group."""
         group = int(self.model.actuator_group[a])
         off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
         return self.works and not off
@@ -89,7 +89,7 @@ class Drives:
         )
 
     def _tell_other(self, a: int) -> None:
-        """Report actuator ``a``, which acts on something other than a joint."""
+        """Report actuator ``a``, which acts on no joint."""
         kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
         sticks = kind == "body"  # an actuator on a body makes this body adhere to the bodies that it touches
         self._tell(
@@ -99,9 +99,10 @@ class Drives:
         )
 
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
-        """Return ``joint``, MuJoCo's joint ``j``, with those of its actuators that a scene can have.
+        """Return ``joint``, MuJoCo's joint ``j``, with the drives that a scene can have of its actuators.
 
-        ``zero`` is MuJoCo's angle or position of the joint in the file's pose, where that of ``joint`` is 0.
+        All other active actuators are reported. ``zero`` is MuJoCo's angle [rad] or position [m] of the joint
+        in the pose of the file, in which the angle or position of ``joint`` is 0.
         """
         for a in self.at.get(j, []):
             joint = self._geared(joint, a)
@@ -118,7 +119,7 @@ class Drives:
     def _geared(self, joint: Joint, a: int) -> Joint:
         """Return a joint to which the damping and the rotor inertia of actuator ``a`` are added.
 
-        Both act at the joint multiplied by the square of the gear ratio.
+        Both are multiplied by the square of the gear ratio. Damping that is not linear is reported.
         """
         model, gear = self.model, self._gear(a)
         if np.any(model.actuator_dampingpoly[a]):
@@ -138,11 +139,11 @@ class Drives:
         return float(self.model.actuator_gear[self.model.actuator_outadr[a], 0])
 
     def _drive(self, joint: Joint, a: int) -> Drive | None:
-        """Return actuator ``a`` as a motor or a servo; None, after a report, if it is neither.
+        """Return actuator ``a`` as a motor or a servo; if it is neither, report this and return None.
 
         In MuJoCo, force = gain · control + b₀ + b₁ · length + b₂ · velocity, with b₀, b₁ and b₂ from
-        ``biasprm``. With the joint's angle or position q, the length is gear · q, and the torque is gear ·
-        force.
+        ``biasprm``. With MuJoCo's angle or position q of the joint, the length is gear · q, the velocity
+        gear · q̇, and the torque at the joint gear · force.
         """
         model, kinds = self.model, self.mujoco
         gear, gain, bias = self._gear(a), model.actuator_gainprm[a], np.array(model.actuator_biasprm[a][:3])
@@ -175,7 +176,8 @@ class Drives:
     def _control(self, joint: Joint, a: int) -> float:
         """Return the control of actuator ``a`` at the start, within the limits of the control.
 
-        Report a delay and an activation, which a scene does not have; an activation replaces the control.
+        Report a delay and an activation, which a scene does not have. If the actuator has an activation, the
+        activation at the start is returned in place of the control.
         """
         model, kinds = self.model, self.mujoco.mjtDyn
         value = float(self.control[model.actuator_ctrladr[a]])
@@ -195,14 +197,14 @@ class Drives:
         return value
 
     def _clamps(self, a: int) -> bool:
-        """Return whether the control of actuator ``a`` is limited."""
+        """Return whether the control of actuator ``a`` has limits that the file does not disable."""
         model, flag = self.model, self.mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
         return (
             bool(model.actuator_ctrllimited[model.actuator_ctrladr[a]]) and not model.opt.disableflags & flag
         )
 
     def _limits(self, a: int, gear: float, gain: float, bias: np.ndarray) -> tuple[float, float]:
-        """Return the least and the largest torque of actuator ``a`` at the joint.
+        """Return the least and the largest torque of actuator ``a`` at the joint; ∓∞ without limits.
 
         Both follow from the limits of the actuator's force and, for a motor, from those of its control.
         """
@@ -216,7 +218,10 @@ class Drives:
         return low, high
 
     def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
-        """Return a joint with its drives; all springs become one spring, and all dampers one damper."""
+        """Return ``joint``, MuJoCo's joint ``j``, with its drives: one spring, one damper and one limit.
+
+        ``zero`` is MuJoCo's angle or position in the pose of the file. Differences are reported.
+        """
         stiffness = joint.stiffness + sum(drive.stiffness for drive in drives)
         damping = joint.damping + sum(drive.damping for drive in drives)
         # Springs with stiffnesses kᵢ and rest angles rᵢ, and a torque τ, act like one spring with the
@@ -248,9 +253,15 @@ class Drives:
     ) -> Iterator[Difference]:
         """Yield differences of the drives at a joint from those of the scene.
 
-        They are a torque at the start, if the joint has no spring that could hold it, and servos whose target
-        angle is not their control, or whose control has limits. ``stiffness`` is that of all springs of the
-        joint together; ``torque`` is the torque of all drives in the file's pose, without velocity.
+        These are a torque at the start, if the joint has no spring whose rest angle can express it; and
+        servos whose target angle differs from their control, or whose control has limits.
+
+        Args:
+            joint: the joint.
+            j: index of the joint in MuJoCo's model.
+            drives: the drives of the joint.
+            stiffness: stiffness of all springs of the joint together [N·m/rad or N/m].
+            torque: torque of all drives in the pose of the file, without velocity [N·m or N].
         """
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:
@@ -271,9 +282,9 @@ class Drives:
         self.differences.append(of_joint(joint.name, text, effect, differs=True))
 
     def _tell_limit(self, joint: Joint, limit: float) -> None:
-        """Report that the limit of a scene's drives also limits the spring and the damper at the joint.
+        """Report that ``limit`` [N·m or N] also limits the joint's spring and damper in a scene.
 
-        In MuJoCo the limit acts on the actuators only.
+        In MuJoCo, the limit acts on the actuators only.
         """
         unit = "m" if joint.kind == "slide" else "rad"
         if joint.stiffness > 0.0:
@@ -286,10 +297,10 @@ class Drives:
             self._tell_joint(joint, text, Effect.MOTION if speed < FAST else Effect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
-        """Return the largest torque of all drives of a joint together; None if there is no limit.
+        """Return the limit of the torque of all drives of a joint together [N·m or N]; None without a limit.
 
-        A limit of a scene is the same in both directions; if the two directions differ, the larger limit is
-        used and the difference reported.
+        A limit of a scene holds in both directions. If the file's limits in the two directions differ, the
+        larger one is returned, and the difference is reported.
         """
         low, high = (sum(drive.low for drive in drives), sum(drive.high for drive in drives))
         if self.model.jnt_actfrclimited[j]:

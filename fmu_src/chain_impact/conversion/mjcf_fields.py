@@ -1,7 +1,7 @@
 """How the conversion treats each field of MuJoCo's compiled model and options.
 
-A field is used, or reported if it is not the default, or known to have no effect here. A field of a newer
-MuJoCo that is none of these is reported if it is not 0.
+A field is used, or is reported if its value is not the default, or is known to have no effect here. A field
+of a newer MuJoCo that is none of these is reported if its value is not 0.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ USED_FIELDS = """
     tendon_stiffnesspoly tendon_dampingpoly names name_actuatoradr opt
     opt.gravity opt.disableflags opt.enableflags opt.disableactuator opt.o_friction
 """
-"""The fields that the conversion reads: their values are in the scene, or the code that reads a field reports
-it."""
+"""The fields that the conversion reads: their values are used for the scene, or reported by the code that
+reads them."""
 
 WITHOUT_EFFECT = {
     "counts, addresses and names": """
@@ -87,27 +87,24 @@ DISABLED = {
     "CLAMPCTRL": "no limits of controls",
     "ACTUATION": "no actuators",
 }
-"""Flag by which a file disables a feature → words for the note; the scene does not have this feature
-either."""
+"""Flag by which a file disables a feature → words for the note, which says that the scene lacks it, too."""
 WITHOUT_EFFECT_FLAGS = """
     WARMSTART FILTERPARENT REFSAFE SENSOR MIDPHASE EULERDAMP AUTORESET NATIVECCD ISLAND MULTICCD
     OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
 """
-"""Flags that need no note, because they concern the search for contacts, soft contacts or time steps.
-
-OVERRIDE also replaces the friction of all contacts, which mjcf_contacts.py takes into account.
-"""
+"""Flags that need no note: they concern the search for contacts, soft contacts, time steps or other features
+that scenes do not have. OVERRIDE also replaces the friction of all contacts, which mjcf_contacts.py uses."""
 MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
 
 class FieldRemark(NamedTuple):
-    """A field that is reported for each element in which its value is not the default.
+    """A field that is reported for each element whose value of the field is not the default.
 
     Attributes:
         field: the name of the field.
         kind: the kind of element that has the field.
         default: the default value.
-        effect: what another value changes.
+        effect: what a value other than the default changes.
         text: the rest of the sentence on the element, after its kind and name.
         differs: True if the scene has the element in another form, False if the scene does not have it.
     """
@@ -174,7 +171,7 @@ FIELD_REMARKS = (
 
 
 def unsupported_fields(model: Any) -> Iterator[Difference]:
-    """Yield a difference for each value that FIELD_REMARKS reports, and each unknown field that is not 0."""
+    """Yield a difference for each element that FIELD_REMARKS reports, and unknown fields that are not 0."""
     values = dict(fields(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
     for row in FIELD_REMARKS:
@@ -203,10 +200,10 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 
 
 def _about(model: Any, row: FieldRemark, i: int) -> Difference:
-    """Return the difference for element ``i`` of the kind ``row.kind``.
+    """Return the difference for the element with index ``i`` of the kind ``row.kind``.
 
-    The difference is not reported if the joint of the element is held, or if its body can move in the file
-    but is in no link of the scene. It is reported if its body is fixed to the world.
+    For a joint, the difference is not reported if the joint is held. For a body or a shape that can move in
+    the file, it is not reported if the body is in no link of the scene. Any other difference is reported.
     """
     common: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":
@@ -225,8 +222,8 @@ def _about(model: Any, row: FieldRemark, i: int) -> Difference:
 def treatments(field: str) -> list[str]:
     """Return how a field is treated, as a list: "used" or "remarked", else the reasons why it has no effect.
 
-    The reasons are the keys of WITHOUT_EFFECT with a pattern for the field. The list is empty if the field is
-    unknown. ``field`` is a field of the model, or ``opt.<name>`` for an option.
+    The reasons are the keys of WITHOUT_EFFECT with a pattern that matches the field. The list is empty for an
+    unknown field. ``field`` is the name of a field of the model, or ``opt.<name>`` for an option.
     """
     named = ["used"] * (field in USED_FIELDS.split()) + ["remarked"] * any(
         row.field == field for row in FIELD_REMARKS
@@ -240,7 +237,7 @@ def treatments(field: str) -> list[str]:
 
 
 def fields(model: Any) -> Iterator[tuple[str, Any]]:
-    """Yield name and value of each field of a model and, as ``opt.<name>``, of its options."""
+    """Yield name and value of each field of a model, and of its options, which have names ``opt.<name>``."""
     for prefix, part in (("", model), ("opt.", model.opt)):
         for name in dir(part):
             if not name.startswith("_") and not callable(value := getattr(part, name)):
@@ -248,7 +245,7 @@ def fields(model: Any) -> Iterator[tuple[str, Any]]:
 
 
 def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
-    """Yield one note on all features that the file disables, if any; the scene does not have them either."""
+    """Yield one note on all features of DISABLED that the file disables; nothing if there are none."""
     flags = model.opt.disableflags
     disabled = [
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")

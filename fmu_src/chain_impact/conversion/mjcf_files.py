@@ -1,6 +1,6 @@
-"""Compiles an MJCF file with MuJoCo, if necessary with stand-ins for files that are missing.
+"""Compiles an MJCF file with MuJoCo, with stand-ins if files that it names cannot be read.
 
-A stand-in is a part that replaces a mesh, a picture or another part whose file is missing.
+A stand-in is a part that replaces a mesh, a picture or another part whose file cannot be read.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from chain_impact.scene.reading import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
 FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
-"""The faces of the tetrahedron that stands in for a missing mesh, each as the indices of three of its
-CORNERS."""
+"""CORNERS, FACES: the tetrahedron that stands in for a mesh: x, y, z of each corner [m], and the indices of
+the three corners of each face."""
 
 
 class Compiled(NamedTuple):
@@ -24,7 +24,8 @@ class Compiled(NamedTuple):
         spec: the elements of the file.
         model: MuJoCo's compiled model.
         stand_ins: names of the meshes and other parts that stand-ins replace, and of deleted skins.
-        differences: the files that could not be read, bodies without a mesh's mass, and MuJoCo's warnings.
+        differences: one for each file that cannot be read, for each shape without the mass of its mesh, and
+            for each of MuJoCo's warnings.
     """
 
     spec: Any
@@ -34,10 +35,11 @@ class Compiled(NamedTuple):
 
 
 def compiled(mujoco: Any, path: Path) -> Compiled:
-    """Return an MJCF file, compiled.
+    """Compile an MJCF file; if MuJoCo refuses it, compile it once more with stand-ins.
 
     Raises:
-        SceneError: when MuJoCo cannot read the file, or a body would get all its mass from a missing mesh.
+        SceneError: when MuJoCo refuses the file with stand-ins, too, for example because a body gets its mass
+            only from meshes whose files cannot be read.
     """
     try:
         with collected_warnings("MuJoCo") as differences:
@@ -65,10 +67,10 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
 
 
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
-    """Replace each part whose file is missing by a stand-in, after MuJoCo has refused to compile the whole.
+    """Replace each part of ``spec`` whose file is missing by a stand-in; delete a skin whose file is missing.
 
-    A skin is deleted. If no file is missing, some file has a fault; then all parts with files are replaced.
-    Return name of each replaced or deleted part → its file.
+    This is done after MuJoCo has refused to compile ``spec``. If no file is missing, some file may have a
+    fault; then all parts with files are replaced or deleted. Return the name of each such part → its file.
     """
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
     absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]
@@ -92,7 +94,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
 
 
 def _file(asset: Any) -> str:
-    """Return the file of a part, or "" if it has none; of a cube with several pictures, the first file."""
+    """Return the file of a part, for a cube with several pictures the first one; "" without a file."""
     return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
 
 
@@ -102,10 +104,10 @@ def _found(spec: Any, path: Path, file: str) -> bool:
 
 
 def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
-    """Set the mass of each shape with a missing mesh to 0 if the mass of its body follows from its shapes.
+    """Set the mass of each shape with an absent mesh to 0 if the body's mass follows from the body's shapes.
 
-    The stand-in would give the body a wrong mass. Return the bodies that lose mass by this, each with the
-    name of the mesh.
+    The stand-in would give the body a wrong mass. Return a pair (body, name of the mesh) for each shape that
+    loses its mass by this. ``absent`` has the names of the meshes that have stand-ins.
     """
     by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange
@@ -122,8 +124,8 @@ def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[An
 def _compiled_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
     """Return the compiled model.
 
-    If MuJoCo refuses a body because it has no mass, the error names the missing meshes that would give the
-    mass.
+    If MuJoCo refuses a body because of its mass, the error names the meshes in ``weightless``, pairs (body,
+    name of an absent mesh), which would give bodies their mass.
     """
     try:
         return spec.compile()

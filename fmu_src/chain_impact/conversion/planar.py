@@ -1,4 +1,4 @@
-"""The conversion of a robot in space to a planar chain; the axes of the robot's joints must be parallel."""
+"""The conversion of a robot in space to a planar chain; the axes of its moving hinges must be parallel."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from chain_impact.conversion.walls import Walls
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import UnknownNameError
 
-# number of digits of each number in a scene; robot files have fewer digits, so that further ones are
+# number of significant digits of each number in a scene; robot files have fewer digits, so further digits are
 # round-off
 DIGITS = 14
 
@@ -40,7 +40,8 @@ class Choices(NamedTuple):
         plane: directions, in the robot's axes, of the scene's x and y axes, such as ``-x,z``; None for the
             default of ``plan_of``.
         tip: name of the frame at which the last link ends; None for the frame farthest from the last joint.
-        keyframe: name of the keyframe at which the robot starts, or "none"; None for the first one.
+        keyframe: name of the keyframe of MJCF at which the robot starts, or "none" for the pose of the file's
+            elements; None for the first keyframe.
     """
 
     joints: Sequence[str] = ()
@@ -50,14 +51,14 @@ class Choices(NamedTuple):
 
 
 class Converted(NamedTuple):
-    """A scene and the remarks on its conversion.
+    """The data of a scene, and the remarks on its conversion from a robot, or to MJCF.
 
     Attributes:
         data: the data of the scene.
-        warnings: sentences on differences that change the motion or are large, with the largest effect first.
-        differs: sentences on parts of the robot that the scene has in another form, beside the ``warnings``.
-        left_out: sentences on parts of the robot that the scene does not have, beside the ``warnings``.
-        notes: sentences on how the scene was made of the robot.
+        warnings: lines on differences that change the motion or are large, in the order of ``Effect``.
+        differs: lines on all other parts that the result has in another form.
+        left_out: lines on all other parts that the result does not have.
+        notes: lines on how the conversion was made.
     """
 
     data: dict[str, Any]
@@ -68,7 +69,7 @@ class Converted(NamedTuple):
 
 
 def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
-    """Return the scene of a robot, with the remarks; ``source`` is the file's name for messages.
+    """Return the scene of a robot, and the remarks on it; ``source`` is the file's name for messages.
 
     Raises:
         NoChainError: when the robot is not a planar chain.
@@ -129,7 +130,7 @@ class _Conversion:
         return Converted(_rounded(data), remarks[0], remarks[1], remarks[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
-        """Return ``{"inputs": {key: True}}`` of keys that drives need, or {}; a free base has no joint 1."""
+        """Return ``{"inputs": {key: True, …}}`` for the inputs that drives of the scene need; {} for none."""
         free, slides = self.chosen.base == "free", self.chosen.base == "slider"
         inputs = {name for hinge in self.hinges[free:] for name in hinge.joint.inputs}
         for name in self.slides[0].joint.inputs if slides else ():
@@ -137,20 +138,20 @@ class _Conversion:
         return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
 
     def _unheld(self) -> set[str]:
-        """Return the names of the joints that move a free base; the scene does not have them as joints."""
+        """Return the names of the joints that move a free base, which the scene lacks; else no names."""
         free = self.chosen.base == "free"
         return {moved.joint.name for moved in (*self.slides, self.hinges[0])} if free else set()
 
     def _carriage(self) -> list[int]:
-        """Return the indices of the bodies that move with a slide of the base, but belong to no link."""
+        """Return the indices of the bodies that move with a slide of the base, and belong to no link."""
         before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
         return [b for b in bodies if self.link_of[b] < 0 and before & {*above(self.robot, b)}]
 
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
-        """Return body → index of its link, −1 for no link; and the bodies of each link.
+        """Return index of a body → index of its link, −1 for no link; and the bodies of each link.
 
-        A link consists of all bodies from one hinge of the chain up to the next hinge.
+        A link consists of all bodies from one hinge of the chain up to the next. The world is the body −1.
         """
         parts: list[list[int]] = [[] for _ in self.hinges]
         link_of: dict[int, int] = {-1: -1}
@@ -164,8 +165,8 @@ class _Conversion:
     def _gravity(self) -> np.ndarray:
         """Return gravity in space [m/s²], shape (3,), without the share that the file's gravcomp bears.
 
-        If the share is not the same for all moving bodies, it is reported for each, and the whole gravity is
-        returned. Masses of bodies that belong neither to a link nor to a slider are reported, too.
+        If the share is not the same for all moving bodies with mass, it is reported for each body that has
+        one, and the whole gravity is returned. Bodies with mass in no link and on no slider are reported.
         """
         still = []
         for b, body in enumerate(self.robot.bodies):
@@ -208,10 +209,10 @@ class _Conversion:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, differs=differs))
 
     def _tip(self) -> np.ndarray:
-        """Return the end of the last link relative to the last joint, in the plane [m].
+        """Return the vector from the last joint to the end of the last link, in the scene's axes [m].
 
-        It is the frame that the user has chosen, or the frame farthest from the joint; each body's origin is
-        a frame, too. If all frames are at the joint, it is twice the vector to the link's centre of mass.
+        The end is the frame that the user has chosen, else the frame farthest from the joint; a body's origin
+        is a frame, too. If all frames are at the joint and none is chosen, it is twice the centre of mass.
         """
         part, hinge = self.parts[-1], self.hinges[-1]
         ends: dict[str, np.ndarray] = {}
@@ -248,17 +249,17 @@ class _Conversion:
         raise NoChainError(f"{self.source}: the last link has no length: {reason}", [name])
 
     def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
-        """Return a point of body ``b`` relative to a hinge, in the plane [m].
+        """Return the vector from a hinge to a point of body ``b``, in the scene's axes [m].
 
-        ``point`` has the coordinates in the body's axes [m].
+        ``point`` has the coordinates in the body's axes [m]. The joints of the chain are at zero.
         """
         rotation, position = self.poses[b]
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
-        """Return mass, centre of mass and moment of inertia of several bodies together.
+        """Return mass [kg], centre of mass [m] and moment of inertia [kg·m²] of the bodies ``part`` together.
 
-        The centre is relative to a hinge, in the plane [m]; the moment is about the centre [kg·m²].
+        The centre is relative to a hinge, in the scene's axes; the moment is about the centre.
         """
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])
@@ -272,9 +273,9 @@ class _Conversion:
         return mass, center, about
 
     def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
-        """Return mass, centre of mass and inertia of a link, by keys of a scene; refuse a link without mass.
+        """Return the mass, centre of mass and inertia of a link by their keys; refuse a link without mass.
 
-        ``along`` is the unit vector along the link.
+        ``part`` are the indices of the link's bodies; ``along`` is the unit vector along the link.
         """
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
@@ -286,11 +287,10 @@ class _Conversion:
         return values | ({"center_of_mass_offset": beside} if abs(beside) > ZERO_LENGTH else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
-        """Write the values of each joint of the scene into its link; return angles and rates of the links.
+        """Write the values of each joint into the table of its link; return angles and rates of the links.
 
-        The values are damping, stiffness, friction, armature, torque limit and stops. The angles [rad] and
-        angular velocities [rad/s] are absolute, at the start. ``directions`` are the angles of the links
-        with the joints of the chain at zero.
+        The angles [rad] and angular velocities [rad/s] are absolute, at the start. ``directions`` are the
+        absolute angles of the links with the joints of the chain at zero [rad].
         """
         angle, speed, before = 0.0, 0.0, 0.0
         angles, speeds, turned = [], [], []
@@ -309,14 +309,14 @@ class _Conversion:
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
-        """Write a joint's values into the table of its link; return the joint's angle at the start [rad].
+        """Write a joint's values into the table of its link; return the scene's angle at the start [rad].
 
         Args:
             link: the table of the link.
             joint: the joint of the robot.
             offset: the scene's angle of the joint where the robot's angle is 0 [rad].
             sign: −1 if the robot's angles count in the other direction, else 1.
-            grounded: False for link 1 of a free base, which has no joint: the values are reported instead.
+            grounded: False for link 1 of a free base, which has no joint: values are reported, not written.
         """
         start, low, high = (offset + sign * value for value in (joint.start, joint.low, joint.high))
         low, high = (low, high) if sign > 0.0 else (high, low)
@@ -328,7 +328,7 @@ class _Conversion:
         return self._within(joint, low, start, high, "rad")
 
     def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
-        """Return the value at which a joint starts; a start beyond a stop is moved to it, and reported."""
+        """Return the angle or position ``start``, or the stop beyond which it lies, which is reported."""
         stop = min(max(start, low), high)
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"
@@ -337,7 +337,7 @@ class _Conversion:
         return stop
 
     def _tell_unheld(self, joint: Joint) -> None:
-        """Report the values and drives of a joint that moves a free base, as the scene does not have them."""
+        """Report values and drives of a joint that moves a free base, because the scene lacks the joint."""
         values = {key.replace("_", " "): getattr(joint, key) for key in JOINT_KEYS if key != "rest"}
         lost = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
         if lost:
@@ -349,9 +349,9 @@ class _Conversion:
             )
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the base's parts of two tables: of [chain], which is ``slider`` or empty, and of [initial].
+        """Return the keys of the base for [chain], which are ``slider`` or none, and for [initial].
 
-        ``anchor``: place of joint 1 with the chain's joints at zero [m]; ``gravity``: the scene's gravity.
+        ``anchor`` is the place of joint 1 with the joints at zero [m], ``gravity`` the scene's [m/s²].
         """
         ways = [self.plan.flat(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":
@@ -370,10 +370,10 @@ class _Conversion:
         }
 
     def _slider(self, joint: Joint, way: np.ndarray, start: float, gravity: list[float]) -> dict[str, Any]:
-        """Return the table of a slider; its position in the scene counts from the start.
+        """Return the table of a slider, whose position in the scene counts from the position at the start.
 
-        ``way`` is the slide's direction in the plane, ``start`` the joint's position at the start [m], and
-        ``gravity`` the gravity of the scene [m/s²].
+        ``way`` is the unit vector along the slide in the scene's axes, ``start`` the joint's position at the
+        start [m], and ``gravity`` the gravity of the scene [m/s²].
         """
         if joint.armature:
             amount = f"{joint.armature:.6g} kg"
@@ -390,7 +390,7 @@ class _Conversion:
 
 
 def _rounded(data: Any) -> Any:
-    """Return data in which each number has DIGITS digits; further digits are round-off."""
+    """Return the data of a scene with each real number rounded to DIGITS significant digits."""
     if isinstance(data, dict):
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, list):

@@ -15,11 +15,12 @@ from chain_impact.conversion.robot import LinkShape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
 """The kinds of shapes that points can replace, because each is the convex hull of some balls or discs."""
-# [rad] the directions from a link to a wall for which the link's points are chosen
+# [rad] TURN: the angles of the directions from a link to a wall for which the points of the link are chosen;
+# DIRECTIONS: the unit vectors in these directions, shape (directions, 2)
 TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
-# [rad] where points lie on the rim of a disc that they replace, for a disc that is not seen exactly from the
-# side
+# [rad] the angles of the points on the rim of a disc that replace the disc, if it is neither parallel nor at
+# right angles to the plane of the motion
 RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
 
@@ -27,14 +28,14 @@ class Ball(NamedTuple):
     """A ball that may touch a wall; its centre and radius become those of a point.
 
     Attributes:
-        at: centre in the plane, with the joints of the chain at zero and all others at their start, shape
-            (2,) [m].
+        at: centre in the scene's axes, with the joints of the chain at zero and all other joints at their
+            start, shape (2,) [m].
         radius: radius [m].
-        name: name of the shape from which the ball comes.
-        blur: distance [m] up to which places count as equal; it follows from ``PARALLEL``, the angle up to
+        name: name of the shape from which the ball comes; "" without a name.
+        blur: distance up to which positions count as equal [m]; it follows from ``PARALLEL``, the angle up to
             which directions count as parallel.
-        is_point: whether the shape is a point of a scene; its ball is kept, even if every wall touches
-            another ball first.
+        is_point: whether the shape is a point of a scene of this package. Such a ball is kept, even if every
+            wall touches another ball first.
     """
 
     at: np.ndarray
@@ -47,8 +48,8 @@ class Ball(NamedTuple):
 def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
     """Yield balls whose convex hull is the projection of a shape onto the plane of the motion.
 
-    ``pose`` is rotation and position of the shape's body. The rim of an oblique disc is replaced by single
-    points.
+    For an oblique disc, the hull is only near the projection, because points (RIM) replace its rim. ``pose``
+    is the rotation matrix and the position [m] of the shape's body.
     """
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
@@ -56,8 +57,8 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
     size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
     blur = max(ZERO_LENGTH, 2.0 * PARALLEL * float(size))
     if shape.disc is not None:
-        # `disc` is parallel to the axis of the disc and as long as its radius; here it is projected onto the
-        # plane
+        # the vector `disc` is along the axis of the disc, and as long as the radius; `along` is its
+        # projection onto the plane
         along = plan.flat(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
         if seen < PARALLEL * size:
@@ -74,10 +75,11 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
 
 
 def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> np.ndarray | None:
-    """Return how far a shape extends in each of DIRECTIONS, shape (directions,) [m]; for oblique discs only.
+    """Return how far the oblique discs of a shape extend from the origin in each of DIRECTIONS [m].
 
-    The result is None if the balls of ``balls_of`` are exact. A disc of radius r whose axis has the angle γ
-    to a direction extends r sin γ from its centre in this direction.
+    The result has the shape (directions,). It is None for a shape without oblique discs, of which the balls
+    of ``balls_of`` are exact. A disc of radius r whose axis has the angle γ to a direction extends r sin γ
+    from its centre in this direction.
     """
     if shape.disc is None:
         return None
@@ -91,20 +93,16 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
-    """Return how far each ball extends from the origin in each of DIRECTIONS [m].
-
-    The shape is (directions, balls).
-    """
+    """Return how far each ball extends from the origin in each direction, shape (directions, balls) [m]."""
     centers = np.array([ball.at for ball in balls])
     return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
 
 
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
-    """Return few balls of a link, such that a wall in any direction first touches one of them.
+    """Return some of the balls of a link, such that a wall in each of DIRECTIONS first touches one of these.
 
-    A ball is left out if each wall that touches it first touches another of these balls at the same time, up
-    to round-off. Of balls at the same place, only the first one in the file stays. Balls with ``is_point``
-    always stay.
+    A ball is left out if each wall that touches it first also touches a returned ball at the same time, up to
+    ``blur``. Of equal balls, only the first one stays. Balls with ``is_point`` always stay.
     """
     if not balls:
         return []
@@ -118,22 +116,22 @@ def outermost(balls: Sequence[Ball]) -> list[Ball]:
 
 
 def is_within(inner: Ball, outer: Ball, joint: np.ndarray) -> bool:
-    """Return whether a ball of a link lies in a ball of its neighbour for every angle of the joint between.
+    """Return whether the ball ``inner`` of a link lies in ``outer`` of a neighbouring link, for all angles.
 
-    ``joint`` is the position of this joint.
+    These are the angles of the joint between both links, at the position ``joint`` [m].
     """
     away = float(np.linalg.norm(inner.at - joint) + np.linalg.norm(outer.at - joint))
     return away + inner.radius <= outer.radius + max(inner.blur, outer.blur)
 
 
 def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) -> list[list[Ball]]:
-    """Return the balls of each link, without those that always lie inside a ball of a neighbouring link.
+    """Return the balls of each link, without those that lie in a ball of a neighbouring link for all angles.
 
     Balls with ``is_point`` always stay.
 
     Args:
         balls: the balls of each link, from the base to the tip.
-        places: positions of the joints and the tip, with the joints of the chain at zero [m].
+        places: positions of the joints, then of the tip, with the joints of the chain at zero [m].
     """
     kept = [list(found) for found in balls]
     for i in range(1, len(kept)):
@@ -149,10 +147,10 @@ def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) ->
 
 
 def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:
-    """Return the tables of a link's points: x along the link, y to its left, radius [m], and name if any.
+    """Return for each ball the table of a link's point: ``x``, ``y``, ``radius`` [m] and, if any, ``name``.
 
-    ``joint`` is the position of the joint at which the link begins, and ``along`` the unit vector along the
-    link, with the joints of the chain at zero.
+    ``joint`` is the position of the link's proximal joint [m], ``along`` the unit vector along the link, both
+    with the joints of the chain at zero. Of several equal names, each gets a number at its end.
     """
     counts, seen = Counter(ball.name for ball in balls), Counter[str]()
     tables: list[dict[str, Any]] = []

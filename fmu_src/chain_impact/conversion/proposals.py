@@ -9,20 +9,20 @@ from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import Robot
 from chain_impact.scene.reading import SceneError
 
-TRIALS = 200  # largest number of conversions that are tried to find a proposal; each takes a few ms
+TRIALS = 200  # largest number of conversions that are tried to find a proposal; one conversion takes a few ms
 
 
 def chain_of(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object] = lambda done: done
 ) -> Converted:
-    """Return the scene of a robot; if there is none, the error proposes joints to move.
+    """Return the scene of a robot; if the robot is not a planar chain, the error proposes joints to move.
 
-    ``source`` is the file's name for messages. ``check`` gets the converted scene, and may refuse it by an
-    error; only joints whose scene it accepts are proposed.
+    ``source`` is the file's name for messages. ``check`` is called with the conversion, and may raise an
+    error; only joints with which it raises none are proposed.
 
     Raises:
-        NoChainError: when the robot is not a planar chain; the message names joints that would form a planar
-            chain, if some are found.
+        NoChainError: when the robot is not a planar chain; if some joints that form one are found, the
+            message and ``joints`` have their names.
         SceneError: when the choices do not fit the robot, or from ``check``.
     """
     try:
@@ -42,8 +42,8 @@ def _proposed(
 ) -> list[str] | None:
     """Return the names of the largest set of joints that a trial has converted to a scene; None for no set.
 
-    If a trial fails because of some joints, sets without one of them are tried next. There are at most TRIALS
-    trials, so a larger set may remain untried.
+    If a trial fails with a NoChainError, the sets without one of the error's ``joints`` are tried, too. There
+    are at most TRIALS trials, so a larger set may remain untried.
     """
     best: list[str] = []
     trials = 0
@@ -66,10 +66,11 @@ def _proposed(
 
 
 def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
-    """Yield lists of joints to try, by name, from the longest path of hinges.
+    """Yield lists of the names of joints to try, those with the most hinges first.
 
-    The hinges of a list have parallel axes and follow one another from the base outwards. A list with the
-    slides before its first hinge comes before the list without slides.
+    The hinges of a list have parallel axes and follow one another from the base outwards. If slides come
+    before the first hinge, a list with these slides is yielded before the list without them. ``wanted`` are
+    the names of the joints that may be in a list; without names, all may be.
     """
     pool = [moved for moved in joints_at_start(robot) if not wanted or moved.joint.name in wanted]
     paths: list[list[Moving]] = []
@@ -84,9 +85,10 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
 
 
 def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
-    """Yield the paths of a group of joints: for each outermost joint, the joints from the base up to it.
+    """Yield for each outermost joint of a group: the joints of the group from the base up to this joint.
 
-    The joints of the group are in the order from the base outwards.
+    A joint is outermost if no other joint of the group comes after it. The joints of the group must be in the
+    order from the base outwards.
     """
     for last in group:
         before = set(above(robot, last.body))

@@ -14,7 +14,7 @@ from chain_impact.conversion.differences import Difference
 
 
 def identifier(name: str, prefix: str) -> str:
-    """Return ``name`` with _ in place of each group of characters other than letters of ASCII, digits and _.
+    """Return ``name`` with one _ in place of each sequence of characters other than ASCII letters, digits, _.
 
     If the result begins with a digit or is empty, ``prefix`` and _ come before it.
     """
@@ -24,26 +24,27 @@ def identifier(name: str, prefix: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Joint:
-    """A joint between a body and its parent; its angle or position is 0 in the pose that the file gives.
+    """A joint between a body and the parent of the body.
 
-    Where two units are given, the first is for a hinge, and the second for a slide.
+    The angle of a hinge, or the position of a slide, is 0 in the pose of the file's elements. Where two units
+    are given, the first is for a hinge, and the second for a slide.
 
     Attributes:
-        name: the name in the file.
+        name: the name in the file, or the number of the joint.
         kind: ``hinge``, ``slide`` or another kind that no scene has.
-        axis: unit vector along the joint's axis, in the body's axes.
-        anchor: a point on the axis, in the body's axes [m].
+        axis: unit vector along the joint's axis, in the axes of the body.
+        anchor: a point on the joint's axis, in the axes of the body [m].
         low: least angle or position [rad or m]; −∞ without a limit.
         high: largest angle or position [rad or m]; ∞ without a limit.
-        damping: [N·m·s/rad or N·s/m].
-        stiffness: of the joint's spring [N·m/rad or N/m].
+        damping: viscous damping [N·m·s/rad or N·s/m].
+        stiffness: stiffness of the joint's spring [N·m/rad or N/m].
         rest: angle or position at which the spring has no moment or force [rad or m].
-        friction: dry friction [N·m or N].
-        armature: inertia of the rotor at the joint [kg·m² or kg].
-        torque_limit: limit of all drives [N·m or N]; None without a limit.
+        friction: moment or force of dry friction [N·m or N].
+        armature: inertia of the rotor, reflected to the joint [kg·m² or kg].
+        torque_limit: limit of the torque or force of all drives together [N·m or N]; None without a limit.
         start: angle or position at the start [rad or m].
         speed: rate of the angle or position at the start [rad/s or m/s].
-        turn: rotation of a ball joint at the start, shape (3, 3); None for other joints.
+        turn: rotation matrix of a ball joint at the start, shape (3, 3); None for other joints.
         inputs: keys of ``[inputs]`` that the joint's drives need.
         drives: names of the drives.
     """
@@ -91,20 +92,23 @@ JOINT_KEYS = {
     "low": JointKey("joint_min", "min"),
     "high": JointKey("joint_max", "max"),
 }
-"""Attribute of ``Joint`` → the names of this quantity. A slider has no armature: it is part of the carriage's
-mass."""
+"""Attribute of ``Joint`` → the names of this quantity. A slider has no armature: the mass of the carriage
+includes it."""
 
 
 def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str, float]:
-    """Return the values of a joint that a scene gives, as attribute of ``Joint`` → value.
+    """Return those values of a joint that a scene must give: attribute of ``Joint`` → value.
+
+    Values that a scene has without a key are left out: a missing spring, stop or limit, and a value of 0
+    except that of a limit, a stop or a rest angle.
 
     Args:
         joint: the joint.
-        rest: angle or position of the scene at which the joint's spring has no moment or force [rad or m].
+        rest: angle or position in the scene at which the joint's spring has no moment or force [rad or m].
         low: least angle or position of the joint in the scene [rad or m]; −∞ without a stop.
         high: largest angle or position of the joint in the scene [rad or m]; ∞ without a stop.
     """
-    # a value of 0 is left out, as None, because a scene has it without a key
+    # None marks a value that is left out
     values = {key: getattr(joint, key) or None for key in JOINT_KEYS}
     values |= {"rest": rest if joint.stiffness else None, "torque_limit": joint.torque_limit}
     values |= {"low": low, "high": high}
@@ -117,15 +121,15 @@ class LinkShape:
 
     Attributes:
         kind: the kind of shape, such as ``capsule``.
-        touches: whether the shape can touch anything.
-        name: a name of letters, digits and _, or "".
-        walls: whether the shape can touch a plane that does not move.
-        is_point: whether the shape is a point of a scene of this package; such a point is always kept.
-        corners: points in the body's axes [m], shape (n, 3). The shape is the convex hull of balls of the
-            same size around these points, or of discs.
-        radius: radius of the balls [m].
-        disc: None if the shape consists of balls; for a cylinder, the vector along the axis of the discs that
-            is as long as their radius [m], in the body's axes.
+        touches: whether the shape can touch any other shape; otherwise it is only seen.
+        name: a name of letters, digits and _; "" without a name.
+        walls: whether the shape can touch a plane that is fixed to the world.
+        is_point: whether the shape stands for a point of a scene, in a file of this package.
+        corners: points in the body's axes, shape (n, 3) [m]. The shape is the convex hull of equal balls or,
+            for a cylinder, equal discs around these points. No points if the outline is unknown.
+        radius: radius of the balls [m]; 0 for discs.
+        disc: for a cylinder, the vector along the axis of the discs that is as long as their radius, in the
+            body's axes, shape (3,) [m]; None for balls.
     """
 
     kind: str
@@ -143,8 +147,8 @@ def outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray
 
     Args:
         kind: sphere, capsule or cylinder; any other kind is replaced by a box.
-        sizes: radius of a sphere; radius and half the length along z of a capsule or cylinder; half the sides
-            of a box [m].
+        sizes: radius of a sphere; radius, and half the length along z, of a capsule (without its round ends)
+            or a cylinder; half the sides along x, y and z of a box [m].
     """
     ends = np.outer([-1.0, 1.0], [0.0, 0.0, 1.0])
     if kind == "sphere":
@@ -172,7 +176,7 @@ class Body:
         joints: the joints between the body and its parent, in the order in which they act.
         frames: named points in the body's axes [m], at one of which the last link may end.
         shapes: the shapes of the body.
-        borne: the share of the body's weight that the file compensates (gravcomp); 1 for all of it.
+        borne: the part of the body's weight that gravcomp of MJCF compensates [1]; 1 for the whole weight.
     """
 
     name: str
@@ -190,13 +194,14 @@ class Body:
 
 @dataclass(frozen=True, kw_only=True)
 class Plane:
-    """A plane that does not move; bodies are on the side to which its normal points.
+    """A plane that is fixed to the world; bodies are on the side to which the normal points.
 
     Attributes:
         name: the name in the file.
         point: a point on the plane, in space [m].
-        normal: unit vector, in space.
-        touching: pairs of the index of a body that can touch the plane, and the coefficient of friction.
+        normal: unit vector at right angles to the plane, in space.
+        touching: pairs (index of a body in ``Robot.bodies``, coefficient of sliding friction), one for each
+            shape that can touch the plane.
     """
 
     name: str
@@ -213,10 +218,10 @@ class Robot:
         name: the name of the model.
         bodies: the bodies.
         gravity: acceleration by gravity in the world's axes [m/s²].
-        planes: the planes that do not move.
+        planes: the planes that are fixed to the world; none if the file disables contacts.
         carried: the data of the scene from which this package wrote the file; None for any other file.
         notes: sentences on how the file was read.
-        differences: the parts of the file that no scene has, or only in another form.
+        differences: the parts of the file that no scene has, or that scenes have in another form.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A scene as MJCF: elements for MuJoCo, and a text with all data of the scene, even those without element."""
+"""A scene as MJCF: elements for MuJoCo, and a text element with all data of the scene as JSON."""
 
 from __future__ import annotations
 
@@ -16,20 +16,23 @@ from chain_impact.recording.text import few
 from chain_impact.scene.chain_tables import Link, Slider
 from chain_impact.scene.scene import Scene, scene_to_dict
 
-# axis of a hinge: the chain moves in the plane of x and z, as z points up in MuJoCo's pictures
+# axis of a hinge: the scene's x and y are x and z in MJCF, because z points up in MuJoCo's pictures
 HINGE = "0 -1 0"
-# [kg·m²] the smallest moment of inertia that MuJoCo accepts; smaller ones are replaced by it
+# [kg·m²] a moment of inertia that MuJoCo accepts; it replaces smaller ones
 LEAST_INERTIA = 2e-15
-# radius of points that have none in the scene, divided by the length of the longest link; MuJoCo needs one
-# above 0
+# [1] the least radius of a point in MJCF, divided by the length of the longest link, because MuJoCo needs a
+# radius above 0
 LEAST_RADIUS = 1e-4
-# [s] MuJoCo's default time step; a larger step of the scene is replaced by it, since MuJoCo would be too
-# inaccurate
+# [s] MuJoCo's default time step; it replaces a larger communication step of the scene, with which MuJoCo
+# would be too inaccurate
 LARGEST_STEP = 2e-3
 
 
 def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
-    """Return the MJCF of a scene, sentences on what MuJoCo does differently, and on what it does not have."""
+    """Return a scene as the text of MJCF, and lines on features that MuJoCo has in another form or lacks.
+
+    The second result are the lines on features in another form, the third those on features that it lacks.
+    """
     root = Element("mujoco", model=scene.name)
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(
@@ -60,7 +63,7 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
 
 
 def _add_walls(world: Element, scene: Scene) -> None:
-    """Add a plane for each wall; its normal, the z axis of the plane, points to the side of the chain."""
+    """Add a plane for each existing wall to ``world``; the z axis of a plane is the normal of the wall."""
     points = {wall.name: wall.point for wall in scene.walls}
     size = sum(link.length for link in scene.chain.links)
     for name, plane in scene.half_planes.items():
@@ -86,9 +89,9 @@ def _add_walls(world: Element, scene: Scene) -> None:
 
 
 def _add_chain(world: Element, scene: Scene) -> None:
-    """Add a body for each link, and one for the carriage of a slider if the carriage has a mass.
+    """Add a body to ``world`` for each link, and one for the carriage of a slider if the carriage has a mass.
 
-    The origin of a link's body is the joint at which the link begins, and its x axis is along the link.
+    The origin of a link's body is at the proximal joint of the link, the x axis of the body along the link.
     """
     free, links = scene.chain.base == "free", scene.chain.links
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
@@ -102,7 +105,7 @@ def _add_chain(world: Element, scene: Scene) -> None:
     for i, link in enumerate(links, 1):
         body = SubElement(parent, "body", name=f"link[{i}]", pos=position)
         _add_inertial(body, link.mass, (link.center_of_mass, link.center_of_mass_offset), link.inertia)
-        # MuJoCo accepts no body without mass, so without a carriage's mass the first link itself slides
+        # MuJoCo accepts no moving body without mass, so if the carriage has none, the body of link 1 slides
         if slider is not None and slider.mass == 0.0 and i == 1:
             _add_slide(body, slider)
         if free and i == 1:
@@ -123,14 +126,20 @@ def _add_chain(world: Element, scene: Scene) -> None:
 
 
 def _add_inertial(body: Element, mass: float, center: tuple[float, float], inertia: float) -> None:
-    """Add mass, centre of mass and moment of inertia (about the centre, in the plane) to a body."""
+    """Add mass [kg], centre of mass in the body's axes [m] and moment of inertia [kg·m²] to a body.
+
+    The moment is about the centre; the two moments that the planar motion does not need get the same value.
+    """
     x, y = center
     about = _numbers(*[max(inertia, LEAST_INERTIA)] * 3)
     SubElement(body, "inertial", pos=_numbers(x, 0.0, y), mass=repr(mass), diaginertia=about)
 
 
 def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float) -> None:
-    """Add a sphere for point ``number``, which touches walls; ``at`` is its centre in the body's axes [m]."""
+    """Add a sphere to a body for point ``number`` of the scene; the sphere touches walls only.
+
+    ``at`` is its centre along the link and to the left of the link, ``radius`` its radius [m].
+    """
     x, y = at
     ball = {"type": "sphere", "size": repr(radius), "pos": _numbers(x, 0.0, y), "condim": "1"}
     ball |= {"friction": "0 0 0", "mass": "0", "contype": "2", "conaffinity": "1"}
@@ -138,7 +147,7 @@ def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float
 
 
 def _add_slide(body: Element, slider: Slider) -> None:
-    """Add the sliding joint of a base to a body."""
+    """Add the sliding joint of the base, with the values of ``slider``, to a body."""
     axis = _numbers(math.cos(slider.angle), 0.0, math.sin(slider.angle))
     names = {key.slider: key.attribute for key in JOINT_KEYS.values() if key.slider and key.attribute}
     keys = _attributes(slider, names, slider.min, slider.max, slider.force_limit)
@@ -146,7 +155,7 @@ def _add_slide(body: Element, slider: Slider) -> None:
 
 
 def _joint(link: Link) -> dict[str, str]:
-    """Return the values of the joint at which a link begins, as attributes of MJCF."""
+    """Return the values of the proximal joint of a link, as attributes of MJCF."""
     names = {key.link: key.attribute for key in JOINT_KEYS.values() if key.attribute}
     return _attributes(link, names, link.joint_min, link.joint_max, link.joint_torque_limit)
 
@@ -158,14 +167,14 @@ def _attributes(
     high: float | None,
     limit: float | None,
 ) -> dict[str, str]:
-    """Return the values of a joint as attributes of MJCF.
+    """Return the values of a joint as attributes of MJCF; values of 0 are left out.
 
     Args:
         table: the link or slider with the values.
-        names: key of the table → attribute.
+        names: key of the table → name of the attribute.
         low: least angle or position [rad or m]; None without a stop.
         high: largest angle or position [rad or m]; None without a stop.
-        limit: limit of the drives [N·m or N]; None without a limit.
+        limit: limit of the drives [N·m or N]; None or 0 gives no limit in MJCF.
     """
     attributes = {name: repr(value) for key, name in names.items() if (value := getattr(table, key))}
     if low is not None or high is not None:
@@ -176,7 +185,7 @@ def _attributes(
 
 
 def _add_start(root: Element, scene: Scene) -> None:
-    """Add the positions and velocities at the start, as a keyframe."""
+    """Add a keyframe with the positions and velocities of all joints at the start to ``root``."""
     start = scene.initial
     places, rates = {
         "pinned": ((), ()),
@@ -198,7 +207,7 @@ def _steps(values: tuple[float, ...]) -> Iterator[float]:
 
 
 def _differences(scene: Scene) -> Iterator[str]:
-    """Yield a sentence for each feature that MuJoCo treats in another way than the scene."""
+    """Yield a line for each feature of the scene that MuJoCo has in another form."""
     links = scene.chain.links
     if scene.half_planes and 0.0 in _radii(scene):
         radius = LEAST_RADIUS * max(link.length for link in links)
@@ -214,7 +223,7 @@ def _differences(scene: Scene) -> Iterator[str]:
 
 
 def _left_out(scene: Scene) -> Iterator[str]:
-    """Yield a sentence for each feature of the scene that MuJoCo does not have."""
+    """Yield a line for each feature of the scene that MuJoCo does not have."""
     if scene.half_planes and _radii(scene):
         law = f"contact.model = {scene.contact.model}, stiffness, exponent and restitution"
         yield f"{law}: MuJoCo has a soft contact of its own, solref and solimp"
@@ -233,13 +242,13 @@ def _left_out(scene: Scene) -> Iterator[str]:
 
 
 def _radii(scene: Scene) -> list[float | None]:
-    """Return the radii [m] of all points that can touch walls; None for a point with the default."""
+    """Return the radii [m] of the points in ``contact.points``, then of all points of links beside ends."""
     contact = scene.contact
     return [contact.radius for _ in contact.points] + [site.radius for _, site in scene.chain.sites]
 
 
 def _limits(scene: Scene) -> Iterator[tuple[str, float | None]]:
-    """Yield the limit of the drives of each joint and of the slider: its name in the scene, and its value.
+    """Yield (name, value) of the limit of the drives of each joint and of the slider.
 
     A name is, for example, ``link[1].joint_torque_limit``; the value [N·m or N] is None without a limit.
     """

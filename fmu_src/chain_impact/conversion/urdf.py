@@ -29,16 +29,16 @@ from chain_impact.recording.text import few
 from chain_impact.scene.reading import SceneError
 
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
-"""Type of a moving joint in URDF → ``Joint.kind``; a fixed joint only joins two bodies."""
+"""Type of a joint in URDF → ``Joint.kind``, for the joints that a scene can have."""
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """Gravity of every robot [m/s²], because URDF gives none; by convention, a robot's z axis points up."""
 XACRO = "xacro"
-# an error of the moments of inertia up to this part of the largest moment of the body counts as round-off
+# [1] an error of the principal moments of inertia up to this part of the largest one counts as round-off
 INERTIA_ROUND_OFF = 1e-6
 
 
 def read_urdf(path: Path) -> Robot:
-    """Return the robot of a URDF file.
+    """Return the robot of a URDF file, at the start with all joints at 0 or at the limit nearest to 0.
 
     Files of meshes may be missing, because meshes and colours are not read.
 
@@ -83,9 +83,9 @@ def read_urdf(path: Path) -> Robot:
 
 
 def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
-    """Return links and joints as yourdfpy reads them.
+    """Return the robot as yourdfpy reads it, with links and joints, but without shapes.
 
-    If it cannot, the error names the part with the fault.
+    If yourdfpy fails, and also fails for a single element of the file, the SceneError names this element.
     """
     options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
     try:
@@ -103,7 +103,7 @@ def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
 
 
 def _check_parts(root: Element, path: Path) -> None:
-    """Refuse links and joints without an attribute that yourdfpy needs, or with the name of another one.
+    """Refuse links and joints that lack an attribute that yourdfpy needs, or have equal names.
 
     A link that is the child of two joints is refused, too.
     """
@@ -129,7 +129,7 @@ def _check_parts(root: Element, path: Path) -> None:
 
 
 def xml_of(path: Path) -> Element:
-    """Return the root element of an XML file; prefixes of names need not be declared in the file.
+    """Return the root element of an XML file, whose prefixes of names need not be declared.
 
     Raises:
         SceneError: when the file is not XML.
@@ -156,7 +156,7 @@ def local_name(tag: str) -> str:
 
 
 def urdf_of(path: Path) -> Element:
-    """Return the root element of a URDF file, without prefixes of names.
+    """Return the root element of a URDF file, in which all names are without prefix.
 
     Raises:
         SceneError: when the file is not XML, or must first be expanded by xacro.
@@ -178,7 +178,7 @@ def urdf_of(path: Path) -> Element:
 
 
 def moving_parts(root: Element) -> bytes:
-    """Return the XML text with only the links and joints of a file, without shapes, for yourdfpy."""
+    """Return XML with only the links and joints in ``root``, without shapes and colours, for yourdfpy."""
     bare = Element("robot", name=root.get("name") or "robot")
     for part in root:
         if part.tag in ("link", "joint"):
@@ -189,7 +189,7 @@ def moving_parts(root: Element) -> bytes:
 
 
 def _shapes(link: Element) -> Iterator[LinkShape]:
-    """Yield the shapes of a link; shapes that are only seen have no corners."""
+    """Yield the shapes of a link; shapes that are only seen, and meshes, have no corners."""
     for what in GEOMETRIES:
         for part in link.iter(what):
             geometry = next(iter(part.findall("geometry/*")), None)
@@ -202,10 +202,10 @@ def _shapes(link: Element) -> Iterator[LinkShape]:
 
 
 def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
-    """Return the attributes of ``LinkShape`` for a shape, in the axes of its link.
+    """Return the attributes ``corners``, ``radius`` and ``disc`` of ``LinkShape``, in the axes of the link.
 
-    These are corners, radius and, for a cylinder, the vector ``disc``. The result is empty if the
-    shape is no box, sphere or cylinder, or if sizes or origin are not the right count of numbers.
+    Only a cylinder has ``disc``. The result is empty if the shape is no box, sphere or cylinder, or if sizes
+    or origin are not numbers, or not the right count of numbers.
     """
 
     def numbers(element: Element | None, key: str, count: int = 1) -> np.ndarray:
@@ -231,10 +231,10 @@ def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
 
 
 def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
-    """Yield the link ``name`` and all links after it, each with the joint before it, parents first.
+    """Yield (name of a link, joint before this link) for the link ``name`` and all links after it.
 
-    ``joint`` is the joint before the link ``name``, or None; ``by_parent`` has for each link the joints that
-    follow.
+    A link comes before all links after it. ``joint`` is the joint before the link ``name``, or None;
+    ``by_parent`` is name of a link → the joints after this link.
     """
     waiting = [(name, joint)]
     while waiting:
@@ -267,7 +267,7 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
 def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
     """Yield a difference for each body whose moments of inertia no rigid body can have.
 
-    The principal moments A ≤ B ≤ C of a rigid body obey A ≥ 0 and A + B ≥ C.
+    The principal moments A ≤ B ≤ C of a rigid body obey A ≥ 0 and A + B ≥ C; round-off is allowed for.
     """
     for b, body in enumerate(bodies):
         low, middle, high = np.linalg.eigvalsh(body.inertia)
@@ -302,9 +302,9 @@ def _joint(joint: Any) -> Joint:
 
 
 def _range(joint: Any) -> tuple[float, float]:
-    """Return the least and the largest angle or position of a joint [rad or m]; ∓∞ without limits.
+    """Return the least and the largest angle or position of a joint [rad or m]; −∞ and ∞ without limits.
 
-    If the file gives only one of the two, the other is 0.
+    If the file gives only one of the two limits, the other is 0.
     """
     limit = joint.limit
     if limit is None or joint.type == "continuous" or (limit.lower is None and limit.upper is None):
@@ -313,7 +313,7 @@ def _range(joint: Any) -> tuple[float, float]:
 
 
 def _limits(joint: Any) -> Iterator[Difference]:
-    """Yield differences for limits of a joint that the scene does not have, or has in another form."""
+    """Yield differences for limits of a hinge or slide that the scene does not have, or in another form."""
     limit = joint.limit
     if limit is None or joint.type not in KINDS:
         return

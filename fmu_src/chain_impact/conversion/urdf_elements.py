@@ -1,4 +1,4 @@
-"""How the conversion treats each element and attribute of URDF; any other one is reported."""
+"""The elements and attributes of URDF that the conversion knows; all others are reported."""
 
 from __future__ import annotations
 
@@ -22,22 +22,21 @@ USED_ATTRIBUTES = {
     "robot/joint/limit": "lower upper effort velocity",
     "robot/joint/dynamics": "damping friction",
 }
-"""Path of an element that the conversion reads → the attributes that it reads or reports itself."""
+"""Path of an element that the conversion reads → the attributes that urdf.py reads or reports."""
 GEOMETRIES = ("visual", "collision")
 """Elements of a link with shapes; urdf.py reads them, and their attributes are not reported."""
 NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
-"""Attributes that have no effect in any element."""
+"""Names of attributes that have no effect in any element."""
 UNUSED_ELEMENTS = ("material",)
-"""Elements that have no effect in any place; a material is a colour."""
+"""Names of elements that have no effect wherever they stand; a material is a colour."""
 MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
-"""Element of a joint that changes the motion → rest of the sentence on it; a scene does not have the
-element."""
+"""Element of a joint that changes the motion, and that scenes lack → the rest of the sentence on it."""
 
 
 def other_elements(root: Element) -> Iterator[Difference]:
     """Yield a difference for each element or attribute of a file that the conversion does not read.
 
-    Those in NO_EFFECT and UNUSED_ELEMENTS are left out, and the shapes, which urdf.py reads.
+    Attributes in NO_EFFECT, elements in UNUSED_ELEMENTS, and shapes, which urdf.py reads, are left out.
     """
     yield from _attributes(root, "robot", root)
     for part in root:
@@ -58,10 +57,10 @@ def other_elements(root: Element) -> Iterator[Difference]:
 
 
 def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
-    """Yield path and element for all elements inside an element.
+    """Yield path and element for all elements inside ``part``, which has the path ``path``.
 
-    What is inside an element that is not in USED_ATTRIBUTES is left out, because such an element is reported
-    as a whole.
+    Elements inside an element that is not in USED_ATTRIBUTES are left out, because such an element is
+    reported as a whole.
     """
     for element in part:
         if isinstance(element.tag, str):

@@ -36,16 +36,15 @@ Points = list[dict[str, Any]]
 class Walls:
     """The conversion of planes and shapes of a robot to walls and points of a scene.
 
-    ``differences`` collects the differences: planes that become no wall, points that are left out or smaller
-    than in the file, shapes that do not touch in the scene.
-
     Attributes:
         robot: the robot, with planes and shapes.
         chosen: the joints of the chain.
         plan: the plane of the motion.
-        parts: the bodies of each link.
-        places: positions of the joints and the tip in the plane, with the joints of the chain at zero [m].
-        start: position of the base [m] and angles of the links [rad] at the start.
+        parts: the indices of the bodies of each link.
+        places: positions of the joints, then of the tip, with the joints of the chain at zero [m].
+        start: position of the base [m] and absolute angles of the links [rad] at the start.
+        differences: the differences that ``converted`` has found, such as a plane that becomes no wall.
+        walls: name of the plane, a point on it [m] and its unit normal, for each plane that becomes a wall.
     """
 
     robot: Robot
@@ -58,11 +57,14 @@ class Walls:
     walls: list[tuple[str, np.ndarray, np.ndarray]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Store the link of each body that belongs to one."""
+        """Store index of a body → index of its link, for all bodies of links."""
         self.link_of = {b: i for i, part in enumerate(self.parts) for b in part}
 
     def converted(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
-        """Return the scene's tables with walls and contacts, the points of each link, and the differences."""
+        """Return the tables ``box``, ``walls`` and ``contact``, the points of each link, and the differences.
+
+        Empty tables are left out.
+        """
         box: dict[str, float] = {}
         walls: list[dict[str, Any]] = []
         materials: dict[str, dict[str, float]] = {}
@@ -113,9 +115,9 @@ class Walls:
         return {self.link_of[b] for b, _ in plane.touching if b in self.link_of}
 
     def _friction(self, plane: Plane) -> float:
-        """Return the coefficient of friction between a plane and the links.
+        """Return the coefficient of sliding friction between a plane and the links that can touch it.
 
-        If it is not the same for all bodies, the largest one is returned, and the difference reported.
+        If the coefficient differs between shapes, the largest is returned, and the difference is reported.
         """
         coefficients = sorted({friction for b, friction in plane.touching if b in self.link_of})
         if len(coefficients) > 1:
@@ -127,11 +129,15 @@ class Walls:
         return coefficients[-1]
 
     def _points(self, touching: set[int], balls: Sequence[list[Ball]]) -> dict[str, Any]:
-        """Return ``{"points": numbers}`` for [contact]: the numbers of joints and ends that touch walls.
+        """Return ``{"points": numbers}`` for [contact]: the numbers of the ends of links that touch walls.
 
-        A link that can touch walls and has no balls touches them with its two ends, except a pinned base and
-        a joint inside a ball of a neighbouring link. The result is empty if the scene's default is right: if
-        there are no balls at all, and all links touch walls, or none does.
+        A link that can touch walls and has no balls touches them with its two ends, except an end at a pinned
+        base, and an end inside a ball of a neighbouring link. The result is {} if the default of
+        ``contact.points`` suffices: if no link has balls, and either all links touch walls or none does.
+
+        Args:
+            touching: the indices of the links that can touch walls.
+            balls: the balls of each link.
         """
         if not any(balls) and len(touching) in (0, len(self.parts)):
             return {}
@@ -140,7 +146,7 @@ class Walls:
         return {"points": [end for end in sorted(ends) if not self._is_covered(end, balls)]}
 
     def _is_covered(self, end: int, balls: Sequence[list[Ball]]) -> bool:
-        """Return whether a joint or end of the chain lies in a ball of a link that begins or ends there."""
+        """Return whether point ``end`` of the chain lies in a ball of a link that begins or ends there."""
         point = Ball(self.places[end], 0.0, "")
         around = chain(*balls[max(end - 1, 0) : end + 1])
         return any(is_within(point, ball, point.at) for ball in around)
@@ -148,15 +154,17 @@ class Walls:
     def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
 
-        A shape is replaced if its kind is in OUTLINED, and it can touch a wall or, without planes, anything.
+        They do if the kind of the shape is in OUTLINED, its corners are known, and it can touch a wall or, in
+        a file without planes, any other shape.
         """
         has_corners = shape.kind in OUTLINED and len(shape.corners) > 0
         return has_corners and (shape.walls if self.robot.planes else shape.touches)
 
     def _balls(self, i: int, touching: set[int]) -> list[Ball]:
-        """Return the balls of link ``i``, from 0, that can touch walls.
+        """Return the balls of the link with index ``i`` that can touch walls.
 
-        For a pinned base, a ball with its centre at the first joint is left out, because it cannot move.
+        A ball of link 1 with its centre at a pinned base is left out, because walls do not act on this base.
+        ``touching`` are the indices of the links that can touch walls.
         """
         if self.robot.planes and i not in touching:
             return []
@@ -170,10 +178,10 @@ class Walls:
         return [ball for ball in balls if not fixed or np.linalg.norm(ball.at - self.places[0]) > ZERO_LENGTH]
 
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
-        """Return the tables of the points of each link, such that no point starts inside a wall.
+        """Return the tables of the points of each link for its ``balls``, such that none starts in a wall.
 
-        A point that reaches into a wall gets a smaller radius; a point whose centre is inside a wall is left
-        out.
+        A point that would reach into a wall gets a smaller radius; a point whose centre would be in a wall is
+        left out.
         """
         at, points = np.array(self.start[0]), []
         for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):
@@ -188,10 +196,10 @@ class Walls:
     def _fits(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
-        """Return whether the centre of a point starts outside of all walls.
+        """Return whether the centre of a point starts outside of all walls, else report it.
 
-        If it does, but its radius reaches into a wall, ``table`` gets a smaller radius. A smaller radius is
-        reported, and so is a point whose centre starts inside a wall.
+        If the centre does, but the point reaches into a wall, ``table`` gets the largest radius with which
+        the point does not, and this change is reported.
 
         Args:
             i: index of the link.
@@ -230,7 +238,8 @@ class Walls:
     def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
         """Report shapes that points do not replace, and how far shapes reach beyond the scene's points.
 
-        Bodies that slide with the base, but belong to no link, are reported if they touch walls in the file.
+        Bodies that slide with the base, but belong to no link, are reported if they can touch walls in the
+        file. The arguments are those of ``_points``.
         """
         shapes = [shape for b in self.link_of for shape in self.robot.bodies[b].shapes]
         for touches, text in (
@@ -258,9 +267,10 @@ class Walls:
                 )
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
-        """Report how far the shapes of a link reach beyond the points, or ends, with which it touches walls.
+        """Report how far the shapes of the link with index ``i`` reach beyond its points in the scene.
 
-        The difference includes oblique cylinders, whose outline lies outside of the points on their rim.
+        Without ``balls``, the link touches walls with its two ends. The shapes are those that points do not
+        replace, and oblique cylinders, whose outline reaches beyond the points on their rims.
         """
         ends = self.places[i : i + 2]
         touching = balls or [Ball(end, 0.0, "") for end in ends]
