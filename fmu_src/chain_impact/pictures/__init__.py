@@ -1,4 +1,4 @@
-"""Pictures of a recording: functions that fill figures, and ``draw_figure``, which writes or returns one."""
+"""Pictures of a recording: functions that fill figures, and ``draw_figure``, which makes the figure."""
 
 from chain_impact.pictures.bars import Bars, bars_size, fill_bars, have_one_scale
 from chain_impact.pictures.changes import fill_sensitivities

@@ -19,8 +19,9 @@ from chain_impact.pictures.style import FULL, WIDE
 from chain_impact.recording.recording import Recording
 
 # Ratios of width to height of the motion. SLIM, BROAD: the least and the largest ratio that the panel of
-# motion has beside other panels. BROADEST_BESIDE: a broader motion has the whole width of the figure, above
-# the other panels. BROADEST_HIGH: on a narrow figure, the panel of a broader motion is lower than ABOVE_TIME.
+# motion has beside other panels. BROADEST_BESIDE: a motion with a larger ratio has the whole width of the
+# figure, above the other panels. BROADEST_HIGH: on a narrow figure, the panel of a motion with a larger ratio
+# is lower than ABOVE_TIME allows.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
 BROADEST_FLAT = 3.5  # the largest ratio of width to height that the panel of motion has
 # the height of the panel of motion beside other panels, relative to the width of the figure, for a wide and a
@@ -28,9 +29,9 @@ BROADEST_FLAT = 3.5  # the largest ratio of width to height that the panel of mo
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
 # contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
-# room for the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion if
-# it is above the other panels, on a figure of COLUMN [inch] or less; on a wider one that is still narrow, it
-# grows with the width. All but COLUMN are relative to the height of the panel of energies.
+# room for the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion
+# above other panels, on a figure with a width of COLUMN [inch] or less; on a wider figure below WIDE, this
+# height grows with the width. All but COLUMN are relative to the height of the panel of energies.
 RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 2.0, 3.5
 # If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
 # height of the panel of energies.
@@ -38,12 +39,11 @@ HIGH_ROWS, LOW_ROW = 2, 0.24
 # If a recording has at most FEW_IMPACTS impacts, the height of their panel is LOW_IMPACTS, relative to the
 # height of the panel of energies.
 FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
-# HIGHEST: the largest height of the panel of motion, relative to the width of the figure, if the user gives
-# no height. It does not apply if a narrow figure has this panel above the others: there ABOVE_TIME is the
-# limit.
+# the largest height of the panel of motion, relative to the width of the figure, if the user gives no height;
+# for a panel above the other panels of a narrow figure, ABOVE_TIME is the limit
 HIGHEST = 0.4
 # Lengths in inches.
-# LOWEST: the least height of the panel of motion beside the others.
+# LOWEST: the least height of the panel of motion beside other panels.
 # ENERGY_HEIGHT: the height of a panel of energies.
 # TEXTS: the height of the legend and the numbers of a panel over time.
 # HEADS: the height of the headline plus the height of the labels below all panels.
@@ -54,9 +54,9 @@ LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 0.9, 0
 
 
 def is_over_time(recording: Recording, name: str) -> bool:
-    """Return whether the panel ``name`` has the common axis of time.
+    """Return whether the panel ``name`` has the axis of time that panels share.
 
-    A motion in the plane does not have it, nor a single impact over its own time.
+    A motion in the plane has no axis of time, and a single impact ("impact") has an axis of its own.
     """
     return name != "impact" and is_in_column(recording, name)
 
@@ -69,7 +69,7 @@ def is_in_column(recording: Recording, name: str) -> bool:
 def broadness(recording: Recording) -> float:
     """Return the ratio of width to height of the motion with its walls, but at most BROADEST_FLAT.
 
-    A flatter motion is drawn with a larger scale along y.
+    A motion with a larger ratio is drawn with a larger scale along y than along x.
     """
     width, height = np.ptp(view_of(recording).corners, axis=0)
     return float(min(width / height, BROADEST_FLAT))
@@ -96,8 +96,8 @@ def is_beside(ratio: float, width: float) -> bool:
 def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     """Return the heights of the panels over time, relative to the height of the panel of energies.
 
-    If a motion in the plane is shown beside or above them, the height of the axis that shows the colours of
-    time comes last. ``shown`` has the names of all panels.
+    If a motion in the plane is shown beside or above these panels, the height of the axis that shows the
+    colours of time comes last. ``shown`` has the names of all panels.
     """
     timed = [name for name in shown if is_in_column(recording, name)]
     known = {"motion": ALONG_LINE, "friction": RUBBING}
@@ -136,7 +136,8 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
 def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
     """Return the axes of a figure: name of a panel → axes.
 
-    If a motion in the plane is shown with panels over time, "time" is the axis of its colours below them.
+    If a motion in the plane is shown with panels over time, "time" has the axes of the colours of time, below
+    these panels.
     """
     timed = [name for name in shown if is_in_column(recording, name)]
     width, has_motion = figure.get_figwidth(), len(timed) < len(shown)
@@ -147,7 +148,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
         share = motion_share(ratio, width)
         columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
         motion = figure.add_subplot(columns[0], label="motion")
-        # the panels over time have a grid of their own, so their margin does not depend on the motion
+        # the panels over time have a grid of their own, so that their margin does not depend on the motion
         grid: Any = columns[1].subgridspec(len(heights), 1, height_ratios=heights)
         return {"motion": motion} | _timed_axes(figure, grid, names)
     above = [_height_above(ratio, width)] if has_motion else []
@@ -161,11 +162,10 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
 
 
 def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
-    """Return new axes with a common axis of time, in the last cells of a grid, in the order of ``names``.
+    """Return new axes in the last cells of a grid, in the order of ``names``: name of a panel → axes.
 
-    A single impact has its own axis of time.
-
-    The axes "time" are made first, and those of a single impact last, among the figure's axes.
+    All but those of a single impact share the axis of time. Among the axes of the figure, "time" is made
+    first, and a single impact last.
     """
     axes: dict[str, Axes] = {}
     for name in sorted(names, key=lambda name: (name != "time", name == "impact")):
@@ -176,7 +176,7 @@ def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Ax
 
 
 def _height_above(ratio: float, width: float) -> float:
-    """Return the height of the panel of a motion above all other panels, relative to that of an energy panel.
+    """Return the height of the panel of a motion above other panels, relative to a panel of energies.
 
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """

@@ -43,12 +43,12 @@ class ArrowScale:
         return self.length(force) > SHORTEST_ARROW * self.side
 
     def marks(self) -> list[tuple[float, str]]:
-        """Return, for each mark, its distance from the ruler's left end [m] and its text.
+        """Return the distance from the ruler's left end [m], and the text, of each mark from right to left.
 
-        The first mark is the largest force, at the right end. The others are powers of ten [N], at most
-        DECADES: the largest one up to the largest force, then the smaller ones in turn. Such a mark is left
-        out if its distance from the left end is less than FIRST_MARK, or its distance from the mark at its
-        right is less than MARK_GAP.
+        The first mark is the largest force, at the right end. The other marks are at most DECADES powers of
+        ten [N], from the largest one up to the largest force downwards. A power of ten is left out if it is
+        nearer to the left end than FIRST_MARK, or nearer to the mark at its right than MARK_GAP, both times
+        the length of the ruler.
         """
         highest, whole = math.floor(math.log10(self.peak)), LONGEST_ARROW * self.side
         marks, free = [(whole, force_text(self.peak, "N"))], whole
@@ -62,9 +62,10 @@ class ArrowScale:
         return marks
 
     def draw(self, axes: Axes, y: float, colour: str) -> None:
-        """Draw the ruler, with marks and its name; it begins at the left edge of axes.
+        """Draw the ruler with its marks and name, from the left edge of axes on.
 
-        ``y`` is the height of the ruler above the figure's lower edge, relative to the figure's height.
+        A mark whose number would touch the number at its right is left out. ``y`` is the height of the ruler
+        above the figure's lower edge, relative to the figure's height.
         """
         _, place, text_look = placed_below(axes, colour)
         left, _ = axes.get_xlim()
@@ -78,7 +79,7 @@ class ArrowScale:
             below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
             label = axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), **below)
             box = label.get_window_extent()
-            if box.x1 > free:  # in a small film this number would touch the number at its right
+            if box.x1 > free:  # only in a small film
                 label.remove()
                 continue
             axes.plot([left + at], [y], "|", **marks)

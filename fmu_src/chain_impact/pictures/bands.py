@@ -1,4 +1,4 @@
-"""Curves that a reader can distinguish: dashes if curves coincide, bands for grey and oscillating ones."""
+"""Curves that a reader can distinguish: dashes for coincident curves, bands for grey and fast curves."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from chain_impact.pictures.style import GREY
 MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
 SOFT = 0.45  # the opacity of a band, from 0 to 1
 # BIN: the width [points] of the parts into which the axes are divided. FAST_PART: a curve is fast if more
-# than this share of the parts have at least two turns of the curve each, which is a period. LEAST_TURN: the
-# least change of the value until the next turn with which a turn counts, relative to the range of all curves
+# than this share of the parts have at least two turns of the curve each, which is a period. LEAST_TURN: a
+# turn counts if the value changes at least by this until the next turn, relative to the range of all curves
 # in the axes.
 BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
 # the largest distance of two curves that look like one curve, relative to the range of all compared curves
@@ -23,8 +23,7 @@ SAME = 0.005
 # this; PIECES: the number of points of a line at which the distance is measured; DASH: the length of a dash,
 # in line widths
 MERGED, PIECES, DASH = 0.008, 200, 3.0
-# of the range of a fast oscillation: the width of its edges [points], and its opacity, from 0 to 1, through
-# which other ranges are seen
+# the width [points] of the edges of the area for a fast curve, and the opacity of this area, from 0 to 1
 BAND_EDGE, CLEAR = 1.2, 0.2
 FAST = "pale area: range of a fast oscillation"
 
@@ -32,9 +31,10 @@ FAST = "pale area: range of a fast oscillation"
 def fill_band(
     axes: Axes, along: np.ndarray, curves: np.ndarray | Sequence[np.ndarray], label: str | None = None
 ) -> None:
-    """Fill the area between the least and the largest of some curves in grey.
+    """Fill the area between the least and the largest value of some curves in grey.
 
-    The area has gaps where all curves lack a value. ``along``: the positions on the horizontal axis.
+    The area has gaps where all curves lack a value. ``along``: the positions on the horizontal axis, shape
+    (T,); ``curves``: values, each of shape (T,); ``label``: the text in the legend, None for no entry.
     """
     known = np.ma.masked_invalid(curves)
     ends = known.min(axis=0).filled(np.nan), known.max(axis=0).filled(np.nan)
@@ -42,10 +42,10 @@ def fill_band(
 
 
 def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
-    """Draw curves; a curve that oscillates fast is drawn as the range of its values.
+    """Draw curves; a fast curve (``is_fast``) is drawn as the range of its values (``envelope``).
 
-    The range is a pale area between two lines, its least and its largest values; an entry of the legend
-    explains it.
+    The range is a pale area between lines at its least and its largest values. If there is a fast curve, an
+    entry of the legend explains the area.
 
     Args:
         axes: the axes to draw into.
@@ -71,15 +71,15 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
 
 
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
-    """Return for each curve how many earlier curves nearly coincide with it, so that it would hide them.
+    """Return for each curve the number of earlier curves with which it nearly coincides, and so hides them.
 
-    The caller draws such a curve with dashes, so that the earlier ones are seen through the gaps. A curve
-    with missing values hides none, and is not hidden.
+    The caller draws such a curve with dashes, so that earlier curves are visible through the gaps. A curve
+    with missing values coincides with no curve.
 
     Args:
         curves: the curves, each of shape (T,).
-        same: the largest distance at which two curves coincide, relative to the range of all curves.
-        share: the part of the rows in which two such curves must coincide.
+        same: the largest distance at which two curves coincide in a row, relative to the range of all curves.
+        share: the part of the rows, 0 to 1, in which curves must coincide.
     """
     every = [curve[np.isfinite(curve)] for curve in curves]
     whole = np.concatenate(every) if every else np.zeros(0)
@@ -93,9 +93,9 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
     """Return for each line a style of dashes if it merges with an earlier line, and None for other lines.
 
-    Lines merge if they nearly coincide (MERGED). In a group of lines that merge, the first line has no dashes
-    and lies below the others. The dashes of the others alternate along the line: one dash of each, and then a
-    gap through which the first line is seen.
+    Lines merge if they nearly coincide (MERGED). In a group of lines that merge, the first line, which the
+    caller draws below the other lines, has no dashes. The dashes of the other lines alternate: one dash of
+    each, and then a gap through which the first line is visible.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -130,8 +130,8 @@ def _evenly(line: np.ndarray) -> np.ndarray:
 def _apart(first: np.ndarray, second: np.ndarray) -> float:
     """Return the usual distance of two lines of evenly spaced points, each of shape (2, S).
 
-    For each line, the median of the distances of its points from the nearest points of the other line is
-    found; the result is the larger of both medians.
+    Each line has a median of the distances of its points from the nearest point of the other line. The result
+    is the larger one of the two medians.
     """
     distances = np.hypot(*(first[:, :, None] - second[:, None, :]))
     return float(max(np.median(distances.min(axis=along)) for along in (0, 1)))
@@ -142,8 +142,8 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
 
     The axis is divided into ``bins`` equal parts. The result is True if more than FAST_PART of these parts
     have at least two turns each. A turn counts only if the value changes by at least ``least`` from this turn
-    to the next one; the last turn always counts. The result is False for a curve with missing values, or with
-    at most ``bins`` rows.
+    to the next turn; the last turn always counts. The result is False for a curve with missing values, or
+    with at most ``bins`` rows. ``along`` and ``values`` have the shape (T,).
     """
     if not np.isfinite(values).all() or len(along) <= bins:
         return False
@@ -158,8 +158,8 @@ def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarr
     """Return the range of a curve: the middles of parts of the axis, and the least and largest values there.
 
     The axis is divided into ``bins`` equal parts. The least and the largest value of a part are those of the
-    rows in this part and in both parts beside it; so the edges of the range do not follow the oscillation. A
-    part is left out if none of these rows exist.
+    rows in this part and in both parts beside it, so that the edges of the range do not follow the
+    oscillation. A part is left out if these three parts have no row.
     """
     edges = np.linspace(along[0], along[-1], bins + 1)
     starts = np.searchsorted(along, edges)

@@ -32,8 +32,8 @@ HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in r
 DOT = 24.0  # [square points] the size of a dot
 RUN_MARK = 4.5  # [points] the size of the diamonds, see ``Bars.marks``
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
-# If the axes of all blocks of bars have the same label, they have one scale, provided that the longest bar of
-# each block is at most ONE_SCALE times as long as the longest bar of any other block.
+# The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar of each
+# block is at most ONE_SCALE times as long as the longest bar of any other block.
 ONE_SCALE = 10.0
 
 
@@ -48,10 +48,10 @@ class Bars:
         label: the label of the axis.
         heading: a text above the column of ``texts``.
         title: a text above the block.
-        colours: the colour of each bar; if there are none, the colour of a bar shows the sign of its value.
-        marks: for each bar None, or another value, at which a diamond stands; the bar is then hollow. With
-            NaN there is no diamond.
-        dots: whether a dot stands in place of each bar, for an axis that is not linear.
+        colours: the colour of each bar; without colours, the colour of a bar shows the sign of its value.
+        marks: for each bar None or a second value, at which a diamond stands; such a bar is hollow. If the
+            second value is NaN, the bar is hollow without a diamond.
+        dots: whether a dot stands in place of each bar, for an axis that is not linear; without ``marks``.
     """
 
     names: Sequence[str]
@@ -66,7 +66,7 @@ class Bars:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The ends of the axis without margins: the least value or mark or 0, and the largest or 0."""
+        """The ends of the axis without margins: the least and the largest of 0, all values and all marks."""
         seen = [value for value in (*self.values, *self.marks) if value is not None and math.isfinite(value)]
         return min([0.0, *seen]), max([0.0, *seen])
 
@@ -86,8 +86,8 @@ def fill_bars(
         figure: the figure to draw on.
         title: the title of the picture.
         conditions: the text below the title.
-        warning: a text in the colour of what matters most, between title and conditions.
         blocks: the blocks, each with at least one bar; without a block the picture says "no effect".
+        warning: a text in PEAK_COLOUR between title and conditions; "" for none.
     """
     headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
     if not blocks:
@@ -111,7 +111,7 @@ def have_one_scale(longest: Sequence[float]) -> bool:
 
 
 def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
-    """Return the ends of each block's axis; equal if the blocks share a label and ``have_one_scale``."""
+    """Return the ends of each block's axis: the same for all if labels are equal and ``have_one_scale``."""
     longest = [max(map(abs, block.ends)) for block in blocks]
     if len({block.label for block in blocks}) > 1 or not have_one_scale(longest):
         return [block.ends for block in blocks]

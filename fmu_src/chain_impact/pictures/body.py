@@ -1,4 +1,4 @@
-"""Bodies in pictures: outlines of links with points, and a sliding base with its line."""
+"""Bodies in pictures: outlines of links, points of links, discs at ends, and a sliding base with its line."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ CARRIAGE = 0.5  # the opacity of the area inside the outline of a carriage, from
 
 
 def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:
-    """Draw the bodies at one row of the recording: outlines of links, points of links, and the carriage.
+    """Draw the bodies in one row of the recording: outlines and points of links, discs, and the carriage.
 
-    An end of a link is drawn as a disc if it can touch, its radius is known and not 0, and no link with an
-    outline begins or ends there.
+    A disc is drawn at an end of a link that can touch with a known radius > 0, if no link with an outline
+    begins or ends there.
     """
     points, sites = recording.points[row], recording.sites[row]
     style = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
@@ -45,7 +45,7 @@ def body_look(colour: Any) -> dict[str, Any]:
 
 
 def draw_rail(axes: Axes, recording: Recording) -> list[LineCollection]:
-    """Draw the line of a slider with its stops, and return the drawn lines; nothing without a slider."""
+    """Draw the line of a slider with its stops, and return the drawn lines; [] without a slider."""
     if not recording.rail:
         return []
     lines = recording.rail.lines(recording.points[:, 0])

@@ -1,4 +1,4 @@
-"""When contacts end and when their forces are largest, as far as a picture shows it."""
+"""The times at which contacts end, and at which their forces are largest, for pictures."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from chain_impact.recording.course import Course
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 
-# the least time within a contact, relative to the run's duration, that is seen: a shorter contact is no thick
-# line, and the peak of its force stands at its onset
+# the least time, relative to the run's duration, that is visible: a contact that does not last longer is no
+# thick line, and the peak of its force is drawn at the onset
 SEEN_CONTACT = 0.01
-# the least force of a row that counts as the peak of a contact, relative to the peak force, which includes
-# times between rows
+# the least force of a row that counts as the peak of a contact, relative to the peak force, which may lie
+# between rows
 ALMOST_PEAK = 0.98
-# the time of the largest force is that of the first row with at least this part of it, so that round-off
-# chooses no time of a constant force
+# the time of the largest force is that of the first row with at least FIRST × this force, so that round-off
+# does not choose a time while the force is constant
 FIRST = 1.0 - 1e-4
 FIRST_EXACT = 1.0 - 1e-7  # the same as FIRST for the rows of an impact's course, which are close in time
 
@@ -26,7 +26,7 @@ FIRST_EXACT = 1.0 - 1e-7  # the same as FIRST for the rows of an impact's course
 def contact_ends(recording: Recording) -> np.ndarray:
     """Return the ends of the contacts of the recording's I impacts, shape (I,) [s].
 
-    A contact that has not ended gets the end of the recording; an unknown end is replaced by the onset.
+    A contact that lasts to the end of the recording gets this end; any other unknown end becomes the onset.
     """
     impacts = recording.impacts
     ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
@@ -34,15 +34,15 @@ def contact_ends(recording: Recording) -> np.ndarray:
 
 
 def has_impulses(law: str) -> bool:
-    """Return whether a contact law acts by impulses; False for a law of a user and an unknown law."""
+    """Return whether a contact law, by its id, acts by impulses; False for a user's law or an unknown law."""
     return law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive
 
 
 def impacts_at_peaks(recording: Recording) -> np.ndarray:
-    """Return the table of impacts with the time of the largest force as ``onset``, where the rows tell it.
+    """Return a copy of the table of impacts in which ``onset`` is the time of the largest force, if known.
 
-    The onset stays if the force is largest so soon after it that this is not seen (SEEN_CONTACT), if no row
-    has the peak force, and under a law that acts by impulses.
+    The onset stays if the largest force follows too soon to be visible (SEEN_CONTACT), if no row has the peak
+    force, if the recording lacks the force, and under a law that acts by impulses.
     """
     impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * np.ptp(recording.time)
     law = recording.parameters.get("contact.model", "")
@@ -63,15 +63,16 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
 
 
 def course_in_run(recording: Recording, row: int) -> Course | None:
-    """Return the course of the impact in a row of ``impacts``; None if the run cannot be repeated."""
+    """Return the course of the impact in row ``row`` of ``impacts``; None if the run cannot be repeated."""
     result: Any = recording
     return result.course_of_impact(row + 1) if getattr(recording, "rerun", None) is not None else None
 
 
 def peak_time(recording: Recording, row: int) -> float:
-    """Return the time [s] of the largest force in one impact, as ``impacts_at_peaks``; ``row`` is its row.
+    """Return the time [s] of the largest force in the impact in row ``row``, as ``impacts_at_peaks`` does.
 
-    If the run can be repeated, a time later than the onset does not depend on the rows of the recording.
+    If ``impacts_at_peaks`` has a time later than the onset, and the run can be repeated, the time is computed
+    from the course of the impact, and so does not depend on the rows of the recording.
     """
     time = float(impacts_at_peaks(recording)["onset"][row])
     course = course_in_run(recording, row) if time > recording.impacts["onset"][row] else None

@@ -41,10 +41,10 @@ DASHES = ("-", "--", ":")
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
-# the largest number of characters of a name with which the legend is beside the panel, or a panel with one
-# curve has the name as its label; with a longer name the legend is above
+# the largest number of characters of a name for a legend beside the panel, and for a panel with one curve to
+# have the name as its label; with a longer name the legend is above the panel
 WIDEST = 28
-# table: unit that only one quantity has → name of this quantity, for the label of a panel
+# unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
 VECTORS = {
     f"{letter}{axis}": word
@@ -53,14 +53,13 @@ VECTORS = {
 }
 """The last part of a component's name → the word for its vector."""
 MARKED = ("N", "N.m", "N.s")  # the units of curves whose largest values are written
-# the part of the text's colour in the colour of the line at the end of an impact; the rest is the colour of
-# the ground
+# the part of the text's colour in the colour of the line at the end of an impact; see ``faint``
 END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
 TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
 LONGEST = 14  # a name with more characters has two lines as the label of a panel with one curve
-# the largest number of curves with which the legend is beside the panel; with more curves it is above
+# the largest number of curves for a legend beside the panel; with more curves the legend is above the panel
 SIDE = 8
 
 
@@ -73,9 +72,9 @@ def curves_size(curves: Curves) -> tuple[float, float]:
 def clear_panels(curves: Curves) -> list[list[str]]:
     """Return the names of the outputs in each panel.
 
-    All outputs of a panel have one unit. If a unit has more curves than there are colours, it gets a panel
-    for each quantity, which is the last part of an output's name. But if this gives more than MOST_PANELS
-    panels in all, each unit has a single panel.
+    All outputs of a panel have one unit. If a unit has more curves than PALETTE has colours, there is a panel
+    for each quantity with this unit; the quantity is the last part of an output's name (``shared_part``). But
+    if there would be more than MOST_PANELS panels in all, each unit has a single panel.
     """
     panels: list[list[str]] = []
     for names in curves.panels:
@@ -93,8 +92,8 @@ def check_curves(curves: Curves) -> None:
     """Refuse curves that a reader could not distinguish.
 
     Raises:
-        ValueError: when there are too many panels, or too many curves in a panel. Outputs without a curve
-            do not count (``drawn_in``).
+        ValueError: when there are more than MOST_PANELS units, or more than MOST_CURVES curves with a unit.
+            Outputs without a curve (``drawn_in``) do not count.
     """
     panels = curves.panels
     if len(panels) > MOST_PANELS:
@@ -111,7 +110,8 @@ def check_curves(curves: Curves) -> None:
 def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
     """Draw the curves on an empty figure.
 
-    If the title is "", the headline names the impact in view, or summarizes the run. None means no headline.
+    If the title is "", the headline names the impact in view or, without one, summarizes the run. None means
+    no headline.
 
     Raises:
         ValueError: as ``check_curves``.
@@ -145,16 +145,17 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
 def extremes(
     time: np.ndarray, drawn: Sequence[np.ndarray], unit: str, scale: float, styles: Sequence[dict[str, Any]]
 ) -> list[Label]:
-    """Return a label for each curve of a force, moment or impulse: its value farthest from 0, largest first.
+    """Return a label for each curve of a force, moment or impulse, at its value farthest from 0.
 
-    A curve of another unit, or without a value other than 0, has no label.
+    The label of the largest |value| is first. A curve without a value other than 0 has no label; if ``unit``
+    is not in MARKED, there are no labels.
 
     Args:
-        time: the times, as on the axis.
-        drawn: the values of each curve in ``unit``.
+        time: the times in the unit of the axis, shape (T,).
+        drawn: the values of each curve in ``unit``, shape (T,).
         unit: the unit of all values.
         scale: the factor from values to the numbers of the axis.
-        styles: the properties of each curve.
+        styles: the properties of each curve, with matplotlib's names.
     """
     found = []
     for values, style in zip(drawn if unit in MARKED else (), styles, strict=False):
@@ -175,7 +176,8 @@ def largest_row(sizes: np.ndarray) -> int | None:
 def largest_vectors(curves: Curves) -> str:
     """Return words for the largest amounts of the forces whose components x and y both have a curve.
 
-    For example "largest |force|: joint[1] 636 N and joint[2] 670 N at 0.75 ms"; "" if there are none.
+    For example "largest |force|: joint[1] 636 N and joint[2] 670 N at 0.75 ms"; "" without such a force. The
+    times are those of the run [s] or, in a view of one impact, those after the onset [ms].
     """
     start, factor, unit = (0.0, 1.0, "s") if curves.onset is None else (curves.onset, 1e3, "ms")
     told: dict[str, list[str]] = {}
@@ -188,7 +190,7 @@ def largest_vectors(curves: Curves) -> str:
 
 
 def amounts(curves: Curves, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return the amounts of the forces with both components in ``names``: owner → amounts [N]."""
+    """Return the amounts of the forces with both components in ``names``: owner → amounts, shape (T,) [N]."""
     ends = (".force.x", ".force.y")
     pairs = {name.removesuffix(ends[0]): name for name in names if name.endswith(ends[0])}
     return {
@@ -207,10 +209,10 @@ def in_view(recording: Recording, curves: Curves) -> str:
 
 
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
-    """Draw each panel into one of the axes that a user gives.
+    """Draw the curves of each unit into one of the axes that a user gives.
 
     Raises:
-        ValueError: when the numbers of axes and panels differ, or there are too many curves.
+        ValueError: when the numbers of axes and units differ, or there are too many curves.
     """
     check_curves(curves)
     count = len(curves.panels)
@@ -231,9 +233,10 @@ def draw_all(
 ) -> list[list[Label]]:
     """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
 
-    Return for each panel the labels of its largest values, which only forces, moments and impulses have.
+    Return for each panel the labels of ``extremes``, which the caller places.
 
-    ``panels``: the names of the outputs in each panel. ``beside``: whether legends may stand beside the axes.
+    ``grid``: the axes of each panel. ``panels``: the names of the outputs in each panel. ``beside``: whether
+    legends may stand beside the axes.
     """
     figure = grid[0].get_figure(root=True)
     wide = beside and figure is not None and not is_narrow(figure)
@@ -305,7 +308,7 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
     In three cases the outputs are numbered in their order, from 0, and ``places`` does not change: two
     outputs of the panel have the same owner; two owners in the panel have the same index from earlier panels;
-    or such an index is not below the number of colours.
+    or an index from earlier panels is not below the number of colours.
     """
     owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
     known = [places.get(owner, -1) for owner in owners]
@@ -319,7 +322,7 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
 
 def whole_name(name: str) -> str:
-    """Return the label of a panel with one curve: its name; a long name has the quantity in a second line."""
+    """Return the label of a panel with one curve: its name, with the quantity in a second line if long."""
     quantity = shared_part([name])
     return name if len(name) <= LONGEST else f"{name.removesuffix(f'.{quantity}')}\n{quantity}"
 
@@ -338,15 +341,15 @@ def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
     """Return the outputs of a panel that have curves.
 
-    Outputs that are 0 at all times have no curves if there are at least two of them, and at least one other
-    output.
+    Outputs that are 0 at all times have no curves if the panel has at least two such outputs, and at least
+    one output that is not 0 at all times.
     """
     moving = [name for name in names if curves.values[name].any()]
     return moving if moving and len(moving) < len(names) - 1 else list(names)
 
 
 def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor: float) -> None:
-    """Draw a dotted line at the end of an impact, if this is known; ``number`` is the impact's, from 1.
+    """Draw a dotted line at the end of impact ``number``, from 1, if this end is known.
 
     ``start`` and ``factor`` are as in ``mark_impacts``.
     """
@@ -357,7 +360,7 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
 
 
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
-    """Return the factor from ``unit`` to the unit of an axis for some curves, and this unit: kN for 5000 N.
+    """Return the factor from ``unit`` to an axis's unit for some curves, and the axis's unit: kN for 5000 N.
 
     Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``).
     """
@@ -366,15 +369,15 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
 
 
 def vector_of(names: Sequence[str]) -> str:
-    """Return "position", "velocity" or "acceleration" if all outputs are its components; "" otherwise."""
+    """Return "position", "velocity" or "acceleration" if all outputs are components of one; else ""."""
     words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
     return words.pop() if len(words) == 1 else ""
 
 
 def short_name(name: str, names: Sequence[str]) -> str:
-    """Return a name for the legend, without the last part if the panel's other names have the same.
+    """Return a name for the legend: without the last part if all of several ``names`` share this part.
 
-    The label of the axis tells this part.
+    The label of the axis has the shared part.
     """
     shared = shared_part(names) if len(names) > 1 else ""
     return name.removesuffix(f".{shared}")

@@ -20,7 +20,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation, Text
 
 DARK = 0.18  # a ground with less luminance is dark: white text has more contrast on it than black text
-# the least luminance of a colour on a dark ground; on black this gives the contrast ratio 5. With a larger
+# the least luminance of a colour on a dark ground, which on black has the contrast ratio 5; with a larger
 # number, blue and light blue would look alike
 LEAST_LUMINANCE = 0.2
 # the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE_CONTRAST applies to colours,
@@ -29,16 +29,16 @@ LEAST_LUMINANCE = 0.2
 # ratio.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
-# the number of mixtures, of a colour with white or of the ground's colour with the text's, that are tried
-# until one is light enough
+# the number of mixtures (of a colour with white, or of the colours of ground and text) from which the first
+# one that is light enough is taken
 MIXTURES = 41
 NEAR_WHITE = 0.999  # the largest luminance that a mixture must reach: 1, that of white, but for round-off
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 UMBER, PLUM = "#6b4c00", "#5c1a6e"  # colours of curves on white; they are too dark for a dark ground
 ORANGE, SKY = "#e69f00", "#56b4e9"  # colours of curves on a dark ground; on white they are too pale for lines
-# table: colour that is too dark for a dark ground → its replacement; mixed with white, several of these
-# colours would look alike
+# colour that is too dark for a dark ground → its replacement; mixed with white, these colours would look like
+# others
 REPLACED = {UMBER: ORANGE, PLUM: SKY}
 COLOURED = 0.3  # a colour with less saturation counts as a grey
 # On a dark ground, the distance of a grey from the ground, 0…1, is raised to this power. The distance becomes
@@ -46,8 +46,8 @@ COLOURED = 0.3  # a colour with less saturation counts as a grey
 SPREAD = 0.8
 # [points] the width of the outline of a text; a line behind the text is not seen in the spaces between words
 TEXT_OUTLINE = 4.0
-# The name of the colour map for time. Lines are drawn in its colours, so they change on a dark ground. Of
-# other maps only the colour for missing values changes.
+# The name of the colour map for time. Its colours change on a dark ground, because lines have them. Of any
+# other colour map, only the colour for missing values changes.
 TIME = "time"
 ON_COLOUR = "on colour"  # the matplotlib identifier (gid) of a text on a coloured area, whose colour stays
 Colour = tuple[float, float, float, float]
@@ -61,7 +61,7 @@ class Ground(NamedTuple):
 
     @classmethod
     def of_style(cls) -> Ground | None:
-        """Return the ground of the style in use; None if it is not dark."""
+        """Return the colours of the style in use; None if its ground is not dark."""
         ground = mpl.rcParams["figure.facecolor"]
         return cls(ground, mpl.rcParams["text.color"]) if is_dark(ground) else None
 
@@ -82,7 +82,7 @@ class Ground(NamedTuple):
         """Give artists that were drawn for a white figure the colours for this ground.
 
         In ``artists`` an axis must come after its ticks, as in the result of ``findobj``. Otherwise the
-        colours of its ticks change twice: with the axis, and then once more as artists.
+        colours of the ticks would change twice: with the axis, and as artists.
         """
         for artist in artists:
             if isinstance(artist, Line2D):
@@ -110,7 +110,7 @@ class Ground(NamedTuple):
         return colour if isinstance(colour, str) and colour == "none" else self.suited(colour)
 
     def _suit_mapped(self, artist: Collection | AxesImage) -> None:
-        """Give a collection or an image the colours for this ground, or its colour map if it has one."""
+        """Give a collection or an image the colours for this ground, by its colour map if it has one."""
         if artist.get_array() is not None:
             artist.set_cmap(self._suited_map(artist))
         elif isinstance(artist, Collection):
@@ -121,7 +121,7 @@ class Ground(NamedTuple):
     def _suited_each(self, colours: Any) -> Colour | list[Colour]:
         """Return the colours that replace the colours of a collection.
 
-        A single colour is returned without a list, because matplotlib then accepts any number of opacities.
+        A single colour is returned without a list, for which matplotlib accepts any number of opacities.
         """
         each = [self.suited(colour) for colour in np.asarray(colours)]
         return each[0] if len(each) == 1 else each
@@ -140,7 +140,7 @@ class Ground(NamedTuple):
 def luminance(colour: Any) -> float:
     """Return the relative luminance of a colour, from 0 for black to 1 for white.
 
-    The definition is that of WCAG 2.1, but with a simple power law.
+    The definition is that of WCAG 2.1, but with a power law (GAMMA) for each of red, green and blue.
     """
     # the luminance is L = 0.2126 R^γ + 0.7152 G^γ + 0.0722 B^γ for the colour R, G, B
     return float(np.array(to_rgba(colour)[:3]) ** GAMMA @ [0.2126, 0.7152, 0.0722])
@@ -159,7 +159,8 @@ def least_luminance(ground: Any, ratio: float) -> float:
 def lighter(colour: Any, least: float = 0.0) -> Colour:
     """Return a colour mixed with white: its luminance is at least LEAST_LUMINANCE and ``least``.
 
-    The part of white is as small as possible, and the hue stays; a colour in REPLACED is first replaced.
+    The part of white is about the least possible, and the opacity stays. A colour in REPLACED is replaced
+    before it is mixed.
     """
     alpha = to_rgba(colour)[3]
     red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))
