@@ -6,6 +6,7 @@ import pytest
 
 from chain_impact import SceneError, load_scene, simulate, sweep
 from chain_impact.scene.names import fmu_name
+from chain_impact.scene.scene import parse_scene
 from chain_impact.studies.fit.parameters import parameters_of
 from tests.helpers.scenes.stops import knee
 
@@ -66,3 +67,17 @@ def test_an_error_uses_the_name_that_was_typed(name):
         with pytest.raises(SceneError) as caught:
             load_scene("rod_drop").with_values({name: 0.5})
         assert str(caught.value).startswith(f"RodDrop: {name} = 0.5 must be left out")
+
+
+def test_an_error_has_the_parts_of_its_message():
+    with pytest.raises(SceneError) as caught:
+        load_scene("rod_drop").with_values({"contact.restitution": -1.0})
+    error = caught.value
+    assert (error.path, error.name, error.line) == (("contact", "restitution"), "contact.restitution", None)
+    assert str(error) == f"RodDrop: {error.name} {error.fault}"
+    assert error.fault.startswith("= -1.0 must be ")
+    with pytest.raises(SceneError) as caught:
+        parse_scene("name = 1\n[chain]\nlinks = []", "one.toml")
+    error = caught.value
+    assert (error.source, error.name, error.line) == ("one.toml", "name", 1)
+    assert str(error) == f"one.toml: name {error.fault} (at line 1)"

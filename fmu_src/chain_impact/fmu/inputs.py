@@ -115,7 +115,8 @@ def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tupl
         try:
             check_table("inputs", signal, members[source], source)
         except SceneError as error:
-            raise SceneError(f"{signal.file}: {error}") from None
+            error.source = str(signal.file)
+            raise
     at, powers, _ = table_of(signal, members[source], max(source - k, 0), stop)
     for _ in range(k - source):
         powers = powers[:, 1:] * np.arange(1.0, powers.shape[1])

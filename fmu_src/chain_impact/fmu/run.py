@@ -33,7 +33,7 @@ from chain_impact.scene.names import (
     signal_hint,
     start_hint,
 )
-from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
+from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.parameters import EXPERIMENT
@@ -135,16 +135,18 @@ def _settings(
     path: Path, default: Any, parameters: Mapping[str, Any], settings: Mapping[str, Any]
 ) -> tuple[tuple[float, float], dict[str, float]]:
     """Return stop time and step size [s], and the start value of each parameter that is set."""
-    given = {fmu_name(name): value for name, value in settings.items()}
-    stop_time, step_size = (
-        _positive(name, value_of(given.pop(name, usual)), str(path))
-        for name, usual in zip(TIMES, (default.stopTime, default.stepSize), strict=True)
-    )
-    with as_typed(settings):
-        return (stop_time, step_size), {
-            name: _start_value(_known(name, parameters, str(path)), value_of(value), str(path))
-            for name, value in given.items()
-        }
+    given = dict(zip(TIMES, (default.stopTime, default.stepSize), strict=True)) | dict(settings)
+    values: dict[str, float] = {}
+    for typed, text in given.items():
+        name, value = fmu_name(typed), value_of(text)
+        try:
+            is_time = name in TIMES
+            values[name] = _positive(value) if is_time else _start_value(_known(name, parameters), value)
+        except SceneError as error:
+            error.source, error.name = str(path), typed
+            raise
+    stop_time, step_size = (values.pop(name) for name in TIMES)
+    return (stop_time, step_size), values
 
 
 def _recording(
@@ -203,18 +205,18 @@ def _named(variable: Any, value: float) -> float | str:
     return next((item.name for item in variable.declaredType.items if float(item.value) == value), str(value))
 
 
-def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
+def _known(name: str, parameters: Mapping[str, Any]) -> Any:
     if name not in parameters:
         given = input_hint(name, "in a table, --inputs FILE")
         signals = {label for owner, _, label in by_owner(parameters) if owner == "signal"}
         hint = given if input_key(name) else start_hint(name) or signal_hint(name, signals)
-        raise UnknownNameError(source, name, [*parameters, *TIMES], "not a parameter", hint)
+        raise UnknownNameError("", name, [*parameters, *TIMES], "not a parameter", hint)
     return parameters[name]
 
 
-def _positive(name: str, value: Any, source: str) -> float:
+def _positive(value: Any) -> float:
     if not _is_number(value) or not 0.0 < value < float("inf"):
-        raise SceneError(f"{source}: {name} = {value} must be a finite number > 0 [s]")
+        raise SceneError(f"= {value} must be a finite number > 0 [s]")
     return float(value)
 
 
@@ -222,7 +224,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
-def _start_value(variable: Any, value: Any, source: str) -> float | int:
+def _start_value(variable: Any, value: Any) -> float | int:
     """Return a value of a parameter as fmpy needs it, after a check; a choice may be given by its name."""
     if variable.type == "Enumeration":
         numbers = {item.name: int(item.value) for item in variable.declaredType.items}
@@ -230,9 +232,9 @@ def _start_value(variable: Any, value: Any, source: str) -> float | int:
         if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
             return int(number)
         meant = nearest_choice(value, numbers)
-        raise SceneError(f"{source}: {variable.name} = {value} must be one of {', '.join(numbers)}{meant}")
+        raise SceneError(f"= {value} must be one of {', '.join(numbers)}{meant}")
     number = in_radians(value, variable.unit or "")
     if not _is_number(number):
         needed = f"a number{or_degrees(variable.unit or '')}"
-        raise SceneError(f"{source}: {variable.name} = {value} must be {needed}")
+        raise SceneError(f"= {value} must be {needed}")
     return float(number)

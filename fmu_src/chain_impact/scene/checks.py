@@ -17,7 +17,7 @@ from chain_impact.scene.chain_tables import ChainTable
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
-from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
+from chain_impact.scene.reading import SceneError, no_wall, refusal, refused, value_text
 from chain_impact.scene.refusals import LAW_FACTS, RULES
 from chain_impact.scene.rules import ValueOf, holds, number_in, of_members, value_at
 from chain_impact.scene.signal_checks import check_signals
@@ -45,7 +45,8 @@ def check(scene: Contents) -> None:
         check_start(scene)
         check_joint_angles(scene)
     except SceneError as error:
-        raise SceneError("; ".join([str(error), *angle_hints(scene)]), error.path) from None
+        error.fault = "; ".join([error.fault, *angle_hints(scene)])
+        raise
 
 
 def check_masses(chain: ChainTable) -> None:
@@ -66,11 +67,10 @@ def check_masses(chain: ChainTable) -> None:
         )
         reason = f"the link could turn about its centre of mass without moving any mass ({where})"
         path = ("chain", "links", first, "inertia")
-        raise SceneError(f"{path_text(path)} = {link.inertia}{other} must be > 0: {reason}", path)
+        raise refused(path, f"= {link.inertia}{other} must be > 0: {reason}")
     path, end = (("chain", "links", i, "inertia") for i in (first, last))
-    names = f"{path_text(path)} to {path_text(end)}"
     reason = "on one line, these links could turn about their centres of mass without moving any mass"
-    raise SceneError(f"{names} = 0.0; one of them{other} must be > 0: {reason}", path)
+    raise refused(path, f"to {path_text(end)} = 0.0; one of them{other} must be > 0: {reason}")
 
 
 def check_together(scene: Contents) -> None:

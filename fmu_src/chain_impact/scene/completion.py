@@ -8,7 +8,7 @@ from pathlib import Path
 from chain_impact.laws.law_file import LawError, read_law
 from chain_impact.scene.contents import AnyScene
 from chain_impact.scene.half_planes import direction
-from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
+from chain_impact.scene.reading import no_wall, refusal, refused, value_text
 from chain_impact.scene.shapes import with_shapes
 from chain_impact.scene.signals import with_signals
 from chain_impact.scene.tables import Material
@@ -37,7 +37,7 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
     try:
         read_law(path)
     except LawError as error:
-        raise SceneError(f"contact.law_file = {file!r} {error}", ("contact", "law_file")) from None
+        raise refused(("contact", "law_file"), f"= {file!r} {error}") from None
     return replace(scene, contact=replace(scene.contact, law_file=str(path)))
 
 

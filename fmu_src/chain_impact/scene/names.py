@@ -8,7 +8,7 @@ from 1, at the base.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 DataPath = tuple[str | int, ...]
@@ -114,6 +114,20 @@ def other_names(name: str) -> set[str]:
     of_fmu = fmu_name(name)
     in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu
     return {of_fmu, in_file} - {name}
+
+
+def as_typed(name: str, typed: Iterable[Any]) -> str:
+    """Return the name of a value, or of an entry of a list, as the user typed it.
+
+    Args:
+        name: the name in the FMU or the key in the file, for an entry with its index.
+        typed: the typed names; entries that are not texts are ignored.
+    """
+    for text in (candidate for candidate in typed if isinstance(candidate, str)):
+        for other in other_names(text):
+            if name == other or name.startswith(f"{other}["):
+                return text + name.removeprefix(other)
+    return name
 
 
 def path_text(path: DataPath) -> str:

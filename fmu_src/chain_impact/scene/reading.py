@@ -6,14 +6,13 @@ import functools
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.key_rules import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.names import DataPath, fmu_name, other_names, path_text
+from chain_impact.scene.names import DataPath, fmu_name, path_text
 from chain_impact.scene.refusals import sentence
 from chain_impact.scene.similar_names import nearest, one_typo, proposed
 from chain_impact.scene.unit_text import number_hint, power_hint
@@ -35,12 +34,25 @@ class SceneError(ValueError):
 
     Attributes:
         path: the path of the key in the scene file; empty if it is not known.
+        source: the name of the scene or file, with which the message begins; "" if ``fault`` has it.
+        name: the name of the refused value, which the message has next; "" if ``fault`` has it.
+        fault: the rest of the message: the value and what is allowed.
+        line: the number of the line in the file, with which the message ends; None if it is not known.
     """
 
-    def __init__(self, message: str, path: DataPath = ()) -> None:
-        """Store the message as a single line, also if a name or value in it has line breaks."""
-        super().__init__(" ".join(message.splitlines()))
-        self.path = path
+    def __init__(self, fault: str, path: DataPath = (), name: str = "") -> None:
+        """Store the parts of the message that are known where the fault is found."""
+        super().__init__(fault)
+        self.path, self.name, self.fault = path, name, fault
+        self.source = ""
+        self.line: int | None = None
+
+    def __str__(self) -> str:
+        """Return the message as a single line, also if a name or value in it has line breaks."""
+        before = f"{self.source}: " * bool(self.source) + self.name
+        between = " " * (bool(self.name) and not self.fault.startswith(":"))
+        at = "" if self.line is None else f" (at line {self.line})"
+        return " ".join(f"{before}{between}{self.fault}{at}".splitlines())
 
     @property
     def place(self) -> DataPath:
@@ -50,7 +62,12 @@ class SceneError(ValueError):
 
 def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
     """Return the error for the key at ``path``: this path and the sentence of ``fault`` (refusals.py)."""
-    return SceneError(f"{path_text(path)} {sentence(fault, **words)}", path)
+    return refused(path, sentence(fault, **words))
+
+
+def refused(path: DataPath, fault: str) -> SceneError:
+    """Return the error with the text ``fault`` after the name of the key at ``path``."""
+    return SceneError(fault, path, path_text(path) or "scene")
 
 
 def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
@@ -63,34 +80,12 @@ def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneErr
     return refusal(path, "no_wall", value=value, walls=", ".join(walls))
 
 
-@contextmanager
-def as_typed(names: Iterable[Any]) -> Iterator[None]:
-    """Make the message of a SceneError in the ``with`` block name values as the user typed them.
-
-    A value has up to three names: its key in the file, its name in the FMU, and the typed name. ``names`` are
-    the typed names; entries that are not texts are ignored.
-    """
-    try:
-        yield
-    except SceneError as error:
-        text = str(error)
-        for name in (candidate for candidate in names if isinstance(candidate, str)):
-            literal = name.replace("\\", "\\\\")
-            for other in other_names(name):
-                text = re.sub(rf"(?<![\w.]){re.escape(other)}(?!\w)", literal, text)
-        error.args = (text,)
-        raise
-
-
 class SceneWarning(UserWarning):
     """The warning, one line, of a value or motion that is valid, but probably a mistake of the user."""
 
 
 class UnknownNameError(SceneError, KeyError):
     """Raised for a name that does not exist; the message gives a hint, such as the most similar name."""
-
-    # UnknownNameError shows its message as it is; the method of KeyError would add quotes.
-    __str__ = Exception.__str__
 
     def __init__(
         self,
@@ -115,7 +110,8 @@ class UnknownNameError(SceneError, KeyError):
             near = proposed(name, names) if isinstance(name, str) else None
             hint = f"the nearest is {near}" if near else _names_of_owner(name, names) or otherwise
         text = name if isinstance(name, str) else value_text(name)
-        super().__init__(f"{source}: {text} is {what}; {hint}")
+        super().__init__(f"is {what}; {hint}", name=text)
+        self.source = source
 
 
 def _names_of_owner(name: object, names: Collection[str]) -> str:
@@ -188,15 +184,13 @@ def entry_type(kind: Any) -> Any:
 class Reader:
     """Reads data into the dataclass ``root``, whose fields may be dataclasses, too.
 
-    ``label`` is a function that returns the text for a path in an error.
-
     Attributes:
         derived: the paths, in the data, of the values that the data do not have and a rule `Derived` has
             given.
     """
 
-    def __init__(self, root: Any, label: Callable[[DataPath], str]) -> None:
-        self.root, self.label = root, label
+    def __init__(self, root: Any) -> None:
+        self.root = root
         self.derived: list[DataPath] = []
 
     def read(self, data: Any) -> Any:
@@ -209,11 +203,11 @@ class Reader:
         `tables` has the keys and tables that have been read before, for rules that depend on them.
         """
         if not isinstance(data, Mapping):
-            raise self._refusal(path, "no_table", value=value_text(data))
+            raise refusal(path, "no_table", value=value_text(data))
         entries = {entry.name: entry for entry in keys(table)}
         for name in data:
             if name not in entries:
-                raise SceneError(self._unknown(table, path, name), (*path, name))
+                raise refused((*path, name), self._unknown(table, path, name))
         values: dict[str, Any] = {}
         scope = dict(tables)
         for entry in entries.values():
@@ -230,7 +224,7 @@ class Reader:
                     self.derived.append(where)
             if value is MISSING:
                 meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
-                raise self._refusal(where, "missing", meaning=meaning)
+                raise refusal(where, "missing", meaning=meaning)
             # None is a value that does not exist in this scene, for example the position of a missing wall
             read = None if value is None else self._value(entry.type, rule, value, where, scope)
             values[entry.name] = scope[entry.name] = read
@@ -254,7 +248,7 @@ class Reader:
             meant = (
                 nearest_choice(value, rule["choices"]) if kind is str else meant_number(value, rule["unit"])
             )
-            raise self._refusal(path, "not_allowed", value=value_text(value), allowed=needed + meant)
+            raise refusal(path, "not_allowed", value=value_text(value), allowed=needed + meant)
         return result
 
     def _list(
@@ -269,22 +263,20 @@ class Reader:
             len(tables["chain"].links) if rule["per_link"] else None if ... in others else 1 + len(others)
         )
         if isinstance(value, Mapping) and is_dataclass(item):
-            raise self._refusal(
-                path, "one_table", name=f"{self.label(path)}", others=self._moved(item, value)
-            )
+            raise refusal(path, "one_table", name=path_text(path), others=self._moved(item, value))
         if isinstance(value, list | tuple) and length not in (None, len(value)):
             found = f"{len(value)} value{'s' * (len(value) != 1)}"
             each = ", one for each link" if rule["per_link"] else ""
-            raise self._refusal(path, "length", found=found, needed=f"{length}{each} ({rule['description']})")
+            raise refusal(path, "length", found=found, needed=f"{length}{each} ({rule['description']})")
         if not isinstance(value, list | tuple):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
             names = " of names, or true for all" if rule["or_true"] else ""
             listed = isinstance(value, str) and length is not None and _VALUES_TYPED.fullmatch(value)
             expected += f"; write [{value}]" if listed and ":" not in value else ""
-            raise self._refusal(path, "no_list", value=value_text(value), names=names, expected=expected)
+            raise refusal(path, "no_list", value=value_text(value), names=names, expected=expected)
         least, most = rule["entries"] or (0, math.inf)
         if not least <= len(value) <= most:
-            raise self._refusal(path, "entries", count=len(value), least=least, most=most)
+            raise refusal(path, "entries", count=len(value), least=least, most=most)
         return tuple(self._value(item, rule, entry, (*path, i), tables) for i, entry in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -293,28 +285,24 @@ class Reader:
         Refuse other values.
         """
         if not isinstance(value, Mapping):
-            raise self._refusal(path, "no_tables", value=value_text(value))
+            raise refusal(path, "no_tables", value=value_text(value))
         return {
             name: self._table(entry_type(kind), entry, (*path, name), tables) for name, entry in value.items()
         }
 
-    def _refusal(self, path: DataPath, fault: str, **words: object) -> SceneError:
-        return SceneError(f"{self.label(path) if path else 'scene'} {sentence(fault, **words)}", path)
-
     def _unknown(self, table: Any, path: DataPath, name: Any) -> str:
-        """Return the message for an unknown key `name`, with the most similar key of this or another table.
+        """Return the fault of an unknown key `name`, with the most similar key of this or another table.
 
-        If no key is similar, the message lists the keys of this table.
+        If no key is similar, the fault lists the keys of this table.
         """
         name = value_text(name).strip("'")
-        what = f"{self.label((*path, name))} is unknown"
         here = [entry.name for entry in keys(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
         if near := nearest(name, here, at_least=ALIKE) or one_typo(name, here):
-            return f"{what}; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
+            return f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
         if near := name if name in self._keys() else one_typo(name, self._keys()):
-            return f"{what}; the nearest key is {self._keys()[near]}"
-        return f"{self.label((*path, name))} {sentence('unknown', keys=', '.join(here))}"
+            return f"is unknown; the nearest key is {self._keys()[near]}"
+        return sentence("unknown", keys=", ".join(here))
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
         """Return advice on a table ``value`` where a list of tables must be: where its wrong keys belong.

@@ -29,13 +29,14 @@ from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import scene_path, unreadable
 from chain_impact.scene.names import (
     DataPath,
+    as_typed,
     fmu_name,
     name_of,
     other_names,
     parameter_hint,
     path_text,
 )
-from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, value_text
+from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, value_text
 from chain_impact.scene.text_file import text_of
 from chain_impact.scene.warning import warn
 
@@ -148,10 +149,8 @@ def parse_scene(text: str, source: str) -> Scene:
     try:
         return scene_from_dict(data, source)
     except SceneError as error:
-        line = line_of(text, error.path)
-        if line is None:
-            raise
-        raise SceneError(f"{error} (at line {line})", error.path) from None
+        error.line = line_of(text, error.path)
+        raise
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
@@ -180,7 +179,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
     scene: Scene | None = None
     try:
-        reader = Reader(Scene, label)
+        reader = Reader(Scene)
         scene = reader.read(data)
         scene = replace(scene, derived_paths=tuple(sorted(paths_in_scene(reader.derived, data))))
         scene = completion.completed(scene, Path(source).parent)
@@ -188,10 +187,10 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     except SceneError as error:
         # an error of the reader has a path in the data; a later error has a path in the scene, in which an
         # entry with a count has become several links
-        text, path = str(error), error.path if scene is None else path_in_file(error.path, data)
-        if error.path and text.startswith(written := path_text(error.path)):
-            text = label(path) + text.removeprefix(written)
-        raise SceneError(f"{source}: {text}", path) from None
+        error.path = error.path if scene is None else path_in_file(error.path, data)
+        error.name = label(error.path) if error.name and error.path else error.name
+        error.source = source
+        raise
     return scene
 
 
@@ -279,10 +278,14 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     warn(scene.name, checks.turning_hints(scene, changes))
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
-    with as_typed(changes):
-        # To make the table of all names takes longer than most changes: it is made once, and only if needed.
-        names = functools.cache(lambda: _paths_by_name(scene))
-        changed = _with_any(scene, [_path_and_value(scene, names, *change) for change in changes.items()])
+    # To make the table of all names takes longer than most changes: it is made once, and only if needed.
+    names = functools.cache(lambda: _paths_by_name(scene))
+    values = [_path_and_value(scene, names, *change) for change in changes.items()]
+    try:
+        changed = _with_any(scene, values)
+    except SceneError as error:
+        error.name = as_typed(error.name, changes)
+        raise
     hints_before = checks.hints(scene)
     warn(scene.name, [hint for hint in checks.hints(changed) if hint not in hints_before])
     return changed

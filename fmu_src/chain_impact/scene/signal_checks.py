@@ -8,7 +8,7 @@ from itertools import pairwise
 from chain_impact.scene.asked_inputs import how_asked, inputs_of
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.names import DataPath
-from chain_impact.scene.reading import SceneError, refusal, value_text
+from chain_impact.scene.reading import SceneError, refusal, refused, value_text
 from chain_impact.scene.refusals import SIGNAL_RULES
 from chain_impact.scene.rules import holds
 from chain_impact.scene.signal import Samples, Signal, unit_of
@@ -88,10 +88,8 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
     if period is None:
         return
     if lasts > period * (1.0 + CLOSED):
-        raise SceneError(
-            f"signals.{name}.period = {period:g} must be >= {lasts:g} [s], the duration of its table",
-            ("signals", name, "period"),
-        )
+        fault = f"= {period:g} must be >= {lasts:g} [s], the duration of its table"
+        raise refused(("signals", name, "period"), fault)
     for column, values in samples.columns:
         if is_closed(signal) and values[-1] != values[0] and joined_by(signal, column) != "hold":
             raise SceneError(
@@ -109,17 +107,16 @@ def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
     """
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
-        raise SceneError(
-            f'signals.{name}.interpolation = "{signal.interpolation}" must be '
-            f"{' or '.join(map(_quoted, needed))} where {driven} is driven: its velocity would jump, which "
-            "would be an impact of unknown strength",
+        raise refused(
             ("signals", name, "interpolation"),
+            f'= "{signal.interpolation}" must be {" or ".join(map(_quoted, needed))} where {driven} is '
+            "driven: its velocity would jump, which would be an impact of unknown strength",
         )
     if signal.period and order == 2:  # noqa: PLR2004
-        raise SceneError(
-            f"signals.{name}.period = {signal.period:g} must be left out where an acceleration is driven: "
-            "the velocity would grow with each period; drive the velocity or the position",
+        raise refused(
             ("signals", name, "period"),
+            f"= {signal.period:g} must be left out where an acceleration is driven: the velocity would grow "
+            "with each period; drive the velocity or the position",
         )
 
 

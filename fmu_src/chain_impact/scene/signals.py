@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.reading import SceneError, refusal
+from chain_impact.scene.reading import SceneError, refusal, refused
 from chain_impact.scene.signal import FORMS, Samples, Signal
 from chain_impact.scene.signal_values import is_motion, knots_of
 from chain_impact.scene.similar_names import nearest
@@ -111,19 +111,19 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
     Refuse a file that cannot be read, or lacks a column for an input.
     """
-    path, where = (folder / (signal.file or "")).absolute(), f"signals.{name}.file = {signal.file!r}"
+    path, key = (folder / (signal.file or "")).absolute(), ("signals", name, "file")
     try:
         status = path.stat()
         times, columns = _read(path, status.st_mtime_ns, status.st_size, stop)
     except OSError as error:
-        raise SceneError(f"{where} cannot be read ({error.strerror})", ("signals", name, "file")) from None
+        raise refused(key, f"= {signal.file!r} cannot be read ({error.strerror})") from None
     except SceneError as error:
-        raise SceneError(f"signals.{name}.file: {error}", ("signals", name, "file")) from None
+        raise refused(key, f": {error}") from None
     for input_name in signal.input:
         if input_name not in columns:
             near = nearest(input_name, columns)
             hint = f"; the nearest is {near}" if near else f"; it has {', '.join(columns)}"
-            raise SceneError(f"{where} has no column {input_name}{hint}", ("signals", name, "file"))
+            raise refused(key, f"= {signal.file!r} has no column {input_name}{hint}")
     return replace(
         signal,
         file=str(path),

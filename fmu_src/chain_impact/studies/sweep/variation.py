@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.contents import named_point_hint, slider_hint
 from chain_impact.scene.names import fmu_name, parameter_hint
-from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
+from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.warning import warn
 from chain_impact.variables.listing import absent_hint
@@ -102,40 +102,40 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
             hint = hint or parameter_hint(name, len(scene.chain.links), scene.signals)
             hint = hint or fixed_hint(scene, name) or named_point_hint(scene, name, parameters)
             raise UnknownNameError(scene.name, typed, parameters, what, hint)
-        with as_typed([typed]):
-            variation = _read(parameters[name], values, scene.name)
-            _check(variation, scene.name)
+        try:
+            variation = _read(parameters[name], values)
+            _check(variation)
+        except SceneError as error:
+            error.source, error.name = scene.name, typed
+            raise
         warned = radians_hint(name, max(variation.values, key=abs), variation.variable.unit)
         warn(scene.name, [warned] if warned else [])
         variations.append(variation)
     return tuple(variations)
 
 
-def _read(variable: Variable, values: Values, source: str) -> Variation:
-    """Return the variation of a parameter from text, as on the command line, or from numbers or names.
-
-    ``source`` is the name of the scene, for errors.
-    """
+def _read(variable: Variable, values: Values) -> Variation:
+    """Return the variation of a parameter from text, as on the command line, or from numbers or names."""
     if isinstance(values, str):
         if ":" in values:
-            return _range(variable, values, source)
+            return _range(variable, values)
         values = [part.strip() for part in values.split(",")]
     given = np.atleast_1d(np.asarray(values, object))
     if given.ndim != 1 or not given.size:
-        raise SceneError(f"{source}: {variable.name} has values of shape {given.shape}; must be {FORMS}")
-    return Variation(variable, np.array([_number(variable, value, source) for value in given]))
+        raise SceneError(f"has values of shape {given.shape}; must be {FORMS}")
+    return Variation(variable, np.array([_number(variable, value) for value in given]))
 
 
-def _range(variable: Variable, text: str, source: str) -> Variation:
+def _range(variable: Variable, text: str) -> Variation:
     """Return the variation for a text a:b, a:b:n, a:b:log or a:b:n:log.
 
     a and b are the ends of the range, n the number of values, and log means evenly in the logarithm.
     """
     parts = text.split(":")
     logarithmic = parts[-1].strip() == LOG
-    wrong = SceneError(f"{source}: {variable.name} = {text} must be {FORMS}")
+    wrong = SceneError(f"= {text} must be {FORMS}")
     if variable.items:
-        raise SceneError(f"{source}: {variable.name} = {text} must be a list of choices, {variable.allowed}")
+        raise SceneError(f"= {text} must be a list of choices, {variable.allowed}")
     try:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
@@ -145,16 +145,16 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
     if len(numbers) > 1:
         raise wrong
     if numbers and not 1 < numbers[0] <= MOST_VALUES:
-        raise SceneError(f"{source}: {variable.name} = {text} must have 2 to {MOST_VALUES} values")
+        raise SceneError(f"= {text} must have 2 to {MOST_VALUES} values")
     if logarithmic and not (ends > 0.0).all():
-        raise SceneError(f"{source}: {variable.name} = {text} must have ends > 0, to be spaced by logarithm")
+        raise SceneError(f"= {text} must have ends > 0, to be spaced by logarithm")
     if not numbers:
         return Variation(variable, ends, interval=True, logarithmic=logarithmic)
     space = np.geomspace if logarithmic else np.linspace
     return Variation(variable, space(*ends, *numbers), logarithmic=logarithmic)
 
 
-def _number(variable: Variable, value: object, source: str) -> float:
+def _number(variable: Variable, value: object) -> float:
     """Return a value of a parameter as a number in the parameter's unit.
 
     A text in degrees becomes radians, and the name of a choice its number, from 1.
@@ -171,10 +171,10 @@ def _number(variable: Variable, value: object, source: str) -> float:
         needed = variable.allowed + or_degrees(variable.unit) + nearest_choice(value, names)
         if RANGE.fullmatch(str(value)):
             needed += "; a range is written 0.1:0.9:9, with the number of its values"
-        raise SceneError(f"{source}: {variable.name} = {value} must be {needed}") from None
+        raise SceneError(f"= {value} must be {needed}") from None
 
 
-def _check(variation: Variation, source: str) -> None:
+def _check(variation: Variation) -> None:
     """Refuse a variation with a value, or an end of its interval, that the parameter cannot have."""
     variable, values = variation.variable, variation.values
     good = np.isfinite(values)
@@ -187,4 +187,4 @@ def _check(variation: Variation, source: str) -> None:
     if variable.items:
         good &= np.isin(values, np.arange(1, len(variable.items) + 1))
     for wrong in values[~good]:
-        raise SceneError(f"{source}: {variable.name} = {wrong:.17g} must be {variable.allowed}")
+        raise SceneError(f"= {wrong:.17g} must be {variable.allowed}")

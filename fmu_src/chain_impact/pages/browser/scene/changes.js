@@ -108,7 +108,7 @@ export class Changes {
     const nameAt = (path) => this.names.get(pathText(path));
     const valueAt = (path) => (nameAt(path) ? this.valueOf(nameAt(path), values) : inFile(this.scene.file, path));
     const rules = SHARED.rules.FILE.filter((rule) => !rule.in_kernel);
-    keepFileRules(this.scene.file, rules, valueAt, (path) => nameAt(path) ?? pathText(path));
+    keepFileRules(this.scene.file, { textAt: (path) => nameAt(path) ?? pathText(path), rules, valueAt });
   }
 
   /** Change the values of some parameters: name → number, text, or name of a choice. A changed input has this value at all times. */

@@ -2,6 +2,7 @@
 // refuses further values that are valid alone, but not together.
 
 import { unitText } from "../base/format.js";
+import { pathText } from "../base/paths.js";
 import { inRadians, orDegrees } from "./angles.js";
 import { BOX_WALLS, cornerOf, CORNERS, normalOf, SLIDER_STOPS, STOPS } from "./geometry.js";
 import { keepFileRules, refuse, refuseWall, shown } from "./refusals.js";
@@ -177,41 +178,42 @@ export function complete(data, kit) {
     const law = `contact.law_file = ${shown(file.contact.law_file)}`;
     throw new RangeError(`${law}: this page has no compiler; chain-impact explore makes a page with this law`);
   }
-  try {
-    completeAll(file, data, kit);
-  } catch (error) {
-    error.message = error.message.replace(/^chain\.links\[(\d+)\]/, (_, link) => `chain.links[${fileEntryOf(link - 1, data) + 1}]`);
-    throw error;
-  }
+  completeAll(file, data, kit);
   file.outputs.sensitivities = []; // the page computes no derivatives
   return file;
 }
 
-/** Return the index of the entry in a scene file that stands for the link with an index; an entry may stand for `count` links. */
-function fileEntryOf(link, { chain: { links } }) {
+/**
+ * Return a path of a complete scene as text. A link has the index of its entry in the data of the file; the entry may stand for `count`
+ * links.
+ */
+function textInFile(path, { chain: { links } }) {
+  const [first, list, link, ...following] = path;
+  if (list !== "links") return pathText(path);
   let last = -1;
-  return links.findIndex(({ count = 1 }) => (last += count) >= link);
+  return pathText([first, list, links.findIndex(({ count = 1 }) => (last += count) >= link), ...following]);
 }
 
 /** Add the defaults that follow from other values, and refuse values that are valid alone, but not together. */
 function completeAll(file, data, kit) {
   // the order is that of Python's checks, so that a file with several faults is refused for the same fault
+  const textAt = (path) => textInFile(path, data);
   setWallAngles(file);
-  setBodies(file, data);
+  setBodies(file, data, textAt);
   setAngles(file);
   checkMaterials(file);
   completeSignals(file.signals, kit.tables);
-  checkContents(file);
+  checkContents(file, textAt);
   setStops(file, kit.keys.stops.keys);
 }
 
 /** Add the corners of boxes to the points of their links; remove the default table of a slider if the base is not on one. */
-function setBodies({ chain }, data) {
+function setBodies({ chain }, data, textAt) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;
     if ((shape === undefined) !== (height === undefined)) {
       const [has, lacks] = shape ? ["shape", "height"] : ["height", "shape"];
-      refuse(`chain.links[${k + 1}]`, "shape", { has, lacks });
+      refuse(textAt(["chain", "links", k]), "shape", { has, lacks });
     }
     if (shape === undefined) return;
     const corners = CORNERS.map((_, index) => {
@@ -271,13 +273,13 @@ function checkMaterials(file) {
 }
 
 /** Refuse contents that break a rule between several values, as Python does; sort the points of contact.points. */
-function checkContents(file) {
+function checkContents(file, textAt) {
   const { contact, inputs, chain, walls } = file;
   const movable = movablePoints(file);
   contact.points?.sort((a, b) => a - b); // sorted, because the order of points has no meaning
   const point = contact.points?.find((number, k) => !movable.includes(number) || contact.points.indexOf(number) !== k);
   if (point !== undefined) refuse("contact.points", "points", { point, first: movable[0], last: movable.at(-1), base: chain.base });
-  keepFileRules(file);
+  keepFileRules(file, { textAt });
   const existingWalls = wallsOf(file);
   inputs.wall_motion.forEach((name, k) => {
     if (name !== "*" && !existingWalls.includes(name)) refuseWall(`inputs.wall_motion[${k + 1}]`, existingWalls, `= ${shown(name)} `);
@@ -291,7 +293,7 @@ function checkContents(file) {
   chain.links.forEach(({ points }, i) => {
     const names = points.map(({ name }) => name);
     const twice = names.find((name, k) => name && names.indexOf(name, k + 1) > k);
-    if (twice) refuse(`chain.links[${i + 1}].points`, "point_names", { name: shown(twice) });
+    if (twice) refuse(textAt(["chain", "links", i, "points"]), "point_names", { name: shown(twice) });
   });
 }
 
