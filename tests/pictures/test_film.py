@@ -7,7 +7,7 @@ import dataclasses
 import itertools
 import re
 
-import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -57,7 +57,7 @@ def swing(y):
 
 def coloured(picture, colour):
     """Return how many pixels are about of a colour."""
-    wanted = 255 * np.array(mpl.colors.to_rgb(colour))
+    wanted = 255 * np.array(matplotlib.colors.to_rgb(colour))
     return int((abs(picture.astype(float) - wanted).max(axis=-1) < 8).sum())
 
 
@@ -89,7 +89,7 @@ def test_walls_may_have_the_names_of_stops_that_the_chain_does_not_have():
 
 
 def test_a_film_is_dark_in_a_dark_style(tmp_path):
-    with mpl.style.context("dark_background"):
+    with matplotlib.style.context("dark_background"):
         (picture,) = pictures(swing(1.0), 0.0)
         film(swing(1.0), tmp_path / "film.gif")
     with Image.open(tmp_path / "film.gif") as shown:
@@ -218,7 +218,7 @@ def test_there_is_more_in_the_colour_of_forces_where_something_sticks(scene, wit
 def test_no_text_runs_out_of_a_film(size):
     """Scenes with dry friction have the most energies; here the potential energy has another zero."""
     recording = record_slowly(load_scene("sliding_rod").with_values({"simulation.stop_time": 0.1}))
-    with mpl.rc_context(FILM_STYLE):
+    with matplotlib.rc_context(FILM_STYLE):
         dpi = resolution(size)
         figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
         page = Film(figure, recording, np.linspace(0.0, 0.1, 9))
@@ -354,7 +354,7 @@ def test_the_caption_tells_an_impact_when_slow_motion_for_it_begins():
 def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
     recording = record_slowly("hopping_leg")
     for size in ((960, 540), (640, 360)):
-        with mpl.rc_context(FILM_STYLE):
+        with matplotlib.rc_context(FILM_STYLE):
             dpi = resolution(size)
             figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
             page = Film(figure, recording, recording.impacts["onset"])
@@ -363,7 +363,7 @@ def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
         legend = page.cursors[0].axes.get_legend().get_window_extent()
         assert legend.y1 < page.caption.text.get_window_extent().y0
         assert legend.x1 <= figure.bbox.x1
-        least = min(text.get_fontsize() for text in figure.findobj(mpl.text.Text) if text.get_text())
+        least = min(text.get_fontsize() for text in figure.findobj(matplotlib.text.Text) if text.get_text())
         assert least * dpi / 72.0 > 9.5  # pixels
 
 

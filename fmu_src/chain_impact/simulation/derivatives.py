@@ -18,7 +18,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.recording.equality import same
-from chain_impact.recording.impacts import LOG_DTYPE, in_order
+from chain_impact.recording.impacts import LOG_DTYPE, POSITION, in_order
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.text import toucher_name
 from chain_impact.scene.names import DataPath
@@ -48,7 +48,7 @@ LEAST_REPORTED_SHARE = 1e-5
 """[1] An error of derivatives that dry friction causes is told to users if it is larger than this, relative
 to the largest derivative of a position; the solver's tolerance allows smaller errors anyway."""
 # quantities of an impact that are known when it begins; all others are known at its end
-AT_ONSET = ("onset", "impact_speed", "effective_mass", "x", "y")
+AT_ONSET = ("onset", "impact_speed", "effective_mass", *POSITION)
 
 
 class DifferentiatedInstance(Instance):

@@ -96,6 +96,7 @@ def test_a_picture_calls_a_bound_a_bound_and_has_a_warning_in_colour():
     columns = {"time": truth.time, "link[1].angle": truth["link[1].angle"] * (1.0 + 0.01 * truth.time)}
     found = fit(arm, columns, ["link[1].joint_damping", "link[1].mass"], sigma={"link[1].angle": 1e-3})
     title, *texts = found.plot().texts
+    assert found.at_bounds == {"link[1].joint_damping": "lower"}
     assert "link[1].joint_damping at its lower bound 0" in title.get_text().replace("\n", " ")
     (warning,) = (text for text in texts if "errors are too small" in text.get_text())
     assert warning is texts[0]

@@ -5,7 +5,7 @@
 
 import itertools
 
-import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -186,16 +186,19 @@ def test_colours_suit_wide_ranges_and_counts():
     assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
 
 
-def test_a_bar_of_few_decades_has_the_same_numbers_on_a_dark_ground():
-    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.stiffness": "1e6:1e9:4:log"})
-    numbers = []
+@pytest.mark.parametrize("points", [4, 8], ids=["values in cells", "values at lines"])
+def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
+    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.stiffness": f"1e6:1e9:{points}:log"})
+    numbers, inks = [], []
     for style in ("default", "dark_background"):
-        with mpl.style.context(style):
+        with matplotlib.style.context(style):
             page = found.plot(panels=["peak_force"])
             page.draw_without_rendering()
         axis = page.axes[1].yaxis
         numbers.append([text.get_text() for text in axis.get_ticklabels(which="both")])
+        inks.append([text.get_color() for text in page.axes[0].texts])
     assert numbers[0] == numbers[1]
+    assert inks[0] == inks[1] != []
     assert "20" in numbers[0]
 
 

@@ -47,6 +47,7 @@ class Estimates:
     converged: bool
     runs: int
     horizons: tuple[float, ...]
+    at_bounds: dict[str, str] = field(default_factory=dict)
     interpolation: Interpolation = "follow"
     unknown: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()

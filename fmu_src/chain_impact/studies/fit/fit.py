@@ -167,11 +167,12 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         converged=search_result.search.converged,
         runs=problem.evaluations,
         horizons=search_result.horizons,
+        at_bounds={labels[p]: which for p, which in reached.items()},
         interpolation=problem.interpolation,
         unknown=tuple(unknown(problem, at, fisher_information, reached)),
         models=at.runs,
     )
-    return replace(result, notes=tuple(_notes(problem, result, at, search_result, reached)))
+    return replace(result, notes=tuple(_notes(problem, result, at, search_result)))
 
 
 def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
@@ -309,13 +310,8 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
     return float(total)
 
 
-def _notes(
-    problem: Problem, result: Fit, at: Evaluation, search_result: Found, reached: Mapping[int, str]
-) -> list[str]:
-    """Return the remarks on a fit: on convergence, values left out, bounds, inputs, and residuals.
-
-    ``reached``: index of a parameter at a bound → "lower" or "upper".
-    """
+def _notes(problem: Problem, result: Fit, at: Evaluation, search_result: Found) -> list[str]:
+    """Return the remarks on a fit: on convergence, values left out, bounds, inputs, and residuals."""
     notes = []
     if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
         notes.append(
@@ -323,12 +319,11 @@ def _notes(
             "start nearer, or free fewer parameters."
         )
     notes += _left_out(problem, at)
-    for p, which in reached.items():
-        parameter = problem.parameters[p]
-        notes.append(
-            f"{parameter.label} is at its {which} bound, {parameter.value(float(at.coordinates[p])):.6g}: "
-            "its standard error and interval do not hold."
-        )
+    notes += [
+        f"{label} is at its {which} bound, {result.values[label]:.6g}: "
+        "its standard error and interval do not hold."
+        for label, which in result.at_bounds.items()
+    ]
     for parameter in problem.parameters:
         if parameter.name not in problem.scenes[0].values:
             notes.append(f"{parameter.label} is an input: the fitted scene does not hold it.")

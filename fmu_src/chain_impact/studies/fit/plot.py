@@ -47,7 +47,6 @@ from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
-from chain_impact.studies.fit.problem import AT_BOUND
 from chain_impact.studies.fit.remarks import alike_neighbours
 from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, misfit, rounded, sigma_of
 from chain_impact.studies.fit.unknown import size_of
@@ -337,10 +336,9 @@ def _estimate_text(fit: Estimates, label: str) -> str:
     """
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
-    for which, bound in (("lower", parameter.low), ("upper", parameter.high)):
-        if abs(value - bound) <= AT_BOUND * error < math.inf:
-            text = with_unit(number(bound, 4), of_scene(parameter.unit, fit.scene))
-            return f"{label} at its {which} bound {raised(text)}"
+    if which := fit.at_bounds.get(label):
+        text = with_unit(number(value, 4), of_scene(parameter.unit, fit.scene))
+        return f"{label} at its {which} bound {raised(text)}"
     size = size_of(parameter, value, error / parameter.slope(value))
     unit = of_scene(parameter.unit, fit.scene)
     decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1

@@ -58,6 +58,7 @@ class Fit(Estimates):
         converged: whether the search ended because no step notably improves the fit.
         runs: how often the model was evaluated, each time with a run, with derivatives, of every data set.
         horizons: the successive times [s] up to which data were used; the last is that of all data.
+        at_bounds: name of a parameter at a bound of its range → "lower" or "upper".
         unknown: sentences on parameters that the data do not determine.
         notes: further remarks, such as values that were left out and bounds that were reached.
         ranking: the contact laws, the best first, if they were compared.

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 
+from chain_impact.pictures.dark import ON_COLOUR
 from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.style import is_narrow, raised
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
@@ -160,6 +161,7 @@ def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: Qua
         ink = "black" if places[row, column] > LIGHT else "white"
         text = number(shown[row, column], digits)
         look: dict[str, Any] = {"va": va, "ha": "center", "color": ink, "fontsize": "x-small"}
+        look["gid"] = ON_COLOUR
         axes.annotate(text, at, (0.0, down), textcoords="offset points", **look)
 
 
@@ -184,7 +186,7 @@ def _contours(
         ground = {"facecolor": mesh.cmap(place[level]), "edgecolor": "none", "pad": 1.0}
         right, up = longest[len(longest) // 2]
         text = axes.text(right, up, f"{level:g}", color=ink, fontsize="small", bbox=ground)
-        text.set(ha="center", va="center", clip_on=True)
+        text.set(ha="center", va="center", clip_on=True, gid=ON_COLOUR)
 
 
 def number_few_decades(axis: Axis) -> None:
