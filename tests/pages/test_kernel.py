@@ -160,8 +160,7 @@ def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
     outputs = ["energy.total", "impact.last_time", "point[4].x", "impact.count"]
     known = sweep(scene.with_values({"link[2].mass": 1.2}), varied, outputs=outputs).table
     grid = np.column_stack([known[name] for name in varied])
-    end_times = [1.2] * len(grid)
-    study = [packed_module(), page_contents(scene), list(varied), grid.ravel().tolist(), end_times, outputs]
+    study = [packed_module(), page_contents(scene), list(varied), grid.ravel().tolist(), 1.2, outputs]
     text, rows_after = worker.evaluate(RUN_EACH, study)
     found = bits(text).reshape(len(grid), len(outputs))
     for place, name in enumerate(outputs):

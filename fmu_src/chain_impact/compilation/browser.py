@@ -1,7 +1,7 @@
 """The kernel for a web page: a WebAssembly module for any number of links.
 
-The module has the part of a native library that pages call. It imports nothing except,
-with a user's law, the functions of the browser's ``Math`` that the law calls.
+The module has the part of a native library that pages call. It imports nothing except, with a user's law, the
+functions of the browser's ``Math`` that the law calls.
 """
 
 from __future__ import annotations

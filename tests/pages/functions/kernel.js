@@ -3,12 +3,11 @@ import { motion } from "../../../fmu_src/chain_impact/pages/browser/solver/motio
 import { Changes } from "../../../fmu_src/chain_impact/pages/browser/scene/changes.js";
 import { Kernel, rowTimes, runThrough } from "../../../fmu_src/chain_impact/pages/browser/solver/kernel.js";
 
-export const runEach = async ([module, contents, names, grid, endTimes, outputs]) => {
+export const runEach = async ([module, contents, names, grid, endTime, outputs]) => {
   const scene = sceneOf(contents);
   const words = outputs.map((name) => scene.columns.find((one) => one.name === name).word);
   const kernel = await Kernel.load(await compiled(module), scene);
-  const given = [Float64Array.from(grid), Float64Array.from(endTimes), words];
-  const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given)).rows;
+  const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, Float64Array.from(grid), endTime, words)).rows;
   const after = runThrough(kernel.run({}, rowTimes(0.1, 0.01), scene.columns.slice(0, 1))).columns[0].length;
   return [btoa(String.fromCharCode(...new Uint8Array(found.buffer))), after];
 };
@@ -17,7 +16,7 @@ export const memoryOfRuns = async ([module, contents]) => {
   const scene = sceneOf(contents);
   const kernel = await Kernel.load(await compiled(module), scene);
   const times = rowTimes(0.6, 0.01);
-  const asked = [["contact.restitution"], Float64Array.of(0.5, 0.7), Float64Array.of(0.5, 0.6)];
+  const asked = [["contact.restitution"], Float64Array.of(0.5, 0.7), 0.6];
   const study = () => runThrough(kernel.runEach({}, ...asked, [scene.layout.status]));
   const values = (k) => ({ "contact.restitution": 0.3 + k / 2000 });
   const once = (k) => runThrough(kernel.run(values(k), times, scene.columns.slice(0, 3)));

@@ -158,17 +158,18 @@ export class Kernel {
   }
 
   /**
-   * Run once for each row of values (`each`, one row after the other) of the real parameters `names`, up to the row's end time [s], with
-   * the other changes `values`. Return in `rows` the `words` of the record (indices) at the end of each run, one run after the other, and
-   * in `firsts` the results of `firstOf` for the impacts and the changes of each run. The generator yields when `run` does.
+   * Run once for each row of values (`each`, one row after the other) of the real parameters `names`, up to the `endTime` [s], with the
+   * other changes `values`. Return in `rows` the `words` of the record (indices) at the end of each run, one run after the other, and in
+   * `firsts` the results of `firstOf` for the impacts and the changes of each run. The generator yields when `run` does.
    */
-  *runEach(values, names, each, endTimes, words, firstOf = () => null) {
-    const rows = new BigInt64Array(endTimes.length * words.length);
+  *runEach(values, names, each, endTime, words, firstOf = () => null) {
+    const count = each.length / names.length;
+    const rows = new BigInt64Array(count * words.length);
     const firsts = [];
-    for (let number = 0; number < endTimes.length; number += 1) {
+    for (let number = 0; number < count; number += 1) {
       const given = Object.fromEntries(names.map((name, k) => [name, each[number * names.length + k]]));
       const changed = { ...values, ...given };
-      const { impacts } = yield* this.run(changed, endTimes.subarray(number, number + 1), [], { timesPerCall: 1 });
+      const { impacts } = yield* this.run(changed, Float64Array.of(endTime), [], { timesPerCall: 1 });
       rows.set(words.map((word) => this.integers[word]), number * words.length);
       firsts.push(firstOf(impacts, changed));
     }

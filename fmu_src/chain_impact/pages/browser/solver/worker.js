@@ -37,7 +37,6 @@ function* rows(kernel, values, { names, inputSteps = {} }) {
  */
 function* study(kernel, values, { names, each, words }) {
   const endTime = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
-  const endTimes = new Float64Array(each.length / names.length).fill(endTime);
   const firstOf = (impacts, changed) => {
     const valueOf = (name) => changed[name] ?? kernel.parameters.get(name)?.start;
     const [first] = impactsUntil(impactsOf(impacts.slice(0, 1), kernel.scene, valueOf), endTime);
@@ -47,7 +46,7 @@ function* study(kernel, values, { names, each, words }) {
       "impact[1].place": `${toucherText(first)} ${wallText(first)}`,
     } : null;
   };
-  return yield* kernel.runEach(values, names, each, endTimes, words, firstOf);
+  return yield* kernel.runEach(values, names, each, endTime, words, firstOf);
 }
 
 /** Return the buffers of a result's columns, which the worker transfers to the page, so that they are not copied. */
