@@ -2,7 +2,7 @@
 
 import { make } from "../base/dom.js";
 import { unitText } from "../base/format.js";
-import { lastBefore } from "../recording/recording.js";
+import { placeIn, valueAtPlace } from "../recording/recording.js";
 import { shownIn } from "../scene/angles.js";
 import { contactTitle, largestIn, MOMENT, writerOf } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
@@ -83,21 +83,28 @@ class UnitChart extends TimeChart {
     const now = this.reading ?? present;
     this.values.forEach(([name, value], k) => {
       const own = this.writers[k](valueAt(this.time, this.curves[k], now));
-      value.replaceChildren([own, this.unit.textContent].filter((text) => text !== "").join("\u202f"));
-      for (const { recording, letter } of this.compared) {
+      const others = this.compared.flatMap(({ recording, letter }) => {
         const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
         const curve = curves.find((one) => one.name === name);
-        if (curve) value.append(make("small", { textContent: `${letter} ${this.writers[k](this.factor * valueAt(time, curve, now))}` }));
-      }
+        return curve ? [`${letter} ${this.writers[k](this.factor * valueAt(time, curve, now))}`] : [];
+      });
+      writeValues(value, [own, this.unit.textContent].filter((text) => text !== "").join("\u202f"), others);
     });
   }
 }
 
 /** Return the value of a curve at the time `now` [s], between its rows at the times `time` [s]. */
 function valueAt(time, { values, isStepped }, now) {
-  const row = Math.min(lastBefore(time, now), time.length - 2);
-  const share = Math.min(Math.max((now - time[row]) / (time[row + 1] - time[row]), 0), 1);
-  return isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
+  const [row, share] = placeIn(time, now);
+  return isStepped ? values[row + Math.floor(share)] : valueAtPlace(values, [row, share]);
+}
+
+/** Write the text of a value and those of compared motions; this makes elements only if the number of texts has changed. */
+function writeValues(element, own, others) {
+  if (element.childNodes.length !== 1 + others.length) element.replaceChildren("", ...others.map(() => make("small")));
+  [own, ...others].forEach((text, k) => {
+    element.childNodes[k].textContent = text;
+  });
 }
 
 export class CurveCharts {

@@ -2,7 +2,7 @@
 
 import { durationText, forceText, forceTicks, unitsOf, withMinus } from "../base/format.js";
 import { partnerOf } from "../recording/partners.js";
-import { hasImpulseOnly, lastBefore } from "../recording/recording.js";
+import { hasImpulseOnly, lastBefore, placeIn, valueAtPlace } from "../recording/recording.js";
 import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
 } from "./chart.js";
@@ -108,10 +108,7 @@ export class ForceChart extends Chart {
   readingAt(time) {
     if (this.loop) return "";
     const [times, force] = this.plot.data;
-    const row = Math.min(lastBefore(times, time), times.length - 2);
-    const share = Math.min(Math.max((time - times[row]) / (times[row + 1] - times[row]), 0), 1);
-    const value = force[row] + share * (force[row + 1] - force[row]);
-    return `${withMinus(durationText(time))}: ${forceText(value, 3, this.unit.force)}`;
+    return `${withMinus(durationText(time))}: ${forceText(valueAtPlace(force, placeIn(times, time)), 3, this.unit.force)}`;
   }
 
   show(recording) {

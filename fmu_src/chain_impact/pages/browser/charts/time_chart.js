@@ -30,8 +30,9 @@ export class TimeChart extends Chart {
 
   /** Read the chart at a time: the list shows the values at this time; without a time, those at the present time. */
   read(time) {
+    const { reading } = this;
     super.read(time);
-    if (this.drawn) this.draw(...this.drawn);
+    if (this.drawn && time !== reading) this.draw(...this.drawn);
   }
 
   /** Return the first and the last time on the axis [s]: those of the recording, or of a part that a derived class shows. */

@@ -2,6 +2,7 @@
 
 import { STOPS } from "../scene/geometry.js";
 import { frameTimes, PACING, slowSpans } from "./pacing.js";
+import { placeIn } from "./recording.js";
 import { viewOf } from "./view.js";
 
 const COORDINATES = 2_000_000; // largest number of coordinates of points in all frames together
@@ -31,22 +32,13 @@ export function timesOf(impacts, start, stop, pointCount, impactTime, rate) {
   return frameTimes(start, stop, slowSpans(impacts), impactTime, most, rate);
 }
 
-/** Return for each of `times`, as [index, fraction], the row of `time` before it, and the fraction of the way from this row to the next. */
-function bracketsOf(time, times) {
-  let row = 0;
-  return Array.from(times, (now) => {
-    while (row < time.length - 2 && time[row + 1] <= now) row += 1;
-    return [row, Math.min(Math.max((now - time[row]) / (time[row + 1] - time[row]), 0), 1)];
-  });
-}
-
 /**
  * Return values at frames, interpolated between rows, from values at rows. Both are in one array, row after row or frame after frame, with
- * `width` values in each; `brackets`: the rows beside each frame, from `bracketsOf`.
+ * `width` values in each; `places`: the place of each frame among the rows, from `placeIn`.
  */
-function interpolatedColumn(values, brackets, width) {
-  const column = new Float64Array(brackets.length * width);
-  brackets.forEach(([row, share], frame) => {
+function interpolatedColumn(values, places, width) {
+  const column = new Float64Array(places.length * width);
+  places.forEach(([row, share], frame) => {
     for (let k = 0; k < width; k += 1) {
       const first = values[row * width + k];
       column[frame * width + k] = first + share * (values[(row + 1) * width + k] - first);
@@ -103,9 +95,9 @@ function ofStops({ n, columns: { moment } }) {
  */
 export function framesOf(rows, { times, frameRate }) {
   const { name, links, pointCount, drawn, impacts, walls, stops, radius, ball, touching, pointNames, bodies, rail } = rows;
-  const brackets = times === rows.time ? null : bracketsOf(rows.time, times);
-  const at = (values, width = 1) => (brackets && values ? interpolatedColumn(values, brackets, width) : values);
-  const spansAbove = (values) => spansOf(brackets ? brackets.map(([row]) => values[row]) : values);
+  const places = times === rows.time ? null : Array.from(times, (time) => placeIn(rows.time, time));
+  const at = (values, width = 1) => (places && values ? interpolatedColumn(values, places, width) : values);
+  const spansAbove = (values) => spansOf(places ? places.map(([row]) => values[row]) : values);
   const [x, y] = [rows.x, rows.y].map((all) => at(all, pointCount));
   const atWalls = drawn.contacts.map(({ n, name: wall, columns }) => ({ point: n, wall, ...columns }));
   const forces = [...atWalls, ...drawn.stops.flatMap(ofStops)]

@@ -19,6 +19,17 @@ export function lastBefore(numbers, wanted) {
   return low;
 }
 
+/** Return [row, share] for a time: the row of increasing `times` before it, and the fraction of the way to the next row, from 0 to 1. */
+export function placeIn(times, time) {
+  const row = Math.min(lastBefore(times, time), times.length - 2);
+  return [row, Math.min(Math.max((time - times[row]) / (times[row + 1] - times[row]), 0), 1)];
+}
+
+/** Return a value at a place from `placeIn`, linearly interpolated between the values at the rows. */
+export function valueAtPlace(values, [row, share]) {
+  return values[row] + share * (values[row + 1] - values[row]);
+}
+
 /** Return whether an impact has an impulse in place of a force: its wall or stop is rigid. */
 export function hasImpulseOnly({ peak, impulse }) {
   return peak === null && Number.isFinite(impulse ?? NaN);
@@ -46,9 +57,8 @@ export class Recording {
 
   /** Return the number of the frame at a simulated time [s], with a fraction between two frames. */
   frameAt(time) {
-    const index = Math.min(lastBefore(this.time, time), this.time.length - 2);
-    const fraction = (time - this.time[index]) / (this.time[index + 1] - this.time[index]);
-    return index + Math.min(Math.max(fraction, 0), 1);
+    const [index, fraction] = placeIn(this.time, time);
+    return index + fraction;
   }
 
   /** Return the simulated time of a frame [s]. */
@@ -74,11 +84,7 @@ export class Recording {
 
   /** Return a value at a frame, interpolated between rows, from values at all rows, which may be closer to each other than frames. */
   betweenRows(values, frame) {
-    const { rowTime } = this;
-    const now = this.timeAt(frame);
-    const row = Math.min(lastBefore(rowTime, now), rowTime.length - 2);
-    const share = Math.min(Math.max((now - rowTime[row]) / (rowTime[row + 1] - rowTime[row]), 0), 1);
-    return values[row] + share * (values[row + 1] - values[row]);
+    return valueAtPlace(values, placeIn(this.rowTime, this.timeAt(frame)));
   }
 
   /**
