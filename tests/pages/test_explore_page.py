@@ -262,4 +262,4 @@ def test_a_row_of_an_impact_tells_where_it_is(show):
     first = simulate("four_link_box").impacts[0]
     told = page.locator("#impacts tbody tr").first.get_attribute("title").replace("−", "-")
     x, y = map(float, re.fullmatch(r"At x = (\S+)\sm, y = (\S+)\sm", told).groups())
-    assert (x, y) == pytest.approx((first["x"], first["y"]), abs=2e-3)
+    assert (x, y) == pytest.approx((first["x"], first["y"]), abs=5.1e-5)

@@ -38,6 +38,8 @@ OF_IMPACT = {
     "impulse": "impulse",
     "jointForce": "joint_force",
     "depth": "max_penetration",
+    "x": "x",
+    "y": "y",
 }
 """Quantity of an impact in the pages → its column in a list of impacts."""
 NEEDED_QUANTITIES = {"contacts": {"force"}, "loads": {"x", "y"}}

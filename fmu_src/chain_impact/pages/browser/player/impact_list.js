@@ -87,7 +87,7 @@ export class ImpactList {
     const heads = names.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" }));
     table.createTHead().insertRow().append(...heads);
     const body = table.createTBody();
-    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, columns, recording, impact));
+    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, columns, impact));
     this.rows.slice(FIRST).forEach((row) => row.classList.add("later"));
     this.#reach(this.rows[0].querySelector("button"));
     this.#markLargest(recording.impacts);
@@ -109,10 +109,12 @@ export class ImpactList {
     });
   }
 
-  #row(body, columns, recording, impact) {
+  #row(body, columns, impact) {
     const row = body.insertRow();
-    const [x, y] = recording.pointAt(recording.frameAt(impact.onset), impact.point).map((value) => withMinus(fixed(value, 4)));
-    if (!impact.atStop) row.title = `At x = ${x}\u202fm, y = ${y}\u202fm`;
+    if (!impact.atStop && Number.isFinite(impact.x ?? NaN)) {
+      const [x, y] = [impact.x, impact.y].map((value) => withMinus(fixed(value, 4)));
+      row.title = `At x = ${x}\u202fm, y = ${y}\u202fm`;
+    }
     const button = make("button", { type: "button", tabIndex: -1, textContent: String(impact.number) });
     button.setAttribute("aria-label", `Go to impact ${impact.number}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
