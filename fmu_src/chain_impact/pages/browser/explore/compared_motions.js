@@ -173,11 +173,10 @@ function besideOthers([x, y], others) {
 
 /**
  * Return the parts of the table that compares motions, the present one first: each has a `recording`, a `title` and, if it is pinned, a
- * `letter`. Its columns are in the order of time. A column is shown if it has one of the first LISTED impacts of a motion.
+ * `letter`. Its columns are in the order of time, each with one of the first LISTED impacts of a motion.
  */
 function comparisonTable(motions) {
-  const columns = alignedImpacts(motions.map(({ recording: { impacts } }) => impacts))
-    .filter((column) => column.some((impact) => impact?.number <= LISTED));
+  const columns = alignedImpacts(motions.map(({ recording: { impacts } }) => impacts));
   const lettersOf = (column) => motions.filter((_, k) => column[k]).map(({ letter }) => letter).join(", ");
   const headOf = (column) => (column[0] ? `${column[0].number}` : `only ${lettersOf(column)}`);
   const heads = ["Impact", "largest", ...columns.map(headOf)];
@@ -194,13 +193,13 @@ function comparisonTable(motions) {
 
 /**
  * Return columns of impacts that belong together, in the order of their first onsets. A column has for each list of `all` its impact or
- * undefined, and each impact is in one column: that of its partner in the first list that has one.
+ * undefined. Each of the first LISTED impacts of a list is in one column: that of its partner in the first list that has one.
  */
 function alignedImpacts(all) {
   const used = new Set();
-  const columns = all.flatMap((impacts, k) => impacts.filter((impact) => !used.has(impact)).map((first) => {
-    const partners = all.map((others, n) => (n > k ? partnerOf(first, impacts, others) : undefined));
-    const column = partners.map((partner, n) => (n === k ? first : used.has(partner) ? undefined : partner));
+  const columns = all.flatMap((impacts, k) => impacts.slice(0, LISTED).filter((impact) => !used.has(impact)).map((first) => {
+    const partners = all.map((others, n) => (n === k ? first : partnerOf(first, impacts, others)));
+    const column = partners.map((partner) => (used.has(partner) ? undefined : partner));
     column.forEach((impact) => used.add(impact));
     return column;
   }));
@@ -209,24 +208,30 @@ function alignedImpacts(all) {
 }
 
 /**
- * Return { impact, key, unit }: the impact with the largest peak force (`key` "peak") of a recording or, if no peak force is known, with
- * the largest impulse (`key` "impulse"), of ended contacts if there are any. Impacts at walls come first; without a known value there, it
- * is an impact at a stop of a joint. `unit` is that of the value. The result is null if no value is known.
+ * Return { value, unit }: the largest peak force of a recording or, if no peak force is known, the largest impulse, of ended contacts if
+ * there are any. Impacts at walls come first; without a known value there, it is that of an impact at a stop of a joint. The result is
+ * null if no value is known.
  */
-function largestImpact({ impacts }) {
+function largestKnown({ impacts }) {
   const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
   const ended = impulses.filter(({ rebound }) => Number.isFinite(rebound ?? NaN)); // without a rest, whose impulse grows with time
   const known = [peaks, ended, impulses].find(({ length }) => length) ?? [];
   const atWalls = known.filter(({ atStop }) => !atStop);
   const key = peaks.length ? "peak" : "impulse";
   const impact = (atWalls.length ? atWalls : known).reduce((one, other) => (one && one[key] >= other[key] ? one : other), null);
-  return impact && { impact, key, unit: unitsOf(impact)[key === "peak" ? "force" : "impulse"] };
+  return impact && { value: impact[key], unit: unitsOf(impact)[key === "peak" ? "force" : "impulse"] };
 }
 
 /** Return the largest peak force of a recording or, if none is known, the largest impulse as text; a dash if both are unknown. */
 export function largestText(recording) {
-  const { impact, key, unit } = largestImpact(recording) ?? {};
-  return impact ? forceText(impact[key], 3, unit) : "–";
+  const largest = largestKnown(recording);
+  return largest ? forceText(largest.value, 3, largest.unit) : "–";
+}
+
+/** Return the largest force (or else impulse) of each of two recordings; an empty list if their units differ, or one is unknown. */
+function comparableOf(...recordings) {
+  const [one, other] = recordings.map(largestKnown);
+  return one && one.unit === other?.unit ? [one.value, other.value] : [];
 }
 
 /**
@@ -234,9 +239,9 @@ export function largestText(recording) {
  * units differ, or one is unknown.
  */
 function percentText(recording, other) {
-  const [one, base] = [recording, other].map(largestImpact);
-  if (!one || one.unit !== base?.unit || !(base.impact[base.key] > 0)) return "";
-  const percent = 100 * (one.impact[one.key] / base.impact[base.key] - 1);
+  const [value, base] = comparableOf(recording, other);
+  if (!(base > 0)) return "";
+  const percent = 100 * (value / base - 1);
   const rounded = Math.abs(percent) < 0.05 ? "0" : digits(percent, 2);
   return `${percent > 0 && rounded !== "0" ? "+" : ""}${withMinus(rounded)}\u202f%`;
 }
@@ -244,11 +249,8 @@ function percentText(recording, other) {
 /** Return words for how impacts differ from those of the recording before a change: their number and largest force. */
 function differenceText(before, present) {
   if (!before || before === present) return "";
-  const [one, other] = [before, present];
-  const counts = `${one.impacts.length} → ${other.impacts.length}`;
-  const [unit, after] = [one, other].map((recording) => largestImpact(recording)?.unit);
-  const isAlike = unit && unit === after; // a force and an impulse are not compared
-  return isAlike ? `${counts}, largest ${largestText(one)} → ${largestText(other)}` : counts;
+  const counts = `${before.impacts.length} → ${present.impacts.length}`;
+  return comparableOf(before, present).length ? `${counts}, largest ${largestText(before)} → ${largestText(present)}` : counts;
 }
 
 /**

@@ -70,10 +70,10 @@ function ofFirst({ contactPoints, sliderStops, stops }) {
 
 /** Let some maps show the output `name`: the maps' `results` become its values or, for a place, indices in a list of all places. */
 export function takeOutput(maps, name) {
-  const all = new Set(maps.flatMap(({ runs }) => runs.map((values) => values?.[name])));
+  const placesIn = ({ runs }) => runs.map((values) => values?.[name]).filter(Boolean);
   maps.forEach((map) => {
     const output = map.outputs.find((one) => one.name === name);
-    map.output = output.isPlace ? { ...output, places: [...all].filter(Boolean).sort() } : output;
+    map.output = output.isPlace ? { ...output, places: [...new Set(maps.flatMap(placesIn))].sort() } : output;
     map.results = Array.from(map.runs, (values) => values && outputIn(values, map.output));
   });
 }

@@ -14,13 +14,16 @@ export function showParameterList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
   const count = details.querySelector("summary span");
   let [rows, first] = []; // first: the names of the changed parameters, as the list is sorted
-  const refresh = () => {
-    count.textContent = changes.count ? ` · ${changes.count} changed` : "";
-    rows?.forEach((row) => row.refresh());
+  const refreshRows = () => {
+    rows.forEach((row) => row.refresh());
     const changed = changes.scene.parameters.map(({ name }) => name).filter((name) => changes.isChanged(name)).join();
-    if (!rows || changed === first || body.contains(document.activeElement)) return; // a row with the focus stays in its place
+    if (changed === first || body.contains(document.activeElement)) return; // a row with the focus stays in its place
     body.append(...rows.toSorted((a, b) => changes.isChanged(b.name) - changes.isChanged(a.name)).map(({ row }) => row));
     first = changed;
+  };
+  const refresh = () => {
+    count.textContent = changes.count ? ` · ${changes.count} changed` : "";
+    if (details.open) fill();
   };
   const filter = () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -33,16 +36,15 @@ export function showParameterList(details, changes) {
     nothing.textContent = `No parameter has such a name${near}.`;
   };
   const fill = () => {
-    if (rows) return;
+    if (rows) return refreshRows();
     rows = changes.scene.parameters.map((parameter) => listRow(changes, parameter));
     body.replaceChildren();
     first = undefined;
-    refresh();
+    refreshRows();
     filter();
   };
   details.firstElementChild.addEventListener("click", fill); // before the list opens: the event "toggle" comes later
   details.addEventListener("toggle", () => {
-    if (details.open) fill();
     refresh();
     if (details.open) details.firstElementChild.scrollIntoView(); // the list opens below the visible part of the page
   });
