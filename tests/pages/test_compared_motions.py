@@ -277,8 +277,8 @@ def test_pins_are_named_by_the_changes_in_which_they_differ(show, size):
     until(page, "document.querySelector('.pin-text').textContent.includes('1e7')")
     names = page.locator(".pin-text")
     assert names.all_inner_texts() == [
-        "present: Stiffness = 1e7, Solver tolerance = 1e-7",
-        "Stiffness = 1e6, Solver tolerance as in the scene",
+        "present: Stiffness = 1e7\u202fN/m¹·⁵, Solver tolerance = 1e-7",
+        "Stiffness = 1e6\u202fN/m¹·⁵, Solver tolerance as in the scene",
     ]
     assert names.evaluate_all("all => all.every((one) => one.scrollWidth <= one.clientWidth)")
     assert names.evaluate_all("all => all.every((one) => one.scrollHeight <= one.clientHeight + 1)")

@@ -110,6 +110,12 @@ export function breakable(name) {
   return name.replaceAll(/([._/])/g, "$1\u200b");
 }
 
+/** Return a value with its unit as text, in the `factor` and the unit (`text`) of `shown`, with at most `count` significant digits. */
+export function textWithUnit(value, shown, count = 5) {
+  const number = withMinus(numberText(Number((shown.factor * value).toPrecision(count))));
+  return [number, shown.text].filter(Boolean).join("\u202f");
+}
+
 /** Return a number as text with the fewest digits from which exactly this number is read again. */
 export function numberText(value) {
   const size = Math.abs(value);

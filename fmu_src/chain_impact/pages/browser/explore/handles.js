@@ -164,7 +164,7 @@ export class Handles {
     const group = drawing.above;
     group.polyline(positions.map(screen)).addClass("pose").fill("none");
     this.#walls.forEach(({ name, at, isSeen }) => {
-      const grip = gripFor("wall", name, boxWallText(name, (parameter) => this.changes.valueOf(parameter)));
+      const grip = gripFor("wall", name, boxWallText(name, this.changes.valueOf));
       const [x, y] = at;
       group.rect(WALL, WALL).radius(5).center(x, y).addClass(isSeen ? "wall-grip" : "wall-grip wall-beyond").attr(grip);
     });

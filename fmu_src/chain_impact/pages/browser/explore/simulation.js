@@ -1,11 +1,11 @@
 // The runs of the page: one run for each change, and the line that tells how the last run ended.
 
 import { find, make } from "../base/dom.js";
-import { numberText, readable, withMinus } from "../base/format.js";
-import { shownIn } from "../scene/angles.js";
+import { readable, textWithUnit } from "../base/format.js";
+import { ALL_DIGITS, DEGREE_DIGITS } from "../scene/angles.js";
 import { withBoxWalls } from "../scene/words.js";
 import { faultText, stopText } from "./console.js";
-import { markFailing } from "./parameters/parameter_fields.js";
+import { markFailing, presentlyShown } from "./parameters/parameter_fields.js";
 import { wordsFor } from "./parameters/sliders.js";
 
 const WAITING = 120; // [ms] after this computing time, the motion that is still shown becomes pale
@@ -106,7 +106,7 @@ export class Simulation {
   }
 
   #inWords(sentence) {
-    return withBoxWalls(sentence, (name) => this.changes.valueOf(name));
+    return withBoxWalls(sentence, this.changes.valueOf);
   }
 
   /** Show a sentence on a fault in the address, `notice`, until a parameter changes. */
@@ -158,10 +158,9 @@ export class Simulation {
 function changesInWords(changes) {
   const wordsOf = wordsFor(changes);
   const textOf = (name, value) => {
-    const { items, ...parameter } = changes.parameters.get(name);
-    const { factor, text } = shownIn(parameter); // an angle is in degrees
-    const number = numberText(factor === 1 ? value : Number((factor * value).toPrecision(5)));
-    return items.length ? items[value - 1][0] : `${withMinus(number)}${factor === 1 ? "" : `\u202f${text}`}`;
+    const { items } = changes.parameters.get(name);
+    const shown = presentlyShown(changes, name);
+    return items.length ? items[value - 1][0] : textWithUnit(value, shown, shown.factor === 1 ? ALL_DIGITS : DEGREE_DIGITS);
   };
   const texts = new Map(Object.entries(changes.values).map(([name, value]) => [name, textOf(name, value)]));
   for (const [name, steps] of Object.entries(changes.inputSteps)) {

@@ -6,8 +6,10 @@ import { numberText, unitText } from "../base/format.js";
 const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern, advice]]) =>
   [unit, { word, text: new RegExp(`^${pattern}$`), advice }]));
 const DEGREE = Math.PI / 180; // [rad] one degree
-const DEGREE_DIGITS = 5; // largest number of significant digits with which an angle is shown in degrees
-const ALL_DIGITS = 17; // number of digits that determine a number
+/** The largest number of significant digits with which an angle is shown in degrees. */
+export const DEGREE_DIGITS = 5;
+/** The number of digits that determine a number. */
+export const ALL_DIGITS = 17;
 const ROOM = 9; // number of characters for which the field of a parameter has room
 
 /** Return an angle in radians for a text such as "90 deg"; return any other value unchanged. */

@@ -49,13 +49,13 @@ export class Changes {
 
   /**
    * Return the value of a parameter with the changes `values`: the changed value; else the value that follows from other parameters; else
-   * the value in the scene.
+   * the value in the scene. Functions that take a function from a name to a value get this one.
    */
-  valueOf(name, values = this.values) {
+  valueOf = (name, values = this.values) => {
     const { derived } = this.parameters.get(name) ?? {};
     if (name in values || !derived) return values[name] ?? this.starts[name];
     return sumOf(derived, (factor) => this.valueOf(factor, values));
-  }
+  };
 
   /** Return the value of an input at a time [s], with its steps; for any other parameter return its value, which holds at all times. */
   valueAt(name, time) {

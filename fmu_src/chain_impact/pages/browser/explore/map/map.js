@@ -1,9 +1,8 @@
 // The map: an output at the end of each run, shown as a colour over a grid of the values of two parameters.
 
 import { find } from "../../base/dom.js";
-import { numberText, readable, withMinus } from "../../base/format.js";
-import { shownIn } from "../../scene/angles.js";
-import { presentUnit } from "../parameters/parameter_fields.js";
+import { numberText, readable, textWithUnit } from "../../base/format.js";
+import { presentlyShown } from "../parameters/parameter_fields.js";
 import { mainParametersOf, wordsFor } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
@@ -132,17 +131,11 @@ export class GridMap {
     this.output.value = mainOutput(this.changes, outputs).name;
   }
 
-  /** Return the factor and the unit with which a parameter is shown; `values`: the changes, on which the unit of a stiffness depends. */
-  #unitOf(name, values) {
-    const shown = shownIn(this.changes.parameters.get(name));
-    return shown.factor === 1 ? { ...shown, text: presentUnit(this.changes, name, values) } : shown;
-  }
-
   #range(k) {
     const [name, from, to] = this.inputs[k];
     const parameter = this.changes.parameters.get(name.value);
     const range = rangeOf(parameter, this.changes.valueOf(name.value));
-    const { factor, text } = this.#unitOf(name.value);
+    const { factor, text } = presentlyShown(this.changes, name.value);
     find(`map-${"xy"[k]}-unit`).textContent = text;
     [from, to].forEach((field, end) => {
       const round = Number((factor * range[end]).toPrecision(2));
@@ -305,7 +298,8 @@ export class GridMap {
   #drawScales() {
     const { names, values } = this.shown;
     const varied = Object.fromEntries(names.filter((name) => name.endsWith(".exponent")).map((name) => [name, "exponent"]));
-    const units = names.map((name) => ({ ...this.#unitOf(name, { ...values, ...varied }), isLogarithmic: isLogarithmic(name) }));
+    const shownOf = (name) => presentlyShown(this.changes, name, { ...values, ...varied });
+    const units = names.map((name) => ({ ...shownOf(name), isLogarithmic: isLogarithmic(name) }));
     const at = names.map((name) => this.changes.valueOf(name));
     const run = this.shown.known.get(at.join());
     const present = this.#isOfPresent() ? { at, value: run && !run.status ? outputIn(run.values, this.shown.output) : null } : null;
@@ -358,20 +352,13 @@ export class GridMap {
     if (this.shown?.results[index] === undefined) return;
     const { faults, output, scale, results: { [index]: value } } = this.shown;
     const at = valuesAt(this.shown, index);
-    const parameters = Object.entries(at).map(([name, given]) => this.#valueText(name, given, { ...this.shown.values, ...at }));
-    const { factor, text } = scaledTo(output, scale);
-    const number = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text].filter(Boolean).join("\u202f");
+    const shownOf = (name) => presentlyShown(this.changes, name, { ...this.shown.values, ...at });
+    const textOf = ([name, given]) => `${this.wordsOf(name)} = ${textWithUnit(given, shownOf(name))}`;
     const unknown = output.rigid ? `only impulses with ${output.rigid}` : "no such impact";
     const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : unknown;
+    const number = textWithUnit(value, scaledTo(output, scale));
     const told = value === null ? reason : `${quantityOf(output.name)} = ${output.places?.[value] ?? number}`;
-    this.#say(`${parameters.join(", ")}: ${told}`);
-  }
-
-  /** Return a value of a parameter with its unit, if the parameters have the changed `values`; an angle is in degrees. */
-  #valueText(name, value, values) {
-    const { factor, text } = this.#unitOf(name, values);
-    const shown = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text];
-    return `${this.wordsOf(name)} = ${shown.filter(Boolean).join("\u202f")}`;
+    this.#say(`${Object.entries(at).map(textOf).join(", ")}: ${told}`);
   }
 
   /** Open a run, that is take over its values; a finger's first touch of a run only shows the values. */

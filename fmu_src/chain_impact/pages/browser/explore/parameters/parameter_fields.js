@@ -2,7 +2,7 @@
 
 import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
-import { shortText, valueText } from "../../scene/angles.js";
+import { shortText, shownIn, valueText } from "../../scene/angles.js";
 
 /** Take the mark of a refused or failing value from a field. */
 function release(field) {
@@ -57,6 +57,12 @@ export function explain(row) {
 export function presentUnit(changes, name, values = changes.values) {
   const { unit } = changes.parameters.get(name);
   return unit.includes("^") ? raised(unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"), values))) : unitText(unit);
+}
+
+/** Return the factor and the unit with which a parameter is shown: an angle in degrees, any other value in its `presentUnit`. */
+export function presentlyShown(changes, name, values) {
+  const shown = shownIn(changes.parameters.get(name));
+  return shown.factor === 1 ? { ...shown, text: presentUnit(changes, name, values) } : shown;
 }
 
 /**

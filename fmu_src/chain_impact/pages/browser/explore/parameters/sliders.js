@@ -221,7 +221,7 @@ export function mainParametersOf(changes) {
     const ofWalls = key ? walls.filter((wall) => parameters.has(`wall.${wall}.${key}`)) : [];
     const common = ofWalls.length > 0 && ofWalls.length === walls.length ? [] : [entry];
     return [...common, ...ofWalls.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, get label() {
-      const words = boxWallText(wall, (name) => changes.valueOf(name)); // the words change with gravity
+      const words = boxWallText(wall, changes.valueOf); // the words change with gravity
       return `${entry.label} at ${words ? `the ${words}` : wall}`;
     } }))];
   }).filter(({ name }) => parameters.has(name)).concat(startSlider(changes), inputSliders(changes));
@@ -241,7 +241,7 @@ export function wordsFor(changes) {
   const labels = new Map(mainParametersOf(changes).map(({ name, label }) => [name, label]));
   return (name) => {
     const [, signal, key] = /^signal\.([^.]+)\.(.+)$/.exec(name) ?? [];
-    const wall = boxWallText(name.replace(/^box\./, ""), (parameter) => changes.valueOf(parameter));
+    const wall = boxWallText(name.replace(/^box\./, ""), changes.valueOf);
     return labels.get(name) ?? (signal ? signalText(signal, key) : wall ? `Position of the ${wall}` : parameterText(name));
   };
 }
