@@ -1,1 +1,1 @@
-"""Events: the search of a step for events, their effects on the state, and the log of contacts."""
+"""Events: the search of a step for events, the effects of events on the state, and the log of contacts."""

@@ -1,6 +1,6 @@
-"""The end of a run in which a wall reaches a pinned base; each of them is at rest or moves as prescribed.
+"""The end of a run in which a wall reaches a pinned base; wall and base are at rest or move as prescribed.
 
-The clearance g of the base from a wall follows from the prescribed motions of both alone (chain/motion.py).
+The distance g of the base from a wall follows from the prescribed motions of both alone (chain/motion.py).
 The search is like that of crossing.py. With a bound |g̈| ≤ A over an interval of width w, g lies below its
 chord by at most A w²/8. An interval in which g may therefore fall to −OVERLAP is halved. So the search also
 finds a wall that passes the base within a step and comes back.
@@ -18,9 +18,9 @@ from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
 
 
 def end_at_base(d):
-    """End the last step where a wall reaches the pinned base, if one does.
+    """End the last step where a wall reaches the pinned base, if any wall does; ``check_base`` ends the run.
 
-    ``check_base`` then ends the run.
+    Afterwards the points are located at the end of the step.
     """
     reached = d.step.end
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
@@ -34,13 +34,13 @@ def end_at_base(d):
 
 
 def check_base(d):
-    """Return BASE_BEYOND_WALL if a wall is past the pinned base at the end of the last step, else OK.
+    """Return BASE_BEYOND_WALL if the pinned base is beyond a wall at the end of the last step, else OK.
 
-    The wall is past the base if their clearance is below −OVERLAP/2.
+    The base is beyond the wall if ``base_clearance`` is below −OVERLAP/2.
     """
     move_channels(d, d.step.end)
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
-        # if ``end_at_base`` has cut the step, the clearance is −OVERLAP up to round-off, so half of it is a
+        # if ``end_at_base`` has cut the step, the clearance is −OVERLAP up to round-off, so half of this is a
         # safe limit
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
@@ -48,9 +48,9 @@ def check_base(d):
 
 
 def overlap_margin(d, c, time):
-    """Return the clearance of the base from the wall of candidate c at a time [s], plus OVERLAP [m].
+    """Return ``base_clearance`` from the wall of candidate c at a ``time`` [s], plus OVERLAP [m].
 
-    The result is negative when the wall has reached the base.
+    The result is < 0 if the base is deeper in the wall than OVERLAP. Base and walls move to this time.
     """
     move_channels(d, time)
     count_other_cost(d, 1)
@@ -58,10 +58,10 @@ def overlap_margin(d, c, time):
 
 
 def time_of_meeting(d, c, until):
-    """Return the time [s] in the last step at which the base's clearance from a wall falls to −OVERLAP.
+    """Return the first time [s] in the last step at which ``base_clearance`` from a wall falls to −OVERLAP.
 
-    The wall is that of candidate c. The result is ``until`` if the clearance does not fall so far before this
-    time, and an earlier time without meaning if the cost exceeds its limit, which ends the run.
+    The wall is that of candidate c. The result is ``until`` [s] if the clearance does not fall so far before
+    ``until``, and a time without meaning if the cost exceeds the limit, which ends the run.
     """
     _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until
@@ -84,9 +84,9 @@ def time_of_meeting(d, c, until):
 
 
 def time_of_passage(d, c, a, b):
-    """Return the time [s] between a and b at which the base's clearance from a wall falls to −OVERLAP.
+    """Return the time [s] between a and b at which ``base_clearance`` from c's wall falls to −OVERLAP.
 
-    The wall is that of candidate c. The time is found by halving of the interval.
+    The clearance is larger at a and smaller at b. The time is found by halving of the interval.
     """
     for _ in range(MOST_GUESSES):
         middle = 0.5 * (a + b)

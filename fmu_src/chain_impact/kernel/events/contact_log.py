@@ -1,4 +1,4 @@
-"""The peak force and penetration of each contact, updated in every step, and the log of contacts."""
+"""The peak force and largest penetration of each contact, updated for every step, and the log of contacts."""
 
 import math
 
@@ -49,7 +49,8 @@ def update_peaks(d):
 def update_extremes(d):
     """Update the peak force and the largest penetration of every active contact for the last step.
 
-    The rate ẏ at the end of the step must be known. Afterwards the points are located and accelerated there.
+    A contact at a rigid wall has no penetration. The rate ẏ at the end of the step must be known; afterwards
+    the points are located and accelerated there.
     """
     touch = d.touch
     if any_point_held(d):
@@ -68,11 +69,11 @@ def update_extremes(d):
 
 
 def find_peaks(d, c, force_rate, time, reader):
-    """Return the peak force [N] and the peak penetration [m] of candidate c from the onset to ``time`` [s].
+    """Return the peak force [N] and the largest penetration [m] of contact c from the onset to ``time`` [s].
 
-    ``time`` is in the last step. The points must be located and accelerated at ``time``. The third result
-    tells whether the function has located the points at another time. ``force_rate`` [N/s] is dF/dt at
-    ``time``; ``reader`` tells for whom the peaks are, OUTPUTS or SOLVER.
+    c has a force law, and ``time`` is in the last step. The points must be located and accelerated at
+    ``time``. The third result tells whether the function has located the points at another time.
+    ``force_rate`` [N/s] is dF/dt at ``time``; ``reader`` tells for whom the peaks are, OUTPUTS or SOLVER.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -94,16 +95,16 @@ def find_peaks(d, c, force_rate, time, reader):
 
 
 def turns_at_end(d, c):
-    """Return whether candidate c's law damps on approach only and the last step ends at its kink δ̇ = 0.
+    """Return whether candidate c's law damps on approach only and the last step ends at this law's kink.
 
-    If the point has approached until then, the penetration, whose rate is δ̇, is largest there, so no search
-    for its maximum is needed.
+    At the kink the rate of the penetration is 0. If the point has approached until then, the penetration is
+    largest there, so no search for the largest penetration is needed.
     """
     return d.law.approach_only[c] and d.touch.event[c] == KINK
 
 
 def update_held_extremes(d):
-    """Update the peak forces at rigid walls for the last step, by parabolas through samples of the forces."""
+    """Update the peak forces at rigid walls and stops for the last step, by parabolas through samples."""
     step, samples = d.step, d.constraints.sample
     ensure_dense(d, SOLVER)
     first = event_fraction(d)
@@ -145,11 +146,11 @@ def update_own_to_output_time(d):
 
 
 def end_at_output_time(d):
-    """Cut the last step at the communication point, and drop its events; the next step finds them again.
+    """Cut the last step at the communication point, and drop the marks of its events.
 
-    If the step ends at the communication point without a cut, its onsets and its changes of modes are not
-    dropped, because the next step would not find them again, such as the arrival of a point that is already
-    at the wall.
+    The next step finds the events again. If the step ends at the communication point without a cut, onsets
+    and changes of modes stay marked, because the next step would not find them, for example the arrival of a
+    point that is already at the wall.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)
@@ -164,7 +165,7 @@ def list_latest(d):
     """Write the latest impacts to the outputs ``latest``, from the log and the active contacts.
 
     A contact that still lasts gets its values up to the communication point. The points must be located and
-    accelerated at this point, and the outputs must already contain the forces and impulses.
+    accelerated at this time, and the outputs must already contain the forces and impulses.
     """
     latest, log, rows = d.latest, d.contact_log, d.contact_log.count
     if latest.requested == 0 or (d.touch.active_count == 0 and latest.listed == rows):
@@ -195,7 +196,7 @@ def list_latest(d):
 
 
 def rate_of_force(d, c):
-    """Return dF/dt [N/s] of candidate c, for the located and accelerated points."""
+    """Return dF/dt [N/s] of the force F of contact c, which has a force law, for the accelerated points."""
     stiffness, damping = contact_slopes(d, c)
     # F is a function of the penetration δ and its rate: Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
@@ -203,7 +204,7 @@ def rate_of_force(d, c):
 
 
 def force_at(d, c, theta):
-    """Return the normal force [N] of candidate c at the fraction θ of the last step."""
+    """Return the normal force [N] of contact c, which has a force law, at the fraction θ of the last step."""
     gap, gap_rate = clearance_at(d, c, theta)
     return contact_force(d, c, gap, gap_rate)
 
@@ -241,10 +242,10 @@ def collect(d):
 
 
 def end_contact(d, c, was_rigid):
-    """End the contact of candidate c, and log it; in a full log the entry overwrites the oldest entry.
+    """End the contact of candidate c, and log the contact; in a full log this overwrites the oldest entry.
 
-    ``was_rigid`` tells whether a rigid wall held the point until now; the wall may have got a law with a
-    force since.
+    ``was_rigid`` tells whether a rigid wall held the point until now; the wall may already have got a law
+    with a force. The points must be located at the end of the last step.
     """
     _, gap_rate = clearance(d, c)
     # a point leaves a rigid wall with a rate of 0 or more, so a negative rate is round-off
@@ -254,9 +255,9 @@ def end_contact(d, c, was_rigid):
 
 
 def log_active(d):
-    """Log the active contacts after the ended ones, without an end time; they do not count as ended.
+    """Log the active contacts after the ended contacts, without an end time and without counting them.
 
-    If the log is full, they overwrite the oldest entries.
+    In a full log this overwrites the oldest entries.
     """
     row = d.contact_log.count
     for c in range(d.candidates):
@@ -266,11 +267,10 @@ def log_active(d):
 
 
 def log_with_peaks(d, c, row, end, separation_speed):
-    """Log the contact of candidate c with its peaks, and include these in the run's peaks (``d.peaks``).
+    """Log the contact of candidate c with the peaks in ``touch``, and raise the run's peaks (``d.peaks``).
 
-    The peaks are those that ``touch`` has stored up to the end of the last step.
-
-    ``row``, ``end`` and ``separation_speed`` are as for ``log_contact``.
+    The peaks in ``touch`` belong to the time from the onset to the end of the last step. ``row``, ``end`` and
+    ``separation_speed`` are as for ``log_contact``.
     """
     touch, peaks, arm = d.touch, d.peaks, lever_of_candidate(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
@@ -284,7 +284,7 @@ def log_with_peaks(d, c, row, end, separation_speed):
 
 
 def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, impulse):
-    """Write the contact of candidate c to a row of the log; at a joint's stop as moments and angles.
+    """Write the contact of candidate c to a row of the log; a joint's stop has moments and angles there.
 
     Args:
         d: the instance.
@@ -294,8 +294,8 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         end: the time at which the contact ends [s]; for a contact that lasts, NaN or, for the outputs
             ``latest``, the communication point.
         separation_speed: rate ġ of the clearance at ``end`` [m/s], or NaN.
-        peak_force: the largest force so far [N].
-        max_penetration: the largest penetration so far [m].
+        peak_force: the largest force in the contact so far [N].
+        max_penetration: the largest penetration in the contact so far [m].
         impulse: ∫F dt of the candidate since the start of the run [N·s].
     """
     touch, log, arm = d.touch, d.contact_log, lever_of_candidate(d, c)

@@ -1,15 +1,16 @@
 """The first time in a step at which a function of the motion falls through zero, by bounds or by samples.
 
 The search by bounds is for a function φ of each candidate. Without contact, φ is the clearance g. In contact,
-φ is the penetration, or u (chain/state.py) of the regularized contact. φ′ and φ″ are derivatives of φ in the
-integration variable of the step, and θ is a fraction of the step. The zero of φ is located on the dense
-output of the step. A suspect is a candidate that the search examines: after an implicit step each candidate,
-else a candidate of which the test in exclusion.py does not exclude an event.
+φ is the penetration, u (chain/state.py) of the regularized contact, or infinite at a rigid wall. φ′ and φ″
+are derivatives of φ in the integration variable of the step, and θ is a fraction of the step. The zero of φ
+is located on the dense output of the step. A suspect is a candidate that the search examines: after an
+implicit step each candidate, else a candidate of which the test in exclusion.py does not exclude an event.
 
 If only the signs of φ at both ends of a step were compared, a point that dips into a wall and returns would
 be missed. So a bound |φ″| ≤ A over an interval of width w is used. By this bound, φ stays above its chord
-minus A w²/8. And φ′ does not change its sign in the interval from a to b if φ′_a and φ′_b have the same sign
-and |φ′_a| + |φ′_b| > A w. An interval in which neither condition decides whether there is an event is halved.
+minus A w²/8. And φ′ does not change sign in the interval from a to b if φ′_a and φ′_b have the same sign and
+|φ′_a| + |φ′_b| > A w. If neither condition decides whether an interval has an event, the interval is halved,
+unless φ is linear up to round-off there.
 """
 
 import math
@@ -42,8 +43,8 @@ def first_passage(function, samples, resolution):
 
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
-        samples: function of d that returns the number of samples up to ``end``. The search misses a fall
-            below zero from which ``function`` returns before the next sample.
+        samples: function of d that returns the number of equidistant samples, of which ``end`` is the last.
+            The search misses a fall below zero from which ``function`` returns before the next sample.
         resolution: accuracy of the location, in the step's integration variable [s].
 
     Returns:
@@ -87,7 +88,7 @@ def first_passage(function, samples, resolution):
 
 
 def locate_at(d, theta):
-    """Set ``scratch.y`` to the state at the fraction θ of the last step, and locate the points there."""
+    """Set ``scratch.y`` to the state at θ of the last step, 0 ≤ θ ≤ 1, and locate the points there."""
     count_other_cost(d, 1)
     if 0.0 < theta < 1.0:
         ensure_dense(d, SOLVER)
@@ -98,8 +99,8 @@ def locate_at(d, theta):
     locate_points(d, d.scratch.y)
 
 
-# An interval in which φ, the clearance or penetration, can deviate from its chord by less than
-# CROSSING_RESOLUTION, relative to the longest link, is not halved: the deviation is round-off.
+# An interval in which the clearance or penetration φ can deviate from its chord by less than
+# CROSSING_RESOLUTION, relative to the longest link, is not halved: such a deviation is round-off.
 CROSSING_RESOLUTION = 1e-15
 # A point skims a wall, that is, it moves along the wall, if its clearance φ and the change of φ in an
 # interval are below SKIMMING_CLEARANCE, relative to the longest link. Example: a point of a link that lies
@@ -110,15 +111,14 @@ FINE_INTERVAL = 2.0**-8
 # Events within this time [s] count as simultaneous: symmetric chains touch at several points at once, up to
 # round-off.
 SIMULTANEOUS_TIME = 1e-12
-QUIET, SPLIT, CROSSES = 0, 1, 2
+QUIET, SPLIT, CROSSES = 0, 1, 2  # results of ``check_candidate``
 
 
 def find_crossing(d):
     """Return the fraction θ of the last step at which a suspect's contact first begins or ends, or −1.
 
-    It is −1 if none does, or if the cost exceeds its limit. The candidates with an event at θ are marked.
-    Before the call none may be marked, and the clearances φ and their rates φ′ at the step's start must be
-    set.
+    The result is −1 if no contact does, or if the cost exceeds the limit. The candidates with an event at θ
+    are marked. Before the call no candidate may be marked, and φ and φ′ at the step's start must be set.
     """
     a, b = 0.0, 1.0
     while not cost_exceeded(d):
@@ -137,7 +137,7 @@ def find_crossing(d):
             while a + width < 1.0 and math.floor(0.5 * a / width) == 0.5 * a / width:
                 width *= 2.0
             b = min(1.0, a + width)
-    return -1.0  # the cost exceeds its limit, so the caller ends the run
+    return -1.0  # the cost exceeds the limit, which ends the run after this step
 
 
 def check_interval(d, a, b):
@@ -155,7 +155,7 @@ def check_interval(d, a, b):
 
 
 def check_candidate(d, c, a, b):
-    """Return whether candidate c surely has no event in the interval (a, b] of the step, or has one.
+    """Return whether candidate c has an event in the interval (a, b] of the step; a and b are fractions.
 
     Returns:
         QUIET: there is no event; CROSSES: the clearance or, in contact, the penetration falls through zero;
@@ -164,8 +164,8 @@ def check_candidate(d, c, a, b):
     width = (b - a) * d.step.size
     start, end = d.search.phi_start[c], d.search.phi_end[c]
     if c == d.step.regularized:
-        # the sign of u, the root of the penetration over the expected one, at the end decides: a point does
-        # not leave its wall and return to it within one step of a regularized contact
+        # the sign of u at the end decides: within one step of a regularized contact, a point does not leave
+        # its wall and return to this wall
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.phi_start_rate[c], d.search.phi_end_rate[c]
     curvature = d.search.curvature[c]
@@ -194,9 +194,9 @@ def check_candidate(d, c, a, b):
 
 
 def skims_wall(d, c, width):
-    """Return whether the point of candidate c moves along its wall in an interval of this ``width``.
+    """Return whether the point of candidate c moves along the wall in an interval of the ``width`` [s].
 
-    Its clearance and the change of its clearance are then below SKIMMING_CLEARANCE.
+    This is so if the clearance and its change are below SKIMMING_CLEARANCE, relative to the longest link.
     """
     search = d.search
     moved = width * max(abs(search.phi_start_rate[c]), abs(search.phi_end_rate[c]))
@@ -207,9 +207,9 @@ def skims_wall(d, c, width):
 
 
 def nearly_linear(d, c, part):
-    """Return whether clearance or penetration of c is linear, up to round-off, in a fraction of the step.
+    """Return whether φ of candidate c is linear, up to round-off, in an interval of the step.
 
-    ``part`` is the fraction.
+    ``part`` is the length of the interval, as a fraction of the step.
     """
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.chain.longest_link
@@ -245,8 +245,8 @@ def locate_crossing(d, a, b):
 def find_root(d, c, a, b):
     """Return θ in [a, b] at which φ of candidate c falls through zero; φ must be negative at b.
 
-    φ is the clearance; in contact the penetration, or u of the regularized contact. The points must be
-    located at b. The function also sets φ of all suspects at the resulting θ.
+    φ is the clearance; in contact the penetration, or u of the regularized contact. φ and φ′ must be set at a
+    and b. The function also sets φ and φ′ of all suspects at the resulting θ.
 
     θ is found by Newton's method inside a shrinking interval around the root. If φ ≤ 0 at a, two cases need
     no iteration. If φ does not rise at a, the result is a. If φ rises at a and is linear in [a, b] up to
@@ -280,7 +280,7 @@ def find_root(d, c, a, b):
 
 
 def bound_curvature(d):
-    """Set a bound on |φ″| of every suspect over the last step; φ is its clearance or penetration.
+    """Set a bound on |φ″| of every suspect over the last step; φ is the clearance or penetration.
 
     The bound follows from one on the acceleration of point k along the normal n: |n·a_0| + Σ_{i≤k} L_i (|α_i|
     + ω_i²), with the acceleration a_0 of the base and the lengths L_i of the links. For a point that rests on
@@ -318,8 +318,8 @@ def bound_curvature(d):
 def links_curvature(d, c):
     """Return the contribution of the links to the curvature bound of candidate c, from ``scratch.reach``.
 
-    A site at the distance r from the proximal joint of its link, of the length ℓ, gets only r/ℓ of this
-    link's part.
+    A site at the distance r from the proximal joint of a link of the length ℓ gets r/ℓ of this link's part.
+    The candidate must not be a joint's stop.
     """
     reach, point = d.scratch.reach, d.candidate.point[c]
     if point <= d.links:
@@ -372,15 +372,14 @@ def prescribed_bounds(d, c):
 
 
 def measure_clearances(d, theta):
-    """Set φ (``measure_located``) and φ′ of all suspects at the fraction θ of the step, an interval's end."""
+    """Set φ and φ′ (``measure_located``) of all suspects at the fraction θ of the step, an interval's end."""
     locate_at(d, theta)
     measure_located(d)
 
 
 def measure_located(d):
-    """Set φ and φ′ of every suspect, a candidate that the search examines, at the located points.
+    """Set φ and φ′ (``set_clearance``) of every suspect, a candidate that the search examines.
 
-    ``set_clearance`` describes φ; φ′ is its rate in the step's integration variable.
     ``locate_at`` must have located the points.
     """
     u, slope = sundman_u_now(d, d.scratch.y)

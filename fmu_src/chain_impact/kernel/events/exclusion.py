@@ -1,9 +1,9 @@
 """Clearances at the two ends of a step, and a test of them that excludes events without a search.
 
 φ is the clearance of a candidate without contact, and the penetration of a candidate in contact. For the
-regularized contact φ is u, the root of its penetration relative to the expected one (ode/sundman.py). φ is a
-function of the integration variable of the step, with the derivatives φ′ and φ″; φ̇ and φ̈ are its
-derivatives in time. δ is the penetration, and v₀ the impact speed of the law.
+regularized contact φ is u, the root of the penetration over the expected penetration (ode/sundman.py). φ′ and
+φ″ are the derivatives of φ in the integration variable of the step, φ̇ and φ̈ those in time. δ is the
+penetration, and v₀ the impact speed in the law.
 """
 
 import math
@@ -15,17 +15,17 @@ from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
 
-# [rad] If a link turns, or the phase of an input advances, by more in an explicit step, the estimate of the
-# interpolant's error is not valid, and the step is searched.
+# [rad] If a link turns, or the phase of an input advances, by SMALL_TURN or more in an explicit step, the
+# estimate of the interpolant's error is not valid, and the step is searched.
 SMALL_TURN = 1.0
 # In ``stays_positive``, the least Bernstein coefficient of a clearance or penetration must exceed the limit
 # by this part of the range of all its coefficients. Without the margin, round-off or a wrong estimate of the
 # interpolant's error could exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
 # The impact speed v₀ is latched at the onset of the contact. If the rate δ̇ of the penetration later exceeds
-# RELATCH_RATIO times v₀, v₀ is latched again. In a usual impact gravity adds only a thousandth to δ̇, so v₀
-# stays. With the ratio 2, the force of a Hunt–Crossley law with the damping λ is never more than 1 + 2λ times
-# its elastic part.
+# RELATCH_RATIO times v₀, v₀ is multiplied by this ratio. In a usual impact gravity adds only a thousandth to
+# δ̇, so v₀ stays. With the ratio 2, the force of a Hunt–Crossley law with the damping factor λ is at most
+# about 1 + 2λ times the elastic part of the force.
 RELATCH_RATIO = 2.0
 # If the rate of the penetration exceeds NEARLY_FAST times the limit at an end of a step, it may exceed the
 # limit inside the step, and the step is sampled. The limit is RELATCH_RATIO times the impact speed.
@@ -39,7 +39,7 @@ NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 def known_clearances(d):
-    """Return what is known of the clearances at the start of the searched step: a value of `search.known`."""
+    """Return what is known of the clearances at the start of the searched step, as in `search.known`."""
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 
@@ -52,12 +52,12 @@ def remember_clearances(d, extent):
 
 
 def excludes_events(d):
-    """Return whether states and rates at the two ends of the last step show that no candidate has an event.
+    """Return whether states and rates at the two ends of the last step exclude events of candidates.
 
-    The test relies on an estimate of the interpolant's error, not on a bound. Before the call, the rate at
-    the end of the step must be known, and the points located and accelerated there. If the result is false,
-    the function has set φ and φ′ of all candidates at both ends of the step, and has chosen the candidates
-    that the search examines.
+    RELEASE at rigid walls is not excluded. The test relies on an estimate of the interpolant's error, not on
+    a bound. Before the call, the rate at the end of the step must be known, and the points located and
+    accelerated there. If the result is false, the function has set φ and φ′ of all candidates at both ends of
+    the step, and has chosen the candidates that the search examines.
     """
     # an input that changes with the angular frequency `input_rate` may change the acceleration in the step as
     # a rotating link does
@@ -142,10 +142,9 @@ def allowed_position_error(d):
 def distance_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
-    For a point this distance is the length of the stretched chain. For the place of a joint with stops it is
-    the change of the joint's angle, at most 2 rad, times the length of the longest link. The second distance
-    counts only in a scene with stops in joints; it is larger if the longest link is longer than all other
-    links together.
+    For a point or site this distance is at most `chain.reach`. For the place of a joint it is the change of
+    the joint's angle, at most 2 rad, times the length of the longest link; this counts only if the scene has
+    stops in joints and more than one link.
     """
     if d.chain.has_joint_stops and d.links > 1:
         return max(d.chain.reach, 2.0 * d.chain.longest_link)
@@ -153,10 +152,11 @@ def distance_per_radian(d):
 
 
 def remains_far(d):
-    """Return whether the last step surely has no event, because all points were far from all walls.
+    """Return whether the last step surely has no event that ``excludes_events`` excludes.
 
-    A contact with a force law is allowed only if it is the regularized contact, lasts, keeps its impact speed
-    v₀, and crosses no kink.
+    This is so if all candidates without contact are far from touching. A contact with a force law is allowed
+    only if it is the regularized contact, lasts, keeps its impact speed v₀, and crosses no kink. If the
+    result is true, FAR is remembered.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
@@ -165,7 +165,8 @@ def remains_far(d):
     if d.channels > 0:
         rate, rate_change = fastest_wall(d)
         search.speed, search.acceleration = search.speed + rate, search.acceleration + rate_change
-    # `way` bounds the distance that any point moves in the step; the acceleration counts double, as a margin
+    # `way` estimates how far any place moves relative to walls in the step, from the speeds and accelerations
+    # at both ends; the acceleration counts double, as a margin
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > allowed_position_error(d)):
@@ -185,20 +186,20 @@ def force_stays_smooth(d, c):
 
 
 def nearly_fast(d, c):
-    """Return whether δ̇ of contact c is so large at an end of the step that v₀ may be latched anew in it.
+    """Return whether the penetration of contact c grows so fast that v₀ may be latched anew in the last step.
 
-    δ̇ is the rate of the penetration, and v₀ the impact speed.
+    The rates at both ends of the step count, and the points must be located at its end.
     """
     _, gap_rate = clearance(d, c)
     return max(d.touch.speed[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.touch.impact_speed[c]
 
 
 def stays_positive(d, c, error):
-    """Return whether φ of candidate c surely exceeds ``error`` − ``harmless_depth`` in the whole last step.
+    """Return whether φ of candidate c exceeds ``error`` − ``harmless_depth`` [m] in the whole last step.
 
     φ is the clearance or, in contact, the penetration. Only the value of φ at the start of the step is not
     tested. The test uses the quintic Hermite interpolant of φ, which follows from φ, φ′ and φ″ at both ends
-    of the step. This interpolant is nowhere less than the smallest of its Bernstein coefficients.
+    of the step. This interpolant is nowhere less than its least Bernstein coefficient.
     """
     h = d.step.size
     b1 = d.search.phi_start[c] + h * d.search.phi_start_rate[c] / 5.0
@@ -213,22 +214,22 @@ def stays_positive(d, c, error):
 def stays_in_contact(d, c, error):
     """Return whether the contact of candidate c surely lasts through the last step.
 
-    The contact lasts if its penetration stays above ``error`` − ``harmless_depth`` (``stays_positive``) or,
-    if it is regularized, if the root u of the relative penetration is > 0 at the end.
+    The regularized contact lasts if u > 0 at the end of the step. Any other contact lasts if the penetration
+    stays above ``error`` − ``harmless_depth`` [m] (``stays_positive``).
     """
     if c == d.step.regularized:
-        # the sign of u, the root of the penetration over the expected one, at the end decides: a point does
-        # not leave its wall and return to it within one step of a regularized contact
+        # the sign of u at the end decides: within one step of a regularized contact, a point does not leave
+        # its wall and return to this wall
         return d.search.phi_end[c] > 0.0
     return stays_positive(d, c, error)
 
 
 def measure_all(d, y):
-    """Set φ and its derivatives φ′ and φ″ of every candidate for the state y, and ``search.safe_distance``.
+    """Set φ, φ′ and φ″ of every candidate for the state y, and ``search.safe_distance``.
 
-    ``set_clearance`` describes φ; φ′ and φ″ are its derivatives in the step's integration variable.
+    ``set_clearance`` describes φ; φ′ and φ″ are the derivatives of φ in the step's integration variable.
     ``search.safe_distance`` is the least clearance of the candidates without contact. The points must be
-    located and accelerated.
+    located and accelerated for y.
     """
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]
@@ -256,8 +257,8 @@ def set_clearances(d, y):
     u, slope = sundman_u_now(d, y)
     p = time_rate_of(d, u)
     for c in range(d.candidates):
-        # all candidates are treated as without contact first: a branch in this loop would cost more than to
-        # set active contacts again below
+        # all candidates are first treated as without contact: a branch in this loop would cost more than
+        # setting active contacts again below
         gap, gap_rate = clearance(d, c)
         d.search.phi_end[c], d.search.phi_end_rate[c] = gap, p * gap_rate
     for k in range(d.touch.active_count):
@@ -266,10 +267,9 @@ def set_clearances(d, y):
 
 
 def sundman_u_now(d, y):
-    """Return u and its rate u′ of the regularized contact for the state y, whose points are located.
+    """Return u (ode/sundman.py) of the regularized contact, and the rate u′, for the state y.
 
-    u is the root of the penetration relative to the expected one. Without a regularized contact the results
-    are 1 and 0.
+    The points must be located for y. Without a regularized contact the results are 1 and 0.
     """
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
@@ -280,7 +280,7 @@ def sundman_u_now(d, y):
 def set_clearance(d, c, u, slope):
     """Set φ and φ′ of candidate c for the located points.
 
-    φ is the clearance of a candidate without contact, and the penetration of one in contact, with two
+    φ is the clearance of a candidate without contact, and the penetration of a candidate in contact, with two
     exceptions: for the regularized contact φ is ``u``, and φ′ is ``slope`` = u′ (``sundman_u_now``); for a
     contact at a rigid wall φ is infinite, and φ′ is 0. φ′ is the rate in the step's integration variable.
     """
@@ -299,7 +299,7 @@ def set_clearance(d, c, u, slope):
 
 
 def begin_next_interval(d):
-    """Copy φ and φ′ (``set_clearance``) of all candidates from an interval's end to the next one's start."""
+    """Begin the next interval where the last one ends: copy φ and φ′ of all candidates to its start."""
     for c in range(d.candidates):
         d.search.phi_start[c] = d.search.phi_end[c]
         d.search.phi_start_rate[c] = d.search.phi_end_rate[c]

@@ -9,9 +9,9 @@ friction. Otherwise it slides: a motion begins, and friction acts against this m
 F_t is the friction force along t with the coefficient µ_s of static friction, F_n the normal force, s = ±1
 the direction of sliding, and t·a the tangential acceleration. Motion, rest and t·a at a wall are relative to
 its belt. The modes of elements at rest are found by pivoting, as in ``solve_lcp``. In each pivot all elements
-that violate the condition of their mode change their modes, and the others keep theirs. The pivots end when
-there is no such element. If the number of such elements stops falling before, the modes follow from forces
-within the limits of friction (rows/limits.py); such forces always exist.
+that violate the condition of their mode change their modes, and all other elements keep their modes. The
+pivots end when no element violates its condition. If the number of violations stops falling before, the modes
+follow from forces within the limits of friction (rows/limits.py); such forces always exist.
 """
 
 import math
@@ -41,10 +41,9 @@ from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stall
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
 from chain_impact.kernel.rows.limits import find_limited_forces
 
-# The acceleration against its direction of sliding that counts as an error, for an element at rest with the
-# mode "slides". It is relative to the sum of the largest acceleration, gravity and the longest link per
-# second squared; ``acceleration_error`` adds a second part. A larger acceleration makes the mode
-# inconsistent.
+# For an element at rest with the mode "slides": the acceleration against the direction of sliding that counts
+# as an error, relative to the sum of the largest acceleration, gravity and the longest link per second
+# squared; ``acceleration_error`` adds a second part. A larger acceleration makes the mode inconsistent.
 ACCELERATION_ERROR = 1e-9
 # An element that sticks or has just stopped may have this speed, relative to the longest link per second, as
 # an error at a loose tolerance; a faster element slides.
@@ -53,6 +52,8 @@ SPEED_ERROR_AT_REST = 1e-3
 
 def update_modes(d, jumped):
     """Choose the modes of friction at the end of the last step, and move sticking elements to their anchors.
+
+    The changes of modes are logged, and the marks of changes are removed.
 
     Args:
         d: the instance, with the points located at the end of the last step.
@@ -86,6 +87,8 @@ def update_modes(d, jumped):
 def reinit_modes(d, jumped):
     """Choose the modes anew (``update_modes``), after parameters, inputs or the state have been set.
 
+    If the scene has dry friction, the last step is then reset to zero length.
+
     Args:
         d: the instance.
         jumped: whether speeds may have jumped, as for ``update_modes``.
@@ -98,12 +101,12 @@ def reinit_modes(d, jumped):
 
 
 def set_slack(d, e):
-    """Set the slack of element e: the speed [m/s] against its direction of sliding that counts as an error.
+    """Set the slack of element e: the speed [m/s] against the direction of sliding that counts as an error.
 
-    If the element is at rest, and its mode is unchanged or inconsistent with the forces, the slack is the
+    If the element is at rest, and the mode is unchanged or inconsistent with the forces, the slack is the
     tolerance times the longest link per second: in the mode "slides", other forces may hold such an element,
-    and errors decide whether it moves. In any other case the slack is 0. The slack of an element that sticks
-    has no effect.
+    and errors decide whether the element moves. In any other case the slack is 0. The slack of an element
+    that sticks has no effect.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = (
@@ -112,7 +115,7 @@ def set_slack(d, e):
 
 
 def widen_slack(d, e):
-    """Widen the slack of element e, if it is at rest, to twice its speed against its direction of sliding.
+    """Widen the slack of element e, if e is at rest, to twice its speed against the direction of sliding.
 
     A larger slack stays. The exact speed is zero; the present speed is the error with which the event at zero
     speed was located.
@@ -123,11 +126,12 @@ def widen_slack(d, e):
 
 
 def first_mode(d, e, jumped):
-    """Return the mode of element e that follows from its speed; mark e as undecided if it is at rest.
+    """Return a first mode of element e; mark e as undecided if e is at rest or its sticking ends.
 
-    At rest means that the speed is 0 up to a tolerance. An undecided element keeps its mode at first; if
-    its mode ends, it gets the other mode, and if its contact begins, it sticks. Later ``choose_modes``
-    decides. ``jumped``: whether speeds may have jumped.
+    At rest means that the speed is 0 up to a tolerance. The mode of a moving element is the sign of the
+    motion. An element at rest keeps its mode, but sticks if its sliding ends or its contact begins. An
+    element whose sticking ends slides against the friction force. ``choose_modes`` may change the mode of an
+    undecided element. ``jumped``: whether speeds may have jumped.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
@@ -137,7 +141,7 @@ def first_mode(d, e, jumped):
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
     if resting and abs(speed) <= SPEED_ERROR_AT_REST * d.chain.longest_link:
         return STICKS
-    # an element that has been sliding counts as at rest up to its slack, because such a speed may be an error
+    # an element that has been sliding counts as at rest up to its slack: such a speed may be an error
     slides = abs(before) == 1 and not jumped
     if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
@@ -149,7 +153,8 @@ def first_mode(d, e, jumped):
 def choose_modes(d):
     """Change the modes of undecided elements until all modes are consistent with forces and accelerations.
 
-    If this does not end, choose the modes from forces that stay within the limits of friction.
+    If the number of inconsistent modes stops falling before, the modes are chosen from forces within the
+    limits of friction.
     """
     fewest, stalls_left = d.friction.count + 1, MAX_STALLED_PIVOTS
     while stalls_left >= 0:
@@ -178,7 +183,7 @@ def choose_by_limits(d):
     """Let all undecided elements stick, except those whose forces reach their limits (rows/limits.py).
 
     An element whose force is at its limit gets the mode "slides". Other forces may still hold this element;
-    if it then moves, in either direction, its motion is only an error.
+    a motion of the element, in either direction, is then only an error.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
@@ -199,8 +204,9 @@ def any_force_over_limit(d):
 def slide_at_limits(d):
     """Let those sticking elements slide whose forces by ``find_limited_forces`` are at their limits.
 
-    If there is none, all elements could stick, with other shares of the forces. The element whose constraint
-    force exceeds its limit most then slides, with a force at its limit; the others share the rest.
+    If no force is at its limit, all elements could stick, with other shares of the forces. Then the element
+    whose constraint force exceeds its limit most slides, with a force at its limit, and the other elements
+    share the rest.
     """
     all_stick, worst, most = True, -1, -math.inf
     for i in range(d.friction.stuck_count):
@@ -224,7 +230,7 @@ def count_inconsistent(d):
 
 
 def is_inconsistent(d, e):
-    """Return whether element e is undecided and its mode is not consistent with forces and accelerations."""
+    """Return whether e is undecided and its mode contradicts the present forces and accelerations."""
     if not d.element.undecided[e]:
         return False
     if d.element.mode[e] == STICKS:
@@ -250,12 +256,12 @@ def acceleration_error(d):
 
 
 def clear_changes(d):
-    """Clear the log of mode changes: at a run's start, and within a run whose log nobody reads."""
+    """Clear the log of mode changes, at the start of a run or because nobody reads the entries."""
     d.changes.count = 0
 
 
 def log_changes(d):
-    """Log the mode changes at the end of the last step; in a full log they overwrite the oldest entries."""
+    """Log the mode changes at the end of the last step; in a full log this overwrites the oldest entries."""
     log = d.changes
     for e in range(d.elements):
         if d.element.mode[e] != d.element.before[e]:

@@ -1,11 +1,10 @@
 """The handlers of events, and the size of the step after an event.
 
-The events ONSET and END are zeros of a clearance or a penetration. The search for them uses bounds, so that
-it misses no event (crossing.py). All other events of contacts, friction and drives are found by samples of a
-step, because it does no harm to locate them late; sampled.py lists them. The points must be located when a
-handler applies an event. ``handle_impact`` handles all simultaneous events at rigid walls together
-(impacts.py). If a point arrives at a rigid wall, a contact with a force law that begins at the same time
-begins after the impulses.
+The events ONSET and END are zeros of a clearance or a penetration. The search for such zeros uses bounds
+(crossing.py). All other events of contacts, friction and drives are found by samples of a step, because
+locating them late does little harm; sampled.py lists them. The points must be located when a handler applies
+an event. ``handle_impact`` handles all simultaneous events at rigid walls together (impacts.py). If a point
+arrives at a rigid wall, a contact with a force law that begins at the same time begins after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -48,8 +47,8 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 
 # A contact ends already before its point is outside, if the point needs at most this time to get out,
-# relative to the contact's time scale. Otherwise an impact would take one step more: a tenth of its cost, at
-# a tolerance of 1e-4.
+# relative to the contact's time scale. Otherwise an impact would take one step more: a tenth of the impact's
+# cost, at a tolerance of 1e-4.
 LEAVING_TIME = 0.01
 
 
@@ -57,7 +56,7 @@ def end_if_point_left(d, c):
     """End the contact of candidate c if its point does not move inward, and is outside or gets out very soon.
 
     The located end of a contact has an error within the tolerance, so the point may still move inward or need
-    a long time to get out. Then the contact does not end.
+    a long time to get out. In these cases the contact does not end.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -68,9 +67,9 @@ def end_if_point_left(d, c):
 
 
 def apply_event(d, c, kind):
-    """Apply an event of candidate c, which has a force law; return whether its force may have jumped.
+    """Apply an event of candidate c, which has a force law; return whether the force may have jumped.
 
-    ``kind`` is the kind of event, a value of ``touch.event`` such as ONSET; with NONE nothing happens.
+    ``kind`` is the kind of event: ONSET, END, RELATCH or KINK; with NONE nothing happens.
     """
     if kind == ONSET:
         begin_force_contact(d, c)
@@ -141,11 +140,11 @@ def apply_events(d):
 
 
 def renew_modes(d, jumped):
-    """Choose again what laws and inputs decide, because they may have changed.
+    """Choose again what laws and inputs decide, because laws or inputs may have changed.
 
-    These are the contacts with rigid walls that go on, the drives that are at their limits, the modes of
-    friction and the sides of kinks. ``jumped`` tells whether speeds may have jumped, such as the speed of a
-    belt. If they have not, an element that stuck counts as at rest, whatever small speed it has.
+    Chosen are the contacts with rigid walls that go on, the modes of drives and of friction, and the sides of
+    kinks. ``jumped`` tells whether speeds may have jumped, such as the speed of a belt. If no speed has
+    jumped, an element that stuck counts as at rest in spite of a small speed.
     """
     recompute_active_set(d)
     choose_saturation(d)
@@ -157,7 +156,7 @@ def renew_modes(d, jumped):
 def recompute_active_set(d):
     """End the held contacts that do not go on under changed laws or inputs.
 
-    If there is any held contact at the call, the last step is also reset to zero length.
+    If a rigid wall has held any point up to the call, the last step is then reset to zero length.
     """
     if not any_point_held(d):
         return
@@ -191,7 +190,7 @@ def choose_next_size(d, onset, goes_on):
 
 
 def force_has_kink(d):
-    """Return whether the force of a contact has a kink at a marked event, so that the step must end there.
+    """Return whether the force of a contact has a kink at a marked event, so that the step must be repeated.
 
     KINK and END are such events; but if the regularized contact ends, the result is False.
     """

@@ -1,4 +1,4 @@
-"""Impact at a rigid wall: instantaneous impulses, and the set of contacts that stay active after them.
+"""Impact at a rigid wall: instantaneous impulses, and the contacts that stay active after the impulses.
 
 Newton's law of impact is valid for any number of contacts at once, in the form of Moreau (1988, *Unilateral
 contact and dry friction in finite freedom dynamics*). The law holds for all candidates that touch: those that
@@ -11,11 +11,11 @@ inverse of the mass matrix along the normals, and e the restitution. a ⟂ b mea
 contact has e = 0. A point that arrives slower than the minimum impact speed of its law has e = 0, too, so
 that a bouncing point comes to rest after finitely many impacts. Every impulse p > 0 does the work ½ p (u⁺ +
 u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A point that all but touches a wall and moves away from
-it has u⁻ > 0, and could gain energy. An impact that would add energy is therefore computed with e = 0 for all
-contacts, which adds none.)
+this wall has u⁻ > 0, and could gain energy. An impact that would add energy is therefore computed with e = 0
+for all contacts; such an impact adds no energy.)
 
-A contact ends if it separates with a speed above LEAST_REBOUND_SPEED and round-off. All other contacts are at
-rest. Forces F hold them as long as the forces push:
+A contact ends if its point separates with a speed above LEAST_REBOUND_SPEED and round-off. The points of all
+other contacts are at rest. Forces F hold these points as long as the forces push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
 
@@ -78,9 +78,9 @@ from chain_impact.kernel.rows.geometry import (
     largest_velocity,
 )
 
-# A point rebounds only with more than this speed, relative to the minimum impact speed of its law; a slower
-# point does not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often
-# in a finite time (Zeno behaviour).
+# A point rebounds only with more than this speed, relative to the minimum impact speed of the contact's law;
+# a slower point does not separate. Otherwise a point whose bounces get slower and slower would bounce
+# infinitely often in a finite time (Zeno behaviour).
 LEAST_REBOUND_SPEED = 1e-3
 # IMPACT_ROUND_OFF: the round-off of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|), with the impulses
 # p and the speeds u⁻ before and u⁺ after them; and the round-off of a speed, relative to the largest speed.
@@ -89,10 +89,10 @@ IMPACT_ROUND_OFF = 1e-9
 # it touch again: the larger of RELEASE_GAP times the longest link and RELEASE_OF_COORDINATES times the
 # coordinates whose round-off enters the clearance.
 RELEASE_GAP, RELEASE_OF_COORDINATES = 1e-13, 1e-14
-# The distance NEAR_WALL_CLEARANCE times the clearance of a released point has two uses, both against endless
-# impacts. A point with a smaller clearance all but touches its wall. And arriving points come to rest if
-# their kinetic energy is at most the work of weight and dry friction over this distance. So both uses include
-# a point that has just been released.
+# The distance NEAR_WALL_CLEARANCE × ``release_gap`` has two uses, both against endless impacts. A point with
+# a smaller clearance all but touches its wall (``join_near_contacts``). And arriving points come to rest if
+# their kinetic energy is at most the work of weight and dry friction over this distance (``is_gentle``). So
+# both uses include a point that has just been released.
 NEAR_WALL_CLEARANCE = 10.0
 
 
@@ -145,7 +145,7 @@ def begin_late_contacts(d):
     """Begin contacts with a force law whose onset is marked, if their points still move inward.
 
     The impulses of the impact may have turned a point back. Returns the last candidate whose contact begins,
-    or −1 if none does.
+    or −1 if no contact begins.
     """
     onset, round_off = -1, SIGN_TOLERANCE * largest_velocity(d)
     for c in range(d.candidates):
@@ -230,9 +230,9 @@ def find_impulses(d, fraction):
 
 
 def lacks_rebound(d):
-    """Return whether the impulses leave any point slower than its restitution demands.
+    """Return whether the impulses leave any point slower than the restitution demands.
 
-    This happens to a wedged point, for which no impulses reach the speed.
+    This happens to a wedged point, to which no impulses can give the demanded speed.
     """
     short, scale = False, largest_velocity(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -243,7 +243,7 @@ def lacks_rebound(d):
 def end_rebounding_contacts(d):
     """End the contacts whose points separate with a speed above LEAST_REBOUND_SPEED and round-off.
 
-    Neighbours that got no impulse become inactive, too.
+    Candidates marked NEIGHBOUR that got no impulse become inactive, too, without an entry in the log.
     """
     free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
     fall = set_start_to_accelerations(d, d.step.state_end, d.scratch.rate)
@@ -264,8 +264,8 @@ def is_gentle(d):
 
     The limit of the speeds follows from LEAST_REBOUND_SPEED, the limit of the kinetic energy from
     NEAR_WALL_CLEARANCE. Such an impact is gentle: elements that stick continue to stick. If the small
-    impulses could make a joint slide, its friction would lift points, these would arrive gently again, and so
-    on without end.
+    impulses could make a joint slide, the joint's friction would lift points, these points would arrive
+    gently again, and so on without end.
     """
     force = mean_mass(d) * d.links * (d.chain.gravity_size + d.chain.longest_link)
     slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)
@@ -289,7 +289,7 @@ def bring_to_rest(d, gentle):
 
 
 def end_changed_contacts(d):
-    """End held contacts whose wall has got a law with a force, so that contacts with this law can begin."""
+    """End held contacts whose wall or stop has got a law with a force, so that new contacts can begin."""
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
@@ -301,8 +301,9 @@ def end_changed_contacts(d):
 def update_active_set(d):
     """End each contact at a rigid wall that would have to pull its point; the other contacts stay active.
 
-    Before the choice, the state is projected onto the constraints, and contacts end whose points this does
-    not stop. The points of contacts that end by the choice get a small clearance.
+    Before this choice, the state is projected onto the constraints, and contacts end whose points the
+    projection does not stop. The points of contacts that end by the choice get a small clearance. Afterwards
+    no candidate is marked with an event.
     """
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):
@@ -326,7 +327,7 @@ def update_active_set(d):
 
 
 def end_unstopped_contacts(d):
-    """End the held contacts whose points the projection did not stop, because only a pull could stop them."""
+    """End the held contacts whose points the projection did not stop: only a pull could stop such a point."""
     scale = largest_velocity(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if not d.constraints.in_active_set[k] and d.constraints.reached[k] > SIGN_TOLERANCE * scale:

@@ -5,19 +5,20 @@ friction_modes.py, saturation.py), or until the last step is rejected or cut bef
 sampled.py describe the kinds of events.
 """
 
-NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5
-# a mark that the search never sets: a point near a wall takes part in the impact of another point
+NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5  # values of ``touch.event``
+# a value of ``touch.event`` that the search never sets: a point near a rigid wall takes part in the impact of
+# another point
 NEIGHBOUR = 6
 SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two kinds of changes of a friction mode
 
 
 def mark_contact_event(d, c, kind):
-    """Mark candidate c with an event of a ``kind``, or remove its mark with the kind NONE."""
+    """Mark candidate c with an event of a ``kind``; the kind NONE removes the mark of c."""
     d.touch.event[c] = kind
 
 
 def mark_change(d, e, kind):
-    """Mark element e with a ``kind`` of change of its mode."""
+    """Mark element e with a ``kind`` of change of the friction mode: SLIDING_ENDS or STICKING_ENDS."""
     d.element.event[e] = kind
 
 
@@ -28,7 +29,7 @@ def drop_events(d):
 
 
 def drop_contact_events(d):
-    """Remove the marks of candidates, but keep the marked changes of friction modes and drives."""
+    """Remove the marks of candidates, but keep the marks of friction modes and drives."""
     for c in range(d.candidates):
         d.touch.event[c] = NONE
 
@@ -41,9 +42,9 @@ def drop_changes(d):
 
 
 def mark_saturation(d, ends):
-    """Set the mark for drives: ``ends`` is 1 if the mode of any drive ends, else 0.
+    """Set the one mark of all drives: ``ends`` is 1 if the mode of any drive ends, else 0.
 
-    With the mark 1, the next step chooses the modes of all drives again.
+    With the mark 1, the modes of all drives are chosen again at the start of the next step.
     """
     d.drive.event = ends
 
@@ -66,7 +67,7 @@ def ends_in_onset(d):
 
 
 def pending_changes(d):
-    """Return the number of elements whose friction mode, by its mark, ends when the last step ends."""
+    """Return the number of elements that are marked with an end of their friction mode."""
     changes = 0
     for i in range(d.friction.count):
         changes += d.element.event[d.element.index[i]] != 0

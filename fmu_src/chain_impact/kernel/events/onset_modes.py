@@ -1,4 +1,4 @@
-"""The mode of dry friction, sticks or slides, of a contact that begins without any tangential speed.
+"""The mode of dry friction, "sticks" or "slides", of a contact that begins without any tangential speed.
 
 At the onset the normal force F and the limit of friction µ_s F are zero under most laws, with the coefficient
 µ_s of static friction. So the forces just after the onset decide the mode. The tangential force T that would
@@ -13,9 +13,9 @@ from chain_impact.kernel.forces.holding import set_start_to_load_motion
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
 
-# [s] The tangential force that would prevent sliding and the limit of static friction are compared this time
-# after the onset. If several contacts begin at the same moment, the normal forces of all at this time act on
-# the chain.
+# [s] The tangential force that would prevent sliding and the limit of static friction are compared at this
+# time after the onset. If several contacts begin at the same moment, the normal forces that all of them have
+# at this time act on the chain.
 COMPARISON_TIME = 1e-6
 
 
@@ -25,7 +25,10 @@ def begins_now(d, e):
 
 
 def decide_onsets(d):
-    """Choose the modes of contacts that begin now without tangential speed; points must be located."""
+    """Choose the modes of contacts that begin now without tangential speed; the points must be located.
+
+    Such a contact has the mode "sticks" before the call; it slides afterwards if static friction is too weak.
+    """
     friction, open_ones = d.friction, 0
     for i in range(friction.contact_count):
         open_ones += begins_at_rest(d, d.element.index[i])
@@ -49,14 +52,14 @@ def decide_onsets(d):
 
 
 def begins_at_rest(d, e):
-    """Return whether the contact of element e begins now without tangential speed, in the mode "sticks"."""
+    """Return whether e is a contact that begins now without tangential speed, in the mode "sticks"."""
     return begins_now(d, e) and d.element.undecided[e] != 0 and d.element.mode[e] == STICKS
 
 
 def force_after_onset(d, c):
     """Return an estimate of the normal force [N] of candidate c at COMPARISON_TIME [s] after its onset.
 
-    The onset is at the present time. The estimate assumes that the point keeps its speed at the onset.
+    The onset is at the present time. The estimate assumes that the point keeps the normal speed of the onset.
     """
     speed = d.touch.onset_speed[c]
     force, _ = law_force(d, c, COMPARISON_TIME * speed, speed)

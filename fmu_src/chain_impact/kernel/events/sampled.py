@@ -55,9 +55,8 @@ from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 
-# SAMPLES: the number of samples of a step in which a stage has shown an event; the step's end is one of the
-# samples. The search for RELATCH takes FEW_SAMPLES, because a missed event does no harm: the impact speed
-# stays.
+# SAMPLES: the number of samples in the searched part of a step in which a stage or an end shows an event. The
+# search for RELATCH takes FEW_SAMPLES: a missed event does no harm, because the impact speed stays.
 SAMPLES, FEW_SAMPLES = 8, 4
 # The turn [rad] of an input is its angular frequency times the duration of the step. Up to TURN_OF_STAGES the
 # stages show all events, although they are up to a quarter of the step apart; beyond, every step is searched.
@@ -89,7 +88,7 @@ def turn_of_inputs(d):
 
 
 def sample_count_of_turn(d):
-    """Return the number of samples of a step in which inputs turn by more than TURN_OF_STAGES."""
+    """Return the number of samples in the search of a step with a turn of inputs above TURN_OF_STAGES."""
     return 1 + int(SAMPLES_PER_RADIAN * min(MOST_SAMPLED_TURN, turn_of_inputs(d)))
 
 
@@ -99,10 +98,10 @@ def make_search(
     """Return a search of the last step for one kind of event.
 
     Args:
-        value: function of (d, c, θ) that falls below zero at the event; c is an index, such as a candidate's.
+        value: function of (d, c, θ) that falls below zero at the event; c is a candidate or an element.
         suspected: function of (d, c): whether stages and located points show that c may have an event.
         mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
-        members: two functions: that of d returns how many c are searched, that of (d, k) the k-th of them.
+        members: a function of d for the number of searched c, and one of (d, k) for the k-th c; WHOLE: c = 0.
         samples: function of d that returns the number of samples of the step.
         resolution: accuracy of the location of the event, as in ``first_passage``.
 
@@ -154,7 +153,7 @@ def choose_search(slow, fast):
 def mark_kinks(d, c, theta):
     """Mark contact c and all other contacts that are at their kinks at the fraction θ of the step.
 
-    The points must be located at θ.
+    Afterwards the points are located at θ.
     """
     mark_contact_event(d, c, KINK)
     # contacts of a symmetric chain reach their kinks at one time, up to round-off: all are marked
@@ -166,13 +165,13 @@ def mark_kinks(d, c, theta):
 
 
 def side_of_kink(d, c):
-    """Return contact c's distance [N or m/s] to its kink: > 0 on the side that the step uses, else < 0."""
+    """Return ``kink_height`` [N or m/s] of contact c, with the sign > 0 on the side that the step uses."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
 
 def has_crossed(d, c):
-    """Return whether a stage of the last step, or the located points, show contact c beyond its kink."""
+    """Return whether a stage of the last step, or the located points, show that c has crossed its kink."""
     note_crossing(d, c, kink_height(d, c))
     return d.touch.kink_crossed[c] != 0
 
@@ -184,7 +183,7 @@ def side_of_kink_at(d, c, theta):
 
 
 def relatch_margin(d, c, theta):
-    """Return RELATCH_RATIO v₀ − δ̇ [m/s] of c at θ, with the impact speed v₀; if < 0, v₀ is latched again."""
+    """Return RELATCH_RATIO v₀ − δ̇ [m/s] of contact c at θ; if this is < 0, the speed v₀ is latched again."""
     locate_at(d, theta)
     _, gap_rate = clearance(d, c)
     return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
@@ -206,8 +205,8 @@ find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACTS, reso
 def check_pull(d, _c):
     """Return whether to search the last step for a release, because a rigid wall has pulled in a stage.
 
-    If a wall has pulled by more than ``plausible_pull``, and the step is longer than LEAST_REJECTED_STEP, the
-    function rejects the step and returns False.
+    Round-off (``pull_limit``) does not count. If a wall has pulled by more than ``plausible_pull``, and the
+    step is longer than LEAST_REJECTED_STEP, the function rejects the step and returns False.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -301,7 +300,7 @@ def mark_changes(d, element, theta):
 
 
 def element_error(d, e):
-    """Return the error that element e may have: of its speed [m/s] if it slides, else of its force [N]."""
+    """Return the largest error of element e: of the speed [m/s] if e slides, else of the force [N]."""
     return friction_round_off(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
@@ -311,16 +310,16 @@ def rest_speed(d):
 
 
 def friction_round_off(d, e):
-    """Return by how much [N] round-off may let the friction force of element e exceed its limit."""
+    """Return by how much [N] round-off may let the friction force of element e exceed the limit."""
     return FRICTION_EXCESS * (
         d.element.limit[e] + mean_mass(d) * (d.chain.gravity_size + d.chain.longest_link)
     )
 
 
 def element_margin(d, e, theta):
-    """Return the margin [m/s or N] of element e to the end of its mode at θ, plus ``element_error``.
+    """Return the margin of element e to the end of its mode at θ, plus ``element_error``.
 
-    The margin is the speed in the direction of sliding, or the limit of friction minus the friction force.
+    It is the speed in the direction of sliding [m/s] or, if e sticks, the limit minus |friction force| [N].
     """
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
@@ -362,7 +361,7 @@ find_mode_change = choose_search(
 
 
 def is_past_limit(d, _c):
-    """Return whether a drive leaves its mode in a stage, or at the end, of the last step."""
+    """Return whether a stage or the end of the last step shows the end of a drive's mode."""
     if not d.chain.has_drive_limits:
         return False
     ensure_inputs(d, d.step.state_end)
@@ -370,17 +369,17 @@ def is_past_limit(d, _c):
 
 
 def drive_margin(d, _c, theta):
-    """Return ``mode_margin`` [N·m], also for a slider: a drive's least margin to its mode's end, at θ."""
+    """Return ``mode_margin`` [N·m] at θ: the least margin of any drive to the end of the drive's mode."""
     locate_at(d, theta)
     ensure_inputs(d, d.scratch.y)
     return mode_margin(d, d.scratch.y)
 
 
 def may_pass_limit(d, c):
-    """Return whether to search a step, in which inputs turn fast, for the limits of drives.
+    """Return whether to search a step, in which inputs turn fast, for the end of a drive's mode.
 
-    The result is true if a stage shows that a drive leaves its mode, if a fast signal acts in a drive with a
-    limit, or if the inputs are polynomials and any drive has a limit.
+    The result is true if a stage shows such an end, if a fast signal acts in a drive with a limit, or if the
+    inputs are polynomials and any drive has a limit.
     """
     if d.signals > 0 and d.inputs.piece.order == 0:
         turn = (d.step.end - d.step.start) * rate_in_limited_drives(d)

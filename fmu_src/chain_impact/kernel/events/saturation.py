@@ -1,6 +1,6 @@
-"""The modes of drives with a limit, at the limit or below it.
+"""The modes of drives with a limit: at the positive or negative limit, or below the limit.
 
-A mode changes at an event (sampled.py) or a re-initialization.
+A mode is chosen at the start of a run, at events (sampled.py) and at re-initializations.
 """
 
 from chain_impact.kernel.chain.drives import drive_count, drive_mode, unlimited_force
@@ -21,7 +21,7 @@ def clear_saturation(d):
 
 @has_dual_rule
 def choose_saturation(d):
-    """Choose the modes of all drives at the end of the last step, from their forces without limits."""
+    """Choose the modes of all drives at the end of the last step, from the forces without limits there."""
     if not d.chain.has_drive_limits:
         return
     ensure_inputs(d, d.step.state_end)

@@ -1,8 +1,8 @@
 """The search of a step for the earliest event.
 
-For most steps a test of the states and rates at both ends excludes any event (exclusion.py), and no dense
-output is needed. In the other steps the first crossing of a clearance is located, and then other kinds of
-event are searched for before it. handlers.py and sampled.py describe the kinds of event.
+For most steps a test of the states and rates at both ends excludes events of contacts (exclusion.py), and no
+dense output is needed. In the other steps the first crossing of a clearance is located, and then other kinds
+of events are searched for before this crossing. handlers.py and sampled.py describe the kinds of events.
 """
 
 import math
@@ -55,8 +55,8 @@ EARLY_THETA = 1e-3
 # this part of the step's size.
 LANDING_TIME = 1e-2
 # A clearance at an onset up to CLEARANCE_ROUND_OFF is round-off, relative to the longest link plus the
-# coordinates of the point. A slow point may need more than LANDING_TIME to move this distance; its time after
-# the onset then counts as 0.
+# coordinates of the point. A slow point may need more than LANDING_TIME to move this distance; the time
+# between the point's onset and the end of the step then counts as 0.
 CLEARANCE_ROUND_OFF = 1e-15
 # A step whose crossing or onset is not credible (``is_credible_crossing``, ``onset_fraction``) is rejected
 # only if it is longer than SIMULTANEOUS_TIME plus this part of the present time: ten times the resolution of
@@ -68,8 +68,8 @@ def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
-        The fraction θ ∈ [0, 1] of the step at which the event happens, or −1 if there is none. The marks
-        (marks.py) show which kinds of event happen at θ. A step that is too inaccurate to locate the event is
+        The fraction θ ∈ [0, 1] of the step at which the event happens, or −1 if there is no event. The marks
+        (marks.py) show which events happen at θ. A step that is too inaccurate to locate the event is
         rejected; then the result has no meaning.
     """
     d.search.input_rate = max(d.inputs.piece.change_rate, rate_of_signals(d))
@@ -94,8 +94,8 @@ def find_event(d):
         if theta < 0.0:
             measure_clearances(d, 1.0)
     theta = find_sampled_event(d, theta)
-    # Without an event, the clearances at the end of the step are known now. After an event they are wrong,
-    # but not used: an event breaks the sequence of steps.
+    # Without an event, the clearances at the end of the step are known now. After an event the stored ones
+    # are wrong, but not used: an event breaks the sequence of steps.
     remember_clearances(d, VALUES)
     # The state of a regularized step has the time since the start of the step. Nothing controls its error
     # within the step: an event before the start is an error of the step.
@@ -153,12 +153,11 @@ def is_credible_crossing(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Return whether a candidate with an event is far from it, ``lasted`` [s] after the start of the step.
+    """Return whether a candidate is far from its marked crossing, ``lasted`` [s] after the step's start.
 
-    Far means that over half of the clearance at the start of the step is left. The crossing in the step is
-    then an error. The clearance φ (in contact, the penetration) after this time is extrapolated from the
-    motion at the start of the step, because the interpolant of a step over a stiff motion may have an error
-    as large as the tolerance there.
+    Far means that over half of the clearance at the start of the step is left; the crossing is then an error.
+    The clearance (in contact, the penetration) at this time is extrapolated from the motion at the start of
+    the step: the interpolant of a step over a stiff motion may have an error as large as the tolerance.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.scratch.rate_start)
@@ -175,12 +174,12 @@ def starts_clear(d, lasted):
 
 
 def onset_fraction(d):
-    """Return the fraction θ of the last step at which its onsets lie; the step was repeated to end at them.
+    """Return the fraction θ of the last step at which its onsets lie; the step was repeated to end there.
 
     θ differs from 1 only by the error of the interpolant with which the onsets were found. Two Newton
     iterations find θ, which may be slightly above 1. The result is −1, which stands for the end of the step,
-    if there is no onset, or if the step is so short (SIMULTANEOUS_TIME, TIME_RESOLUTION) that it cannot be
-    rejected.
+    if there is no onset, or if the step is so short (SIMULTANEOUS_TIME, TIME_RESOLUTION) that a rejection
+    would not help.
 
     A longer step is rejected in three cases. A point with an onset is deep inside its wall at θ. Such a point
     is far from its onset, or does not approach its wall, at the end of the step or at θ. Friction modes are
@@ -217,10 +216,10 @@ def onset_lateness(d, y):
 
     Returns:
         Two values. The first is the time from the earliest onset to y, divided by the step size in seconds;
-        negative if y is earlier. It is ∞ if a candidate with an onset does not approach its wall in the state
-        y, or if its onset is farther away than LANDING_TIME, where a clearance of round-off counts as 0. It
-        is −∞ if there are no onsets. The second value is the largest depth [m] of a candidate with an onset
-        inside its wall; 0 if all are outside.
+        negative if y is earlier. This value is ∞ if a candidate with an onset does not approach its wall in
+        the state y, or if such an onset is farther away than LANDING_TIME, where a clearance of round-off
+        counts as 0; it is −∞ if there are no onsets. The second value is the largest depth [m] of a candidate
+        with an onset inside its wall; 0 if all are outside.
     """
     locate_points(d, y)
     latest, deepest = -math.inf, 0.0
@@ -239,7 +238,10 @@ def onset_lateness(d, y):
 
 
 def drop_separating(d, theta):
-    """Remove the marks of onsets at points that move away; return ``theta``, or −1 if no event is left."""
+    """Remove the marks of onsets at points that move away at the crossing ``theta``.
+
+    Return ``theta``, or −1 if no event is left.
+    """
     left = False
     for c in range(d.candidates):
         if not d.touch.active[c] and d.search.phi_end_rate[c] > 0.0:

@@ -24,9 +24,9 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
-# The effect of the end of a signal's segment on the motion. NO_JUMP: no effect. BENDS: an input or the
-# acceleration of a channel jumps, and with it the accelerations of the chain. JUMPS: the speed of a belt
-# jumps, and with it the speed of sliding.
+# The effect of the end of a signal's segment on the motion. NO_JUMP: no effect. BENDS: an input, or the
+# acceleration of a channel, jumps, and so do accelerations of the chain. JUMPS: the speed of a belt jumps,
+# and so do speeds of sliding.
 NO_JUMP, BENDS, JUMPS = 0, 1, 2
 # The values of a signal before and after the end of a segment are equal if their difference is at most
 # VALUE_ROUND_OFF, relative to a sum: the absolute values before and after, the change in a second, and a
@@ -35,9 +35,10 @@ VALUE_ROUND_OFF = 1e-9
 
 
 def limit_to_segment(d, h):
-    """Return a size ≤ h of the next step that ends with the first segment to end, or well before this end.
+    """Return a size ≤ h of the next step, with which the step does not pass the first end of a segment.
 
-    A step in the fictitious time of a contact keeps the size h.
+    The step ends at this end or well before (``limit_to_time``). A step in the fictitious time of a contact
+    keeps the size h.
     """
     return h if d.step.regularized >= 0 else limit_to_time(d, first_end(d), h)
 
@@ -61,7 +62,7 @@ def end_at_segment(d):
 
 
 def has_ended(d, j):
-    """Return whether the present segment of signal j ends at the end of the last step."""
+    """Return whether the present segment of signal j ends at the end of the last step, up to round-off."""
     return segment_end(d, j) - d.step.end <= SAME_TIME * abs(d.step.end)
 
 
@@ -91,18 +92,18 @@ def equal_up_to_round_off(before, after, scale):
 
 
 def begin_next_segment(d, j):
-    """Replace the segment of signal j, which has ended, by the one that contains the present time."""
+    """Replace the segment of signal j, which has ended, by the segment that begins now."""
     while has_ended(d, j):
         next_segment(d, j)
 
 
 def begin_segments(d):
-    """Begin the segments that follow those that end at the end of the last step.
+    """Begin the segments that follow the segments which end at the end of the last step.
 
     If an input jumps, springs gain or lose energy at once; this change counts as supplied energy.
 
     Returns:
-        The largest effect of all signals: NO_JUMP, BENDS or JUMPS, in this order.
+        The largest effect of all signals, in the order NO_JUMP < BENDS < JUMPS.
     """
     last = -1
     for j in range(d.signals):
@@ -159,8 +160,7 @@ def begin_segment(d, j):
 
 @has_dual_rule
 def shift_start(_d, _delay):
-    """Delay the start of the next step by ``delay`` [s], the time until the end of a segment.
+    """Do nothing: the ``delay`` [s] of the start of the next step is only round-off.
 
-    The delay is only round-off, and this function does nothing. In a tangent instance the delay has
-    derivatives, and a rule shifts the start.
+    In a tangent instance the delay has derivatives, and a rule in tangent/rules.py shifts the start.
     """
