@@ -1,9 +1,9 @@
 """Advance an instance in time: its steps and events, ahead of the communication point.
 
 The solver takes its own steps and runs ahead of the communication point. Outputs come from the dense output
-of a step, so the result does not depend on the communication step. An event at the end of a step (a contact
-begins or ends, a mode changes) takes effect at the start of the next step, which starts only when the
-communication point has passed the event. ``d`` is the record of the instance (record/instance.py).
+of a step, so the communication step alone does not change the result. An event at the end of a step (a
+contact begins or ends, a mode changes) takes effect at the start of the next step, which starts only when a
+caller asks for a later time or calls ``event_update``. ``d`` is the instance's record (record/instance.py).
 """
 
 from chain_impact.kernel import hooks
@@ -99,8 +99,8 @@ def advance(d, time, log_capacity, cost_limit):
     Returns:
         A status. After a fault the instance stays at the last time it reached. LOG_FULL: ``log_capacity``
         ended contacts wait for the caller, or the log of dry friction has no room for another step; after the
-        caller has collected the entries, the run can continue. PAUSED: the cost since the start exceeds
-        ``cost_limit`` evaluations; the run can continue.
+        caller has collected the entries, the run can continue. PAUSED: the cost since the start of the run
+        exceeds ``cost_limit`` evaluations; the run can continue.
     """
     status = reinit_if_changed(d, time)
     while status == OK and d.step.end < time:
@@ -201,7 +201,7 @@ def set_output_time(d, time):
 
 
 def reinit(d):
-    """Re-initialize at the communication point, because an input or parameter changed. Return a status."""
+    """Cut the last step at the communication point, and use new inputs and parameters; return a status."""
     update_to_output_time(d)
     control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # from the step's variable to seconds
     reset_step(d, d.step.time, d.step.state_end)
@@ -270,7 +270,7 @@ def check_solved(d, status):
 
 
 def find_step(d):
-    """Try smaller steps until one is accepted, and end it at its first event, if any; return a status."""
+    """Try smaller and smaller steps until one is accepted, up to its first event, if any; return a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
     if d.signals > 0:
@@ -323,9 +323,9 @@ def must_land(d, theta):
 
     θ = −1: there is no event. The force of a contact is not smooth at the contact's end and at its kink, so
     the dense output of a step across this point is less accurate than the step. The dense output of an
-    implicit step is less accurate everywhere except at its ends, so it is repeated for every event. Otherwise
-    its error would let a point that bounces lower and lower fall faster than it has risen, and bounce without
-    end.
+    implicit step is less accurate everywhere except at the step's ends, so such a step is repeated for every
+    event within. Otherwise the error of the dense output would let a point that bounces lower and lower fall
+    faster than it has risen, and bounce without end.
     """
     return theta > 0.0 and (force_has_kink(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
 
@@ -333,7 +333,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ; return where in the repetition contacts begin.
 
-    The result is a fraction of the repeated step, near 1; −1: no onset, or at the end, or a rejected step.
+    The result is a fraction of the repeated step, near 1, or −1 for the step's end, or if it is rejected.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
@@ -362,7 +362,7 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         restart_balance(d)
     if not kinked:
-        choose_method(d)  # not at a kink: the force may be 0 there, and hide how stiff the contact is
+        choose_method(d)  # not at a kink or limit: a force that is 0 or constant there hides the stiffness
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events

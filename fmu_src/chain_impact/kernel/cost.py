@@ -90,7 +90,7 @@ def begin_call(d):
 
 
 def allow_any_length(d):
-    """Remove the limit on the cost of a communication step; the caller can stop the run between calls."""
+    """Remove the limit on the cost of a communication step, for a caller that can stop the run."""
     d.limits.call_count = UNLIMITED
 
 

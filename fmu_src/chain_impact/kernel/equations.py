@@ -47,8 +47,8 @@ from chain_impact.kernel.rows.geometry import clearance
 def energy_balance(d, y):
     """Return the energy balance [J], constant in the exact motion, for the located points.
 
-    The balance is the kinetic, potential and elastic energy, plus the dissipated energy, minus the energy
-    that inputs supply.
+    The balance is the kinetic, potential and elastic energy, plus the dissipated energy, minus the supplied
+    energy.
     """
     kinetic, potential = mechanical_energy(d, y)
     return kinetic + potential + other_energy(d, y)
@@ -206,7 +206,7 @@ def joint_moments(d, y):
     joint of link i exerts the torque +τ_i on link i and −τ_i on link i − 1; a free base has no such torque.
     """
     dissipated, supplied = 0.0, 0.0
-    # without inputs no force acts at the tip; its velocity is not read, because it is unknown in flight
+    # without inputs no force acts at the tip; the tip's velocity is not read, as in flight it is not computed
     if d.chain.has_inputs:
         force, velocity, tip = d.inputs.tip_force, d.scratch.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]

@@ -168,8 +168,8 @@ def derive_chain(d):
         inertia = inertia_of_box(chain.mass[i], chain.length[i], chain.height[i])
         chain.inertia[i] = given_or_derived(chain.given_inertia[i], inertia)
         chain.center_of_mass_ratio[i] = c / chain.length[i]
-        # the inertia I + m c² of the link about its proximal joint, with the distance c of its center of mass
-        # along the link; a distance beside the link's axis adds to it below
+        # the inertia I + m c² of the link about its proximal joint, with the distance c of its centre of mass
+        # along the link; a distance beside the link's line adds to this inertia below
         chain.proximal_inertia[i] = chain.inertia[i] + chain.mass[i] * c * c
         to_distal = chain.length[i] - c
         chain.distal_inertia[i] = chain.inertia[i] + chain.mass[i] * to_distal * to_distal
@@ -251,7 +251,7 @@ def check_parameters(d):
 
 
 def check_ranges(d):
-    """Check each given real that has a range (``real`` of record/fields.py), and return a status.
+    """Check each real in the record that has a range (``real`` of record/fields.py), and return a status.
 
     Values for stops in joints are checked only if the scene has such stops.
     """
@@ -268,7 +268,8 @@ def check_ranges(d):
 def refuse_value(d, k, i):
     """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED, and store the cause.
 
-    The cause is the link, or the slider, to which the entry belongs; for other entries none is stored.
+    The cause is the link, also for a site of the link, or the slider to which the entry belongs; for other
+    entries none is stored.
     """
     if RANGE_OWNERS[k] == OF_LINKS and i < d.links:
         return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)

@@ -8,10 +8,10 @@ m_j the mass of link j, a_Cj the acceleration of its centre of mass, and g gravi
 A contact at point k acts on link k, which ends there; a contact at the base acts on link 1, and a contact at
 a site acts on the site's link. Integrated over time, with p the momentum of the links i to N, the law is
 
-    ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
+    ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt.
 
-It includes the impulses of rigid walls. So the impulse in a joint follows from momenta and from the impulses
-at the points, and f_i is not integrated.
+This law includes the impulses of rigid walls. So the impulse in a joint follows from momenta and from the
+impulses at the points, and f_i is not integrated.
 
 The peak of |f_i| is searched for in the dense output of each step; impulses of rigid walls do not count in a
 peak. A contact begins and ends at ends of steps. So the largest force during a contact is the largest one in
@@ -281,8 +281,9 @@ def search_step(d):
 def search_peaks(d, time, peak_at_end):
     """Raise ``transmitted.largest_square`` to the largest |f|² [N²] in the last step until ``time`` [s].
 
-    Where it rises, ``transmitted.largest_time`` becomes the time [s] of this |f|², or ``peak_at_end`` if this
-    is the |f|² at ``time``. The two are equal, but may differ in their derivatives.
+    Where ``largest_square`` rises, ``transmitted.largest_time`` becomes the time [s] of this |f|², or
+    ``peak_at_end`` if this is the |f|² at ``time``. ``time`` and ``peak_at_end`` are equal, but may differ in
+    their derivatives.
     """
     transmitted, first, end = d.transmitted, event_fraction(d), fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
@@ -298,14 +299,15 @@ def search_peaks(d, time, peak_at_end):
             raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
-                # the samples of this search raise the maximum and its time; the last parabola adds round-off
+                # the samples in ``largest_square`` raise the maximum, with its time, all but round-off of the
+                # last parabola, which is added here
                 largest = largest_square(d, i, middle, reach, end)
                 transmitted.largest_square[i] = max(transmitted.largest_square[i], largest)
 
 
 @has_dual_rule
 def time_of_peak(_d, time, _place):
-    """Return the ``time`` [s] of a peak; the second place is a fraction of the last step, or a time.
+    """Return the ``time`` [s] of a peak; its ``_place`` is a fraction of the last step, or a time.
 
     In a tangent instance, the time has derivatives if the place has any, as an event or the maximum of a
     parabola. Otherwise the derivatives are NaN: at a sample the place is fixed, although the peak shifts.

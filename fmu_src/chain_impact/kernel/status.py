@@ -1,4 +1,4 @@
-"""Status codes, and a sentence for users for each code."""
+"""Status codes, and a sentence for users for each code ≥ 0."""
 
 OK = 0
 STEP_TOO_SMALL = 1

@@ -28,7 +28,7 @@ class UserLaw:
     Attributes:
         id: the name of the law, which is also that of the file and of the function in the file.
         source: the text of the file.
-        summary: the first line of the function's docstring.
+        summary: the first line of the function's docstring, or "a user's law" if there is none.
         arguments: the names of the function's arguments, each one of ``ARGUMENTS``.
     """
 

@@ -305,8 +305,8 @@ def mode_margin(d, y):
 def load_drive(d, load, i, force):
     """Set the load of drive i in ``load`` to ``force``, a torque [N·m] or, for the slider, a force [N].
 
-    The torque is the moment in the joint; the force acts on the base, along the slider's line. It replaces
-    the load that the joint or the base has in ``load``.
+    The torque is the moment in the joint; the force acts on the base, along the slider's line. The load that
+    the joint or the base has in ``load`` is replaced.
     """
     if is_slider(d, i):
         load.x[0], load.y[0] = force * d.slider.ux, force * d.slider.uy

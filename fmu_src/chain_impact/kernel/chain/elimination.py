@@ -160,7 +160,7 @@ def accelerations(d, y, rate):
             inputs, and of the links [rad/s²]. The function also stores the factors that ``copy_factors``
             needs for the response to other loads.
     """
-    # In the call for a chain with a base joint, ``middle`` is a constant, so its code is faster.
+    # for a chain with a base joint ``middle`` is a constant, so the compiled code of this call is faster
     if d.chain.has_base_joint:
         arms(d, y, rate, 0)
     else:

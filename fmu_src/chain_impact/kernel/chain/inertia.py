@@ -83,7 +83,7 @@ def loose_links(chain, free_base):
     Args:
         chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and
             ``inertia`` [kg·m²] of each link, and ``has_base_joint``.
-        free_base: whether link 1 hangs in a joint at a base that can slide and has no mass.
+        free_base: whether the first link hangs in a joint at a base that can slide and has no mass.
     """
     begin, count = -1, len(chain.length)
     for i in range(count):

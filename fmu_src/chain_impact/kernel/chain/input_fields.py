@@ -17,7 +17,8 @@ FIELDS = {
 }
 NAMES = tuple(FIELDS)
 OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
-# The number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
+# The number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1, because
+# ``set_from_signals`` relies on it.
 MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
 # stands in `signal.input` for the number of an input: the signal drives a motion of base, wall or belt
 CHANNEL = len(NAMES)

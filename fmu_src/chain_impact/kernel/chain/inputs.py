@@ -115,7 +115,7 @@ def ensure_inputs(d, y):
 
 
 def set_inputs(d, time):
-    """Set the inputs to their values at a ``time`` [s], and move base and walls to this time."""
+    """Set the inputs to their values at a ``time`` [s], and the prescribed motions to those at this time."""
     piece = d.inputs.piece
     x = (time - piece.middle) * piece.scale
     for k in range(CHANNEL):
@@ -231,7 +231,7 @@ def interpolate_motion(d, time):
     given, or ``time`` is the communication point or before it.
 
     Returns:
-        WALL_JUMPS if the given position of a wall jumps (UNEXPLAINED_PART); else OK.
+        WALL_JUMPS if the given position of a wall jumps (see UNEXPLAINED_PART); else OK.
     """
     given, moved, piece = d.motion, d.moved, d.given.piece
     if d.channels == 0 or not given.interpolates or not time > d.step.time:
@@ -302,7 +302,8 @@ def record_given(d, j, now):
 
     Return False if the position of a wall jumps, else True. A base that is given a new position without
     velocities gets the mean velocity since its previous given position. The channel of the first
-    contradiction between position and velocity, or of a jump, is stored in `moved.contradiction`, from 1.
+    contradiction between position and velocity, or of a jump, is stored in `moved.contradiction`, counted
+    from 1.
     """
     given, moved = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]

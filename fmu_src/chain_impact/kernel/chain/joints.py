@@ -7,10 +7,9 @@ the rate
 
     ρ_i = c_i χ_iᵀ M⁻¹ χ_i.
 
-The largest eigenvalue is at least the largest ρ_i, and at most their sum. In the same way the stiffness
-matrix
-S = Σ k_i χ_i χ_iᵀ determines the squares of the angular frequencies of springs, and the spring of drive i
-alone has
+The largest eigenvalue is at least the largest ρ_i, and at most the sum of all ρ_i. In the same way the
+stiffness matrix S = Σ k_i χ_i χ_iᵀ determines the squares of the angular frequencies of springs, and the
+spring of drive i alone has
 
     ω_i² = k_i χ_iᵀ M⁻¹ χ_i.
 

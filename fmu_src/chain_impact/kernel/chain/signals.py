@@ -71,8 +71,8 @@ def time_since_knot(d, j, time):
 def sine_at(d, j, time):
     """Return value, rate and second derivative of the sine that is added to signal j, at a ``time`` [s].
 
-    If the signal is integrated over time, value and derivatives are those of the (double) integral of the
-    sine.
+    If the signal is integrated over time, once or twice, value and derivatives are those of this integral of
+    the sine.
     """
     signal, i = d.signal, d.signal.source[j]
     s = time - signal.start[i]

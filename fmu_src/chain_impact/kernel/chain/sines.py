@@ -172,9 +172,9 @@ def integral_at_standstill(d, i, begins_up):
     s* is the time at which the frequency is zero. E_1 is an integral of e^{iΦ}, ω the rate of Φ, and g that
     of ω.
 
-    C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} if g > 0 and ω > 0 at the start. If ω < 0 at the start, this value is
-    multiplied by −1. If g < 0, it is multiplied by −1, and the angle is Φ(s*) − π/4. ``begins_up`` tells
-    whether ω > 0 at the start or, if ω = 0 at the start, after it.
+    C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} if g > 0 and ω > 0 at the start. ω < 0 at the start changes the sign
+    of C; g < 0 also changes the sign, and the angle to Φ(s*) − π/4. ``begins_up`` tells whether ω > 0 at the
+    start or, if ω = 0 at the start, after the start.
     """
     signal = d.signal
     rate = signal.frequency_rate[i]

@@ -7,7 +7,7 @@ the chain needs the force A a + b at the base (chain/elimination.py). Along the 
 
 with m the mass of the carriage, g gravity, f the load on the base, and F the force of the slider's drive
 (drives.py). The line carries any force across it. Dry friction of the slider is an element
-(forces/friction.py), and its stops, if any, are candidates of the base (rows/geometry.py).
+(forces/friction.py). The slider's stops, if any, are candidates, which the base touches (rows/geometry.py).
 """
 
 from chain_impact.kernel.chain.state import velocity_at

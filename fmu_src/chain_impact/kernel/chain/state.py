@@ -6,7 +6,8 @@ The first N + 2 entries are the coordinates: the position x₀ of the base, x an
 θ of the links [rad]. The next N + 2 entries are the rates of the coordinates [m/s, rad/s]. The energies [J]
 count from the start of the run. The last two entries belong to the integration variable of a step
 (ode/sundman.py). u = √(δ/δ*), with the penetration δ and the expected penetration δ* of the regularized
-contact; t is the time since the start of the step [s].
+contact; without a regularized contact u is constant and has no meaning. t is the time since the start of the
+step [s].
 """
 
 from chain_impact.kernel.functions import inlined

@@ -184,7 +184,7 @@ def latch(d, c):
 def relatch(d, c, factor):
     """Multiply v₀, the latched impact speed of candidate c, by ``factor``; update what depends on v₀.
 
-    These values are the expected penetration, the damping and the side of the law's kink.
+    The expected penetration, the damping and the side of the law's kink depend on v₀.
     """
     d.touch.impact_speed[c] *= factor
     latch(d, c)

@@ -41,9 +41,9 @@ from chain_impact.kernel.status import (
 )
 
 # The largest depth in a wall at which a point counts as not touching, relative to the longest link; at rigid
-# walls it is 0. For K = 1e8, n = 3/2 and links of 1 m this neglects a force of 1e-10 N; the round-off of
-# positions is about 1e-15 m. Without this margin, the solver would search every step for an onset if a point
-# slides along a wall at zero clearance.
+# walls this depth is 0. For K = 1e8 N/m^1.5, n = 3/2 and links of 1 m, a force of 1e-10 N is neglected; the
+# round-off of positions is about 1e-15 m. Without this margin, the solver would search every step for an
+# onset if a point slides along a wall at zero clearance.
 HARMLESS_DEPTH = 1e-12
 # results of ``law_origin`` for a law that does not belong to a wall
 OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3
@@ -144,7 +144,7 @@ def record_law_kind(d, c):
 def given_number(d, c):
     """Return the number, from 1, of the contact law that is given for candidate c.
 
-    It is `stops.law` for a stop in a joint if a law is given for stops, and `given.law` in all other cases.
+    The number is `stops.law` for a stop in a joint if this is > 0, and `given.law` in all other cases.
     """
     return d.stops.law if at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
 
@@ -166,8 +166,8 @@ def given_stiffness(d, c):
 def given_restitution(d, c):
     """Return the given restitution e of candidate c.
 
-    It is the own restitution of the candidate's wall, or that of stops in joints, if this is given; else the
-    common one. A stop of the slider has the common one, too.
+    This is the own restitution of the candidate's wall, or that of stops in joints, if given; else the common
+    restitution, as for a stop of the slider.
     """
     if at_joint_stop(d, c):
         return given_or_derived(d.given.stop_restitution, d.given.restitution)

@@ -148,8 +148,8 @@ def turning_margin(d, c):
 def law_force(d, c, depth, rate):
     """Return the force ≥ 0 [N] of candidate c and the elastic part K δⁿ [N], at a penetration δ ≥ 0 [m].
 
-    ``rate`` is δ̇ [m/s], the rate of the penetration; its sign tells whether a law that damps on approach
-    only damps.
+    ``rate`` is δ̇ [m/s], the rate of the penetration; for δ̇ < 0 a law that damps on approach only does not
+    damp.
     """
     force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
     # max() is not used, because it could hide a NaN
@@ -159,9 +159,9 @@ def law_force(d, c, depth, rate):
 def continued_force(d, c, depth, rate):
     """Return force and elastic part as ``law_force`` does, but with one side's smooth formula on both sides.
 
-    ``touch.beyond_kink`` of candidate c tells which side's formula is used. If the state is beyond the kink,
-    on the other side, by more than a margin, the function sets ``touch.kink_crossed``, so that the step is
-    repeated to end at the kink.
+    ``touch.beyond_kink`` of candidate c tells which side's formula is used. If the contact is on the other
+    side by more than a margin, the function sets ``touch.kink_crossed``, so that the step is repeated to end
+    at the kink.
     """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)

@@ -2,7 +2,8 @@
 
 An element is a candidate, a joint or the slider. At a candidate the friction force acts along the tangent
 t = (n_y, −n_x) of the wall with the normal n. Each element with friction has a mode: it slides or sticks. The
-mode changes at events only (events/friction_modes.py), so the equations of motion are smooth within a step:
+mode changes at events and re-initializations only (events/friction_modes.py), so the equations of motion are
+smooth within a step:
 
     sliding with the sign s    F_t = −s µ F_n
     sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n

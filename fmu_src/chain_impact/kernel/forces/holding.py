@@ -115,7 +115,7 @@ def add_change(d, y, first):
 def set_start_to_accelerations(d, y, rate):
     """Set ``start`` to the accelerations along all constraints, for the rate ẏ (``rate``) of the state y.
 
-    Return the largest component of the accelerations of all places and moving walls.
+    Return the largest component of the accelerations of all places, moving walls and belts.
     """
     accelerate_points(d, y, rate)
     for k in range(constraint_count(d)):
@@ -130,8 +130,8 @@ def add_constraint_forces(d, y, rate):
     tangent t and its acceleration a, at a wall relative to the belt. ``d.constraints.impulse`` contains the
     constraint forces [N]. At walls at rest these forces do no work, apart from errors.
 
-    If a held point still accelerates by more than the tolerance, MOVING (rows/constraints.py) is recorded,
-    and the step is rejected later.
+    If |g̈| of a held point stays above the tolerance times the largest acceleration, MOVING
+    (rows/constraints.py) is recorded, and the step is rejected later.
     """
     constraints = d.constraints
     copy_factors(d, joints_loaded(d))
@@ -269,7 +269,7 @@ def momentum(d, vectors):
 def contact_resistance(d):
     """Return the impedance [kg] with which a contact with a force law resists a projection.
 
-    It is used only if an element sticks.
+    Only a projection with a sticking element uses this impedance.
     """
     return CONTACT_RESISTANCE * mean_mass(d)
 
@@ -335,10 +335,9 @@ def least_impulse(d):
 def tolerated_momentum(d, speed):
     """Return the largest impulse [N·s] that counts as zero for the chain.
 
-    It is a mass times a sum. The mass is that of chain and carriage, plus the inertias of armatures divided
-    by the square of the longest link. The sum is the speed after a fall by LEAST_RISE times the longest link,
-    and the tolerance times a speed. The fall is with gravity plus the longest link per s²; the speed is the
-    largest speed, ``speed`` [m/s], plus the longest link per second.
+    This impulse is m (w + ε v). The mass m is that of chain and carriage, plus the inertias of armatures over
+    s², with the longest link s. w is the speed after a fall by LEAST_RISE × s, with gravity plus s per s² as
+    acceleration. ε is the tolerance, and v the largest speed, ``speed`` [m/s], plus s per second.
     """
     size = d.chain.longest_link
     mass = d.chain.energy_scale / (size * size)

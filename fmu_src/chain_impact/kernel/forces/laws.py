@@ -7,7 +7,7 @@ the onset from the factor f(e): each law defines this function of the prescribed
 There are three kinds of laws:
 
 - The laws of the Hunt–Crossley family have p = n, f = λ and d = λ K/v₀, so that F = K δⁿ (1 + λ δ̇/v₀), with
-  the approach speed v₀ at the onset [m/s]. The realised restitution e′ depends on λ alone. It solves
+  the approach speed v₀ at the onset [m/s]. The realised restitution e′ depends on λ alone: e′ solves
   λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
 - The other laws with a force have p ≠ n, and each of them holds for one exponent n. Their damping is
   d = f K^(1−s) m^s, with an exponent s of the law and the effective mass m of the chain at the contact [kg].
@@ -42,8 +42,8 @@ def contact_law(title, source, formula, accurate, evidence, **properties):
     """Return a decorator that registers a function f(e) as the next contact law, with the function's name.
 
     The docstring of f becomes the limits of the law. ``title`` has the authors of the law; if ``source``
-    begins with a year, they are put before it. ``accurate`` is the pair of the law's ``accurate_from`` and
-    ``accurate_to``. The other arguments are fields of ``ContactLaw``.
+    begins with a year, the authors are put before the year. ``accurate`` is the pair of the law's
+    ``accurate_from`` and ``accurate_to``. The other arguments are fields of ``ContactLaw``.
     """
 
     def register(function):
