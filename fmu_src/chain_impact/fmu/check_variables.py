@@ -64,9 +64,9 @@ class Variable:
         )
 
     def value(self, text: str) -> Value:
-        """Return the value that a text stands for: a number, a bool or a text.
+        """Return the value that a text stands for: a number, a bool or a text, by the type of the variable.
 
-        A text that is no number gives NaN.
+        NaN stands for a number that the text does not have; only "true" and "1" are True.
         """
         if self.type in TEXTS:
             return text

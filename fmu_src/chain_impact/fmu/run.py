@@ -134,7 +134,7 @@ def _outputs(description: Any) -> list[str]:
 def _settings(
     path: Path, default: Any, parameters: Mapping[str, Any], settings: Mapping[str, Any]
 ) -> tuple[tuple[float, float], dict[str, float]]:
-    """Return stop time and step size [s], and the start value of each parameter that is set."""
+    """Return stop time and step size [s], and name → start value of each parameter that is set."""
     given = dict(zip(TIMES, (default.stopTime, default.stepSize), strict=True)) | dict(settings)
     values: dict[str, float] = {}
     for typed, text in given.items():

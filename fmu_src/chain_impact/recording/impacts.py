@@ -209,7 +209,7 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
 
 
 def wall_names_of(record: Any) -> list[str]:
-    """Return the names of the walls by their numbers, as far as columns of contacts and stops have them."""
+    """Return the names of the walls by their numbers: those of the box, and those that columns name."""
     names = [name_parts(str(name)) for name in names_of(record)]
     touched = [of.name for of in names if of.owner == "contact" and of.quantity == "force"]
     ends = [stop for stop in SLIDER_STOPS if stop in touched]

@@ -144,7 +144,7 @@ def _peak(value: float) -> str:
 
 
 def digits(value: float) -> str:
-    """Return a number rounded to four digits, from 1e-4 to a million without exponent; a dash for NaN."""
+    """Return a number as text with four digits, from 1e-4 to a million without exponent; a dash for NaN."""
     if np.isnan(value):
         return NONE
     text = f"{value:.4g}"

@@ -292,7 +292,7 @@ class Chain:
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ensure_initialized(self) -> None:
-        """Compute the start again if ``set`` has changed a value since then; only before the first step."""
+        """Compute the start again if ``set`` has changed a value before the first step."""
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False

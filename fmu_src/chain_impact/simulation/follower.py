@@ -127,7 +127,7 @@ class Follower:
     def pieces(self, start: float, end: float) -> list[Piece]:
         """Return pieces of the functions between two times [s].
 
-        Neighbours that one polynomial fits are joined, except two that ``_alike`` rules out untried.
+        Neighbours that one polynomial fits are joined, except two that are ``_alike``.
 
         Raises:
             NotSmoothError: when a function cannot be approximated.

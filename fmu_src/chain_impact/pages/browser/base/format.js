@@ -37,7 +37,7 @@ export function fixed(value, decimals) {
 }
 
 const DECIMALS = 6; // largest number of decimals of an axis label that has no exponent
-const LARGE = 1e6; // absolute value from which on an axis label has an exponent
+const LARGE = 1e6; // absolute value from which on the labels of an axis have exponents if all are whole numbers
 
 /** Return the labels for ticks at equal distances: all labels differ, and have no more digits than this needs. */
 export function ticksOf(ticks) {

@@ -8,7 +8,7 @@ import {
 } from "./chart.js";
 
 const AROUND = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
-const MARGIN = 1.08; // upper end of the axis of forces, relative to the largest force of the curves
+const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
 // [pixels] height above all curves for the number of the peak, and distance of the number's top from the upper edge of the plot
 const [PEAK_ROOM, PEAK_TOP] = [18, 4];
 const NO_FORCE = 1e-9; // [N] a contact whose forces are all smaller has no curve

@@ -52,7 +52,7 @@ export class TimeChart extends Chart {
     this.plot.setData(data);
   }
 
-  /** Return the curves of the compared recordings, as `drawCompared` takes them. */
+  /** Return the curves of the compared recordings, as `drawCompared` takes them; none in this base class. */
   get comparedCurves() {
     return [];
   }

@@ -12,7 +12,7 @@ const LETTER = 6.5; // [pixels] approximate width of a letter of the ruler's num
 const NUMBERS_APART = 6; // [pixels] least distance between two numbers
 
 export class ArrowScale {
-  /** Arrows whose lengths follow the cube root of the force, up to the largest, `peak` [N]; size of the drawing: [pixels]. */
+  /** Make the scale for forces up to the largest, `peak` [N], in a drawing of some `width` and `height` [pixels]. */
   constructor(peak, width, height) {
     Object.assign(this, { peak, longest: LONGEST_ARROW * Math.min(width, height) });
   }

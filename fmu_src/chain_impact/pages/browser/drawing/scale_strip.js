@@ -5,7 +5,7 @@ const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the 
 const MARK_TO_HEAD = 8; // [pixels] least distance between the last mark of the ruler and its arrowhead
 const RULER_LETTER = 6; // [pixels] width of a letter of the ruler's name
 const RULER_NAMES = ["force (cube root)", "force", ""]; // names of the ruler; the first name that leaves room for the scale bar is shown
-const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width of the drawing
+const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width of the strip to the left of any legend
 const BAR_TEXT = 6; // largest number of letters in the text beside the scale bar
 export const STRIP = 30; // [pixels] height of the strip
 

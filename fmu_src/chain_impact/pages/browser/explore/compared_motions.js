@@ -10,7 +10,7 @@ import { onGesture } from "./gestures.js";
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
 const [TIP, TIPS_APART] = [15, 16]; // TIP: [pixels] diameter of the dot of a letter; TIPS_APART: least distance between two of them
-const LISTED = 40; // the table that compares motions has the first of each, up to this number
+const LISTED = 40; // number of impacts of each motion, from the first on, that the table of compared motions has
 
 export class ComparedMotions {
   constructor(player, panel, table) {

@@ -8,7 +8,7 @@ import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
 import { boxWallText } from "../scene/words.js";
 import { SPOKEN, valueTextOf, writeAt } from "./handle_text.js";
 
-const ARROW_TIME = 0.1; // [s] the arrow of a velocity is as long as the way that a point would move in this time
+const ARROW_TIME = 0.1; // [s] the arrow of a velocity is as long as the way that a point would move in at most this time
 // largest length of an arrow of velocity, relative to the size of the view; if an arrow would be longer, all arrows stand for a shorter
 // time
 const LONGEST = 0.2;
@@ -17,7 +17,7 @@ const GRIP = 26; // [pixels] diameter of a grip, large enough for a finger
 const STEM = 32;
 const WALL = 18; // [pixels] size of the grip of a wall
 const PLACES = 9; // number of places on each side of the middle of a wall that are tried for its grip
-const BESIDE_GRIP = 2; // [pixels] least distance between two grips
+const BESIDE_GRIP = 2; // [pixels] least distance between the grip of a wall and any other grip
 const MOST_DECIMALS = 15;
 const STEPS_OF_KEYS = [4, 24]; // [pixels] distances by which an arrow key moves a grip: alone, and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };

@@ -7,7 +7,7 @@ export class UndoHistory {
   #past = []; // the states before the present one, the oldest first
   #future = []; // the states that the reader has undone, the latest undone last
   #isStep = false; // whether a change is a step to a state of this history
-  #isBegin = true; // whether the next change begins a state, because the present one was undone or redone
+  #isBegin = true; // whether the next change begins a state, because the present one is the first one, or was undone or redone
   #typed = null; // the field with typed text that is not taken yet: keys for undo are left to this field
 
   /**

@@ -5,8 +5,8 @@ import { frameTimes, PACING, slowSpans } from "./pacing.js";
 import { placeIn } from "./recording.js";
 import { viewOf } from "./view.js";
 
-const COORDINATES = 2_000_000; // largest number of coordinates of points in all frames together
-const FEWEST_FRAMES = 200; // smallest number of frames of a recording
+const COORDINATES = 2_000_000; // largest number of coordinates of points in all frames together, for more than FEWEST_FRAMES frames
+const FEWEST_FRAMES = 200; // number of frames that a recording may have in any case
 
 /**
  * Return the impacts in the form of a `Recording`. An unknown `end` becomes `stop`, the end of the recording [s]. The peak force `peak`

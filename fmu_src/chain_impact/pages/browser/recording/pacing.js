@@ -20,7 +20,7 @@ function between(from, to, count) {
   return Array.from({ length: count }, (_, k) => (k < count - 1 ? from + k * step : to));
 }
 
-/** Return values at `allX`, linearly interpolated between the `values` at `nodes`; both increase. */
+/** Return values at `allX`, linearly interpolated between the `values` at `nodes`; `allX` and `nodes` increase. */
 function interpolated(allX, nodes, values) {
   let at = 0;
   return allX.map((x) => {

@@ -2,7 +2,7 @@
 // record.
 
 const { WORD } = SHARED.record; // [bytes] size of a word
-const ROWS = 256; // number of rows of outputs that the kernel fills in one call
+const ROWS = 256; // largest number of rows of outputs that the kernel fills in one call, by default
 const PAGE = 65536; // [bytes] size of a page of WebAssembly's memory
 
 /** Return the first multiple of 64 bytes that is not below an address. */

@@ -22,7 +22,7 @@ export const MAIN_PARAMETERS = [
   { name: "solver.tolerance", label: "Solver tolerance", logarithmic: true, isListed: true }, // it has no slider
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
-const STEPS = 400; // number of positions of a slider
+const STEPS = 400; // number of steps from one end of a slider to the other
 // keys of a signal whose default is 0: such a key has a slider only if the signal gives another value
 const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
