@@ -38,21 +38,21 @@ from chain_impact.pictures.style import (
 FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
 PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its legend and numbers
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
-# [inch] if the user has not given a height: the least mean height of the axes with a label along y
+# [inch] the least mean height of the axes with a label along y, if the user gives no height
 USUAL_AXES_HEIGHT = 1.0
 EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
-SETTLINGS = 3  # how often, at most, a figure is arranged: broken labels and legends change the room of others
+SETTLINGS = 3  # how often, at most, a figure is arranged: a label or legend that is broken changes the layout
 NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
 # a number at an axis is in view if it is beyond the end of the axis by at most this part of the axis' length
 LIMIT_ROUND_OFF = 1e-9
-# If a figure is too low, greater heights are tried: its height, rounded up to a multiple of STEP [inch], plus
-# 1 to HIGHER − 1 times STEP.
+# If a figure is too low, greater heights are tried: the height of the figure, rounded up to a multiple of
+# STEP [inch], plus 1 to HIGHER − 1 times STEP.
 STEP, HIGHER = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten
 COARSE_STEPS = (1, 2, 4, 5, 10)
 
-# a label is broken into lines if its length exceeds this, relative to the length of its axis
+# a label is broken into lines if it is longer than LONGER × its axis
 LONGER = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""
@@ -62,7 +62,7 @@ class NoRoomError(ValueError):
     """Raised when a figure has no room for its contents.
 
     Attributes:
-        least: a sufficient height for this width [inches]; None if only a wider figure is sufficient.
+        least: a sufficient height for the refused width [inches]; None if only a wider figure has room.
     """
 
     def __init__(self, width: float, height: float, requirement: str, least: float | None = None) -> None:
@@ -84,8 +84,8 @@ def draw_figure(
         path: the file to write; its suffix png, svg or pdf determines the format. If it is None, the figure
             is returned.
         size: width and height [inches]. The height None means the height that the contents need. If ``size``
-            itself is None, the size is ``usual``, and no check tells whether the contents have room.
-        usual: default width and height [inches]; if only the height is None, the first height that is tried.
+            itself is None, the size is ``usual``, and nothing checks whether the contents have room.
+        usual: default width and height [inches]; for a height of None, ``fitting`` starts from them.
 
     Raises:
         ValueError: when the given size is not possible, or has no room for the panels.
@@ -112,10 +112,10 @@ def draw_figure(
 
 
 def check_alone(path: object, size: object) -> None:
-    """Refuse a file or a size; the caller draws into axes of a user, who has determined both.
+    """Refuse a file and a size for a picture in axes that a user gives, because these axes determine both.
 
     Raises:
-        ValueError: when a file or a size is given.
+        ValueError: when ``path`` or ``size`` is not None.
     """
     if path is not None or size is not None:
         raise ValueError("ax: axes that are there have their size and their figure, which writes files")
@@ -137,11 +137,11 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
 
 
 def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
-    """Return a figure of a given width with the height [inches] that its contents need.
+    """Return a figure of a given width [inches] with the height that its contents need.
 
-    The first height that is tried is the usual one; for a width between WIDE and the usual width it is lower.
-    If the first height is too low for the contents, ``least_figure`` tries greater ones, and its figure is
-    returned.
+    The first height that is tried is that of ``usual`` (width and height [inches]); for a width between WIDE
+    and the usual width, a lower one. If it is too low for the contents, the result is that of
+    ``least_figure``, which tries greater heights.
 
     Raises:
         ValueError: when no tried height is enough.
@@ -165,9 +165,9 @@ def least_figure(
 ) -> Figure:
     """Return the lowest figure that has room for all panels; its height is found by bisection.
 
-    The possible heights are ``height`` [inches] rounded up to a multiple of STEP, plus 1 to HIGHER − 1 times
-    STEP; ``height`` itself is too low. ``mean`` is as in ``has_room``; ``lacks`` is the result of
-    ``lacking_height`` at ``height``, inf if it is unknown; ``free_height`` is as in ``StyledFigure``.
+    The possible heights are ``height`` [inches], which is too low, rounded up to a multiple of STEP, plus 1
+    to HIGHER − 1 times STEP. ``mean`` is as in ``has_room``. ``lacks`` is the result of ``lacking_height`` at
+    ``height``, inf if unknown. ``free_height`` is as in ``StyledFigure``.
 
     Raises:
         ValueError: when no possible height is enough.
@@ -176,8 +176,8 @@ def least_figure(
     # all heights up to ``low`` are too low, and all heights from ``high`` on are enough
     low, high, found = -1, len(heights), None
     while high - low > 1:
-        # the lack of height at the last guess, if it is known and not 0, gives the next guess; otherwise the
-        # next guess is the middle of the interval
+        # the next guess follows from the lack of height at the last guess, if this is known and not 0; else
+        # the next guess is the middle of the interval
         is_known = lacks != 0.0 and math.isfinite(lacks)
         guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
         k = min(max(guess, low + 1), high - 1)
@@ -188,7 +188,7 @@ def least_figure(
             low = k
             continue
         high, found = k, figure
-        if -STEP < lacks < 0.0:  # a figure that is lower by STEP would lack height, so this is the least
+        if -STEP < lacks < 0.0:  # at the next lower height the figure would lack height
             break
     if found is None:
         raise NoRoomError(width, height, "wider for the panels")
@@ -196,7 +196,7 @@ def least_figure(
 
 
 def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
-    """Draw on a figure; return whether its axes are high enough, and texts complete and without overlaps.
+    """Draw on a figure; return whether its axes are high enough, and no text is cut off or overlaps another.
 
     ``mean`` is the least mean height of axes with a label along y [inches].
     """
@@ -205,7 +205,7 @@ def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
 
 @styled()
 def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
-    """Draw on a figure; return by how much it must be higher, so that its axes are high enough [inches].
+    """Draw on a figure; return the height [inches] that it lacks for its axes to be high enough.
 
     A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
     there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap. ``mean``
@@ -231,7 +231,7 @@ def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
 
 
 def text_boxes(figure: Figure) -> Iterator[Bbox]:
-    """Yield the rectangles of texts and legends around the axes of a figure, in pixels."""
+    """Yield the rectangles [pixels] of a figure's texts, and of the legends, labels and numbers of axes."""
     texts, legends = list(figure.texts), [legend for axes in figure.axes if (legend := axes.get_legend())]
     yield from (legend.get_window_extent() for legend in legends)
     for axes in figure.axes:
@@ -241,7 +241,7 @@ def text_boxes(figure: Figure) -> Iterator[Bbox]:
 
 
 def numbers_in_view(axis: Axis) -> list[Text]:
-    """Return the visible numbers at an axis; matplotlib keeps further ones beyond the ends of the axis."""
+    """Return the numbers at an axis between its ends; matplotlib also keeps numbers beyond the ends."""
     along = int(isinstance(axis, YAxis))
     low, high = sorted(axis.get_view_interval())
     slack = LIMIT_ROUND_OFF * (high - low)
@@ -252,9 +252,8 @@ def numbers_in_view(axis: Axis) -> list[Text]:
 def settle(figure: Figure, scaled: Axes | None = None) -> None:
     """Arrange a figure: break legends above axes into rows, and labels longer than their axes into lines.
 
-    Numbers along x that would overlap are left out. ``scaled`` are axes that get equal scales along x and y
-    here, after the layout. Equal scales can only make these axes narrower or lower, so their labels keep the
-    room that the layout gives them.
+    Numbers along x that would overlap are left out. The axes ``scaled`` get equal scales along x and y after
+    the layout. Equal scales can only make axes narrower or lower, so labels keep the room that they have.
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)
@@ -274,15 +273,15 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
 def meet(first: Bbox, second: Bbox) -> bool:
     """Return whether two successive numbers of an x axis overlap, or are so close that they read as one.
 
-    ``first`` is the rectangle of the number at the left, ``second`` the one at its right.
+    ``first`` is the rectangle of the left number, ``second`` that of the right number, both in pixels.
     """
     return bool(first.x1 + TICK_SPACE * first.height > second.x0)
 
 
 def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
-    """Break labels that are longer than their axes, and give axes fewer numbers if these would overlap.
+    """Break labels that are longer than their axes, and give axes fewer numbers if these overlap.
 
-    ``wanted`` are the axes, by default all axes of the figure. Returns whether a label has changed.
+    ``wanted``: the axes, by default all axes of the figure. Returns whether a label has changed.
     """
     before = labels_of(figure)
     for axes in figure.axes if wanted is None else wanted:
@@ -301,7 +300,7 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 
 
 def thin_ticks(axes: Axes) -> None:
-    """Give axes fewer numbers along x if these overlap; if fewer still overlap, number only the end ticks.
+    """Give axes fewer numbers along x if these overlap; if they still overlap, number only the end ticks.
 
     Axes whose ticks are set by hand do not change.
     """

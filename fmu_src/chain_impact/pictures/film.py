@@ -24,11 +24,11 @@ RATES = {".gif": 20, ".mp4": 30}
 # the least number of frames in a period of the fastest sine that drives an input; with fewer frames the
 # motion may look slower than it is
 FRAMES_OF_SINE = 8.0
-# To show a fast sine, a film with slow motion is slowed down, but only until it has MOST_FRAMES frames: more
-# frames take minutes to draw.
+# To show a fast sine, a film with slow motion is slowed down, but only until the film has MOST_FRAMES frames,
+# because more frames take minutes to draw.
 MOST_FRAMES = 1500
-# pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number for a film with energies; SMALL_DPI:
-# the number for a film that is too small for energies
+# Pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number in a film with charts; SMALL_DPI: the
+# number in a film that is too small for charts.
 MOST_DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
 
 
@@ -48,8 +48,9 @@ def write_film(
         path: the file.
         speed: simulated seconds per second on the screen, outside of slow motion; if it is None,
             ``pace`` chooses the speed.
-        impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
-        size: width and height [pixels]; an odd number is reduced by 1, because an mp4 needs even ones.
+        impact_time: the time [s] that an impact in slow motion takes on the screen at the speed 1; 0 for no
+            slow motion.
+        size: width and height [pixels]; an odd number is reduced by 1, because an mp4 needs even numbers.
         progress: called with the finished fraction, 0 to 1.
 
     Warns:
@@ -82,10 +83,10 @@ def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -
 
     Args:
         recording: the recording to show.
-        speed: the speed that is asked for, which is returned. If it is None, the speed is 1; or lower, to
-            show a fast sine that drives an input, but not below ``slowest`` for this purpose.
+        speed: the speed that the user gives, which is returned. If it is None, the speed is 1 or, to show a
+            fast sine that drives an input, a lower one, but at least ``slowest``.
         rate: frames per second on the screen.
-        slowest: the least speed that is chosen for a sine.
+        slowest: the least speed that is chosen for a sine, if it is below 1.
     """
     fastest = fastest_sine(recording)
     enough = rate / (FRAMES_OF_SINE * fastest) if fastest else np.inf
@@ -107,8 +108,8 @@ def draw_frames(
 
     Args:
         recording: the recording to show.
-        times: the time of the recording that each frame shows [s].
-        rates: simulated seconds per second on the screen, at each frame.
+        times: the time of the recording that each frame shows, shape (F,) [s].
+        rates: simulated seconds per second on the screen, at each frame, shape (F,).
         size: width and height [pixels].
         progress: called with the finished fraction, 0 to 1.
     """
@@ -119,7 +120,7 @@ def draw_frames(
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
         film = Film(figure, recording, times, ground)
         canvas.draw()
-        # the ground contains the parts that do not move, which are drawn only once
+        # the ground contains the parts that do not move
         ground = canvas.copy_from_bbox(figure.bbox)
         for frame, rate in enumerate(rates.tolist()):
             canvas.restore_region(ground)
@@ -130,10 +131,9 @@ def draw_frames(
 
 
 def resolution(size: tuple[int, int]) -> float:
-    """Return the pixels per inch of a film; a small film has fewer, so that all texts have room.
+    """Return the pixels per inch of a film: fewer in a small film, so that all texts have room.
 
-    A film that is too small for energies has SMALL_DPI.
-    ``size``: width and height of the film [pixels].
+    A film that is too small for charts has SMALL_DPI. ``size``: width and height of the film [pixels].
     """
     density = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
     return min(MOST_DPI, density) if density >= LEAST_DPI else SMALL_DPI

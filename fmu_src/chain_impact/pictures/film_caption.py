@@ -1,4 +1,4 @@
-"""The caption of a film: the impact that is shown, and how hard it is."""
+"""The caption of a film: words for the impact that the film shows, and for how hard this impact is."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from chain_impact.pictures.names import brief_hit, short_names
 from chain_impact.recording.pacing import RAMP, impact_ends, slow_spans
 from chain_impact.recording.recording import Recording
 
-CAPTION_FRAMES = 40  # how many frames the caption of an impact stays after the contact's end; 2 s in a gif
+CAPTION_FRAMES = 40  # number of frames for which a caption stays after the end of its contact; 2 s in a gif
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 
 CAPTION_GAP = 2.0  # [points] the least space below the caption
 
 
 class Caption:
-    """The caption, in two lines."""
+    """The caption of a film, a text of two lines."""
 
     def __init__(
         self, figure: Figure, place: tuple[float, float], recording: Recording, times: np.ndarray
@@ -27,22 +27,22 @@ class Caption:
 
         Args:
             figure: the figure of the film.
-            place: the left edge and the middle of the height, relative to the size of the figure.
+            place: the left edge of the text and the middle of its height, relative to the figure's size.
             recording: the recording to show.
             times: the time of the recording that each frame shows [s]; empty for a film without captions.
         """
         self.figure, self.recording, self.times = figure, recording, times
         self.starts, self.ends = caption_starts(recording), contact_ends(recording)
-        self.told = 0  # the number of the impact in the caption; 0 if there is none
+        self.told = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
         self.text = figure.text(*place, "\n", fontsize=8, animated=True, va="center")
         self.lowest = self.text.get_window_extent().y0 - CAPTION_GAP * figure.dpi / 72.0  # [pixels]
         self.text.set_text("")
 
     def show(self, frame: int) -> None:
-        """Write the impact of a frame, with the longest words that have room.
+        """Write the caption for frame ``frame``, from 0, with the longest words that have room.
 
-        It is the latest one whose caption has begun (``caption_starts``). The caption is empty before the
-        first one, and from CAPTION_FRAMES frames after the end of the latest one on.
+        The caption tells the latest impact whose caption has begun (``caption_starts``). It is empty before
+        the first caption begins, and more than CAPTION_FRAMES frames after the end of the latest impact.
         """
         if not len(self.times):
             return
@@ -65,10 +65,10 @@ class Caption:
 
 
 def caption_starts(recording: Recording) -> np.ndarray:
-    """Return the times from which the captions of the impacts are shown, shape (I,) [s], ascending.
+    """Return the times [s] at which the captions of the impacts begin, shape (I,).
 
-    A caption begins with the slow motion for the impact: at most RAMP before the onset, and nearer to the
-    onset than to the end of an earlier impact. Without slow motion it begins at the onset.
+    The caption of an impact in slow motion begins RAMP before the onset, but not before the middle between
+    the end of the preceding impacts and the onset. Any other caption begins at the onset.
     """
     onsets = recording.impacts["onset"]
     ends = np.maximum.accumulate(

@@ -22,10 +22,10 @@ STRIP, ABOVE_STRIP = 0.13, 0.075  # heights of the chart of forces and of the sp
 
 
 def draw_charts(figure: Figure, recording: Recording, top: float) -> list[Line2D]:
-    """Draw the charts and return their cursors, the lines at the present time; that of the energies is first.
+    """Draw the charts; return their cursors, vertical lines at the time of a frame; the energies' is first.
 
-    Without forces at walls or in joints there is no chart of forces. ``top`` is the height [pixels] below
-    which the legend of the energies must end.
+    Without forces at walls or in joints there is no chart of forces. The legend of the energies must end
+    below ``top``, a height above the foot of the figure [pixels].
     """
     left, low, width, high = CHARTS
     forces = largest_forces(recording)
@@ -45,9 +45,10 @@ def draw_charts(figure: Figure, recording: Recording, top: float) -> list[Line2D
 
 
 def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
-    """Return the largest normal force at walls and the largest force in joints over time, shape (T,) [N].
+    """Return "wall" → the largest normal force at walls, "joint" → that in joints, each of shape (T,) [N].
 
-    Stops of a slider count as walls. Forces that are always 0 or unknown are left out.
+    Stops of a slider count as walls, stops of joints do not. A name whose forces are unknown or always 0 is
+    left out.
     """
     at_walls = [touch.force for touch in recording.touches if touch.kind in (WALL, SLIDER_STOP)]
     known = {

@@ -40,13 +40,13 @@ FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENER
 FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
 FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
-ROOM = (7.0, 3.9375)  # [inch] the least width and height of a figure with energies
+ROOM = (7.0, 3.9375)  # [inch] the least width and height of a figure with charts
 # position and size of the axes: left, bottom, width and height, relative to the size of the figure
 SCENE = (0.02, 0.09, 0.6, 0.79)
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
 CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.832)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
-"""The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
+"""The axes and texts on a figure that has no room for charts, in the form of SCENE, CLOCK and RATE."""
 # half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
 # the view
 HALF_BAR = 0.035
@@ -55,7 +55,7 @@ TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
 
 class Film:
-    """The figure on which the frames of a film are drawn: chain, walls, forces, a clock, charts over time."""
+    """The figure on which the frames of a film are drawn, one after the other (``show``)."""
 
     def __init__(
         self, figure: Figure, recording: Recording, times: np.ndarray, ground: Ground | None = None
@@ -132,20 +132,17 @@ class Film:
             figure.set_facecolor(self.ground.ground)
 
     def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
-        """Return vectors at the times of the frames, shape (F, 2).
-
-        ``vectors`` has them at the rows of the recording, shape (T, 2).
-        """
+        """Return vectors at the times of the frames, shape (F, 2), from ``vectors`` in each row, (T, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
     def _rings(self) -> tuple[Line2D, np.ndarray]:
-        """Return the line of rings that stay where impacts happened, empty at first, and the places [m]."""
+        """Return an empty line of rings, and the places of all impacts, shape (I, 2) [m], for ``show``."""
         look: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markersize": 6.5, "animated": True}
         (rings,) = self.scene.plot([], [], linestyle="", markeredgecolor=INK, **look)
         return rings, np.reshape([self.recording.spot(impact) for impact in self.recording.impacts], (-1, 2))
 
     def _draw_key(self, figure: Figure, right: float) -> None:
-        """Draw the legend of arrows: of walls and of joints; it ends at the part ``right`` of the width."""
+        """Draw the legend of the arrows; its right end is at the part ``right`` of the figure's width."""
         arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
         kinds = {"wall forces": FORCE, "joint forces": LOAD}
         position: dict[str, Any] = {
@@ -160,8 +157,7 @@ class Film:
         pinned = self.recording.pinned
         view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
-        # The axes have the same scale along x and y. So they also show space beside the view, or above or
-        # below it.
+        # the axes have equal scales along x and y, so they also show room beside, above or below the view
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
         seen = room * (size / room).max()
         low = view[0] - anchor * (seen - size)
@@ -184,10 +180,7 @@ class Film:
         return [*draw_room(self.scene, self.view, walls), *pin]
 
     def _moved_room(self, frame: int) -> list[Artist]:
-        """Draw walls and base anew for a frame, if walls or the base move, and return their artists.
-
-        The result is empty if nothing of these moves.
-        """
+        """Draw walls and the base's mark anew for a frame, and return the artists; [] if nothing moves."""
         if not self.room_moves:
             return []
         for artist in self.room:
@@ -280,9 +273,9 @@ class Film:
         return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
-        """Add an arrow for the force in each joint in a frame; the largest force has its value beside it.
+        """Add an arrow for the force in each joint in a frame; beside the largest force stands its value.
 
-        A force gets no arrow if its arrow would have only the least length.
+        A force that is too small for ``ArrowScale.shows`` has no arrow.
         """
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
@@ -301,7 +294,7 @@ class Film:
         Args:
             point: position of the point [m].
             wall: name of the wall.
-            force: the normal and the tangential part of the force [N].
+            force: the normal and the tangential part of the force [N], along the wall's normal and tangent.
             sticks: whether the contact sticks.
         """
         plane = self.plane[wall]
@@ -337,7 +330,7 @@ class Film:
         self.moving += self.scene.plot(*points, *marker, color=FORCE, **style)
 
     def _outlines(self, frame: int) -> list[np.ndarray]:
-        """Return the lines in a frame that numbers must not cover: chain, bodies, walls, rail and arrows."""
+        """Return the lines that numbers in a frame must not cover: chain, bodies, walls, rail and arrows."""
         bodies = [*self.bodies.values(), *(patch for patch, _ in self.carriage)]
         outlines = [np.asarray(body.get_xy()) for body in bodies]
         for disc in self.discs.values():

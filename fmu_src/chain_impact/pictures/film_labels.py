@@ -1,4 +1,4 @@
-"""The numbers at the arrows of a film; they cover no body, wall, arrow or other number.
+"""The numbers at the arrows of a film, placed so that they cover no body, wall, arrow or other number.
 
 A number covers the trace of the tip only if there is no room elsewhere.
 """
@@ -30,9 +30,9 @@ class Number(NamedTuple):
 
     Attributes:
         size: the force [N] or moment [N·m]; large numbers are written first.
-        words: the number with its unit.
+        words: the text, a number with its unit.
         position: the head of the arrow, or the mark [m].
-        away: unit vector of the best direction from there to the number.
+        away: unit vector of the best direction from ``position`` to the number.
         colour: the colour of the text.
     """
 
@@ -46,15 +46,15 @@ class Number(NamedTuple):
 def write_numbers(
     axes: Axes, wanted: Sequence[Number], lines: Sequence[np.ndarray], pale: np.ndarray
 ) -> Iterator[Text]:
-    """Write numbers where they cover nothing, and yield the texts of the numbers that are written.
+    """Write numbers where they cover nothing, the largest first, and yield the texts that were written.
 
-    The largest numbers choose their places first. A number that finds no room is not written.
+    A number without room is not written.
 
     Args:
         axes: the axes to write into.
         wanted: the numbers to write.
-        lines: the polygons and lines that a number must not cover, each of shape (P, 2) [m]. A closed line is
-            the outline of a body, and the middle of a number must not be in the body, either.
+        lines: the lines that a number must not cover, each of shape (P, 2) [m]. A closed line is the outline
+            of a body; the middle of a number must not be in the body, either.
         pale: a line of shape (P, 2) [m]. A number covers this line only if there is no room elsewhere.
     """
     if not wanted:
@@ -98,8 +98,8 @@ def write_numbers(
 def is_free(box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], taken: Sequence[Bbox]) -> bool:
     """Return whether a box for a number is within ``room`` and free of other things; all are in pixels.
 
-    It must cover none of ``dots``, shape (D, 2), its middle must be outside of all ``bodies``, and it must
-    not overlap the boxes ``taken``.
+    The box is free if it covers none of ``dots``, shape (D, 2), if its middle is outside of all ``bodies``,
+    and if it overlaps none of the boxes ``taken``.
     """
     (low, high), (least, most) = box.get_points(), room.get_points()
     if (low < least).any() or (high > most).any() or any(map(box.overlaps, taken)):
@@ -110,7 +110,7 @@ def is_free(box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], tak
 
 
 def middle_of(box: Bbox) -> tuple[float, float]:
-    """Return the middle of a box."""
+    """Return the middle of a box, x and y."""
     x, y = box.get_points().mean(axis=0).tolist()
     return x, y
 

@@ -15,15 +15,15 @@ from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
 TIMES = 3  # number of passes that make axes smaller: a new size can change the space that texts need
-# One step makes axes smaller at most to this part of their width and height; if texts need more space than
-# that, the axes keep their size, and texts stay cut off.
+# One pass makes axes smaller at most to this part of their width and height; if texts need more space, the
+# axes keep their size, and texts stay cut off.
 LEAST_PART = 0.2
-TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
+TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure or the texts of other axes
 
 
 @contextmanager
 def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
-    """Draw into axes of a user in a ``with`` block, in their style; on a dark ground, with colours for it."""
+    """Let a ``with`` block draw into a user's axes in the user's style; a dark ground gets suited colours."""
     grounds = {
         panel: Ground(panel.get_facecolor(), panel.xaxis.label.get_color())
         for panel in axes
@@ -41,10 +41,9 @@ def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
 
 
 def fit_into_figure(axes: Sequence[Axes]) -> None:
-    """Make axes smaller if their legends and labels reach beyond the figure's edge or into other axes.
+    """Break legends and labels of axes into lines, and make axes smaller if these lack room (``_room``).
 
-    If the figure has a layout engine, the engine sets the size of the axes when the figure is drawn. Then
-    only the lines of legends and labels are broken here.
+    If the figure has a layout engine, the size of the axes stays, because the engine sets it.
     """
     for figure in {figure for panel in axes if (figure := panel.get_figure(root=True)) is not None}:
         own = [panel for panel in axes if panel.get_figure(root=True) is figure]
@@ -78,7 +77,8 @@ def _fit(axes: Axes, figure: Figure) -> None:
 def _room(axes: Axes, figure: Figure) -> Bbox:
     """Return the rectangle [pixels] that axes and their texts may take.
 
-    It ends TEXT_SPACE before the edges of the figure, and before neighbouring axes and their texts.
+    The rectangle ends TEXT_SPACE before the edges of the figure, and before the neighbouring axes with their
+    texts.
     """
     own = axes.get_position(original=True)
     space = TEXT_SPACE * figure.dpi / 72.0

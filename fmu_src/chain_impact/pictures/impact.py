@@ -34,7 +34,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed, speed_unit
 
 IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
-SHOWN_BEFORE = 0.03  # for a long contact, the time shown before the onset, relative to that after it
+SHOWN_BEFORE = 0.03  # for a long contact, the time shown before the onset, relative to that after the onset
 LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
 LABEL_ROOM = 0.2  # the room for the largest value above and below a curve, relative to its range
 # on a narrow figure, the height of the panel of force over penetration, relative to that of a panel over time
@@ -43,9 +43,10 @@ LOOP = 1.6
 
 @styled()
 def fill_impact(figure: Figure, recording: Recording, number: int, course: Course) -> None:
-    """Draw impact ``number``, from 1, on an empty figure; force over penetration is at the right or the foot.
+    """Draw impact ``number``, from 1, on an empty figure.
 
-    The largest force and penetration are written beside their curves.
+    Force, penetration and speed are drawn over time, with the largest force and the largest penetration as
+    text; force over penetration is at the right or, in a narrow figure, at the foot.
     """
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
@@ -100,19 +101,19 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
 
 
 def duration_text(impact: np.void, course: Course) -> str:
-    """Return words for the duration of a contact, also if it lasts to the end of the run."""
+    """Return words for the duration of a contact: "lasts 3.2 ms", "lasts to the end, for 1.5 s"."""
     lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
     text = force_text(lasting, "s") if lasting > 0.0 else "0 s"
     return f"lasts to the end, for {text}" if lasts(impact) else f"lasts {text}"
 
 
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
-    """Draw force over penetration; the area inside the loop is the energy that this force dissipates.
+    """Draw the normal force over penetration; the area inside the loop is the energy that it dissipates.
 
-    The force is the normal force, so energy that dry friction dissipates is not in this area. The loop of a
-    contact that lasts to the end of the run is open, with a dot at its end.
+    Energy that dry friction dissipates is not in this area. The loop of a contact that lasts to the end of
+    the run is open, with a dot at its end. An impulse has no loop.
 
-    ``at_stop``: whether the impact is at a stop of a joint, so that the force is a moment.
+    ``at_stop``: whether the impact is at a stop of a joint: moment and angle then replace force and length.
     """
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
     force_factor, prefixed_force_unit = load_unit(force.max(initial=0.0), force_unit)
@@ -139,7 +140,7 @@ def fill_loop_axes(axes: Axes, impact: np.void, course: Course, *, at_stop: bool
 
 
 def say_impulse(axes: Axes) -> None:
-    """Write into axes that an impulse has no curve to draw."""
+    """Write into axes, in place of a curve, that the impact is an impulse."""
     axes.text(0.5, 0.5, "an impulse, without duration", transform=axes.transAxes, ha="center", color=INK)
     axes.set(xticks=[], yticks=[])
 
@@ -147,7 +148,7 @@ def say_impulse(axes: Axes) -> None:
 def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
     """Return name, values, unit and colour of each curve over time: force, penetration and speed.
 
-    ``at_stop``: whether the impact is at a stop of a joint, so that the quantities are those of the angle.
+    ``at_stop``: whether the impact is at a stop of a joint: moment and angle then replace force and length.
     """
     force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
     return (
@@ -158,11 +159,11 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
-    """Return the text below the title, which tells of the peak force, the realised restitution and the like.
+    """Return the text below the title.
 
-    Its parts are the peak force (at a stop the peak moment), the realised restitution, the duration, the
-    energy that the chain loses, the impact speed and the impulse. A contact that lasts to the end of the run
-    has no restitution. A force or an impulse that is 0 or unknown is left out.
+    The text tells the peak force (at a stop of a joint the peak moment), the realised restitution, the
+    duration, the energy that the chain loses, the impact speed and the impulse. The restitution of a contact
+    that lasts to the end of the run, and a force or impulse that is 0 or unknown, are left out.
     """
     parts = [
         restitution_text(impact),
@@ -180,6 +181,6 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
 
 
 def restitution_text(impact: np.void) -> str:
-    """Return words for the realised restitution, or, if it is unknown, words that the contact lasts."""
+    """Return words for the realised restitution; without one, words that the contact lasts to the end."""
     restitution = impact["separation_speed"] / impact["impact_speed"]
     return "in contact to the end" if math.isnan(restitution) else f"restitution {restitution:.4g} realised"
