@@ -40,8 +40,8 @@ def test_a_rest_is_found(when, expected):
 @pytest.mark.parametrize(
     ("when", "start", "end", "told"),
     [
-        ("before", 8.9, 10.0, "shaded: at rest, from 0 s"),
-        ("after", 0.0, 1.25, "shaded: at rest, until 10 s"),
+        ("before", 8.9, 10.0, "shaded: at rest; the run starts at 0 s"),
+        ("after", 0.0, 1.25, "shaded: at rest; the run ends at 10 s"),
         ("between", 0.0, 10.0, "shaded: at rest"),
     ],
 )

@@ -23,8 +23,8 @@ class Shown(NamedTuple):
         start: the start of the axis [s].
         end: the end of the axis [s].
         rests: start and end [s] of each rest.
-        note: words on the rests, and on the time that is cut off, for the label of the axis; "" without a
-            rest.
+        note: words on the rests, and on the ends of the run that are cut off, for the label of the axis, as
+            "shaded: at rest; the run ends at 10 s"; "" without a rest.
     """
 
     start: float
@@ -44,10 +44,8 @@ def shown_time(recording: Recording) -> Shown:
     if moving > 0.0 and before + after >= CUT_REST * (last - first):
         start, end = max(first, first + before - BEFORE * moving), min(last, last - after + AFTER * moving)
     words = f"shaded: {rest_word(recording)}" if resting else ""
-    if start > first:
-        words += f", from {first:g} s"
-    if end < last:
-        words += f", until {last:g} s"
+    cuts = [f"starts at {first:g} s"] * (start > first) + [f"ends at {last:g} s"] * (end < last)
+    words += f"; the run {' and '.join(cuts)}" if cuts else ""
     return Shown(start, end, resting, words)
 
 

@@ -30,9 +30,9 @@ from chain_impact.studies.sweep.variation import Variation
 # the colours of a map: the name of matplotlib's colour map, the same as in the maps of pages, and the grey of
 # runs without a value, which failed or have only impulses
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
-# The axis of a parameter is logarithmic if the largest value is at least WIDE_RANGE times the smallest one,
-# which must be > 0; the axis of a result, if the ``spread`` of the values is at least WIDE_RANGE.
-WIDE_RANGE = 1e3
+# The axis of a parameter is logarithmic if the largest value is at least WIDE_PARAMETER times the smallest
+# one, which must be > 0; the axis of a result, if the ``spread`` of the values is at least WIDE_RANGE.
+WIDE_PARAMETER, WIDE_RANGE = 1e2, 1e3
 # on a logarithmic axis with ends in a ratio below WIDE_RANGE, labels stand at each power of ten, and at these
 # multiples of each power of ten
 FEW_TICKS = (2.0, 5.0)
@@ -258,10 +258,10 @@ def is_logarithmic(variation: Variation) -> bool:
     """Return whether a parameter's axis is logarithmic.
 
     The axis of a number is logarithmic if the user asks for even spacing in the logarithm, or if the largest
-    value is at least WIDE_RANGE times the smallest, which must be > 0. The axis of choices is linear.
+    value is at least WIDE_PARAMETER times the smallest, which must be > 0. The axis of choices is linear.
     """
     low, high = variation.values.min(), variation.values.max()
-    return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
+    return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_PARAMETER))
 
 
 def own_value(runs: Runs, variation: Variation) -> float | None:

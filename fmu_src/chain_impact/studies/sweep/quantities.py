@@ -60,12 +60,12 @@ class Quantity:
         return self.column == COUNT
 
     def label_for(self, values: np.ndarray) -> str:
-        """Return the label, with the relative range of ``values`` at the end if it is small: ", within 3 %".
+        """Return the label, with the relative range of ``values`` at the end if it is small: "varies by 3 %".
 
         ``_small_range`` says what is small.
         """
         within = self._small_range(values)
-        return f"{self.label}, within {100.0 * within:.2g} %" if within else self.label
+        return f"{self.label}, varies by {100.0 * within:.2g} %" if within else self.label
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
         """Return the ends of an axis wider than the range of ``values``; None unless this range is small.
