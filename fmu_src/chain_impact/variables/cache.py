@@ -1,8 +1,9 @@
 """A cache of the data that scenes share if they differ only in numbers.
 
-The cache keeps the values of the properties of ``PreparedScene`` that do not depend on numbers; ``in_common``
-marks these properties. The cache also keeps the record of one of the scenes. The record of any other of the
-scenes is a copy of this record, in which only the tables with changed numbers are written again (filling.py).
+The cache has one entry (``Common``) for all such scenes. It keeps the values of those properties of
+``PreparedScene`` that do not depend on numbers; ``in_common`` marks these properties. It also keeps the
+record of one of the scenes; the record of any other one is a copy, in which only the tables with changed
+numbers are written again (filling.py).
 """
 
 from __future__ import annotations
@@ -31,9 +32,9 @@ class Common:
 
     Attributes:
         scene: the first of these scenes.
-        parts: name → value of the properties of ``PreparedScene`` that do not depend on numbers.
-        record: one of these scenes and the words (8 bytes each) of its record; nothing may change them. None
-            before the first record is made.
+        parts: name of a property of ``PreparedScene`` with ``in_common`` → its value.
+        record: one of these scenes, and the words (8 bytes each) of the scene's record, which nothing may
+            change; None before the first record is made.
     """
 
     scene: Scene
@@ -42,12 +43,11 @@ class Common:
 
 
 _cache: list[Common] = []
-"""The shared data of scenes, the entry added last first. All scenes that differ only in numbers have one
-entry."""
-MOST_CACHED = 16
+"""The entries of the cache; the one that was added last comes first."""
+MOST_CACHED = 16  # largest number of entries
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
-"""The tables of a scene with numbers that can be written again, into a copy of a record, without the other
-tables: all numbers except those that decide the layout of the record or which variables exist."""
+"""The keys and tables of a scene each of which can be written alone into a copy of a record. In [chain] and
+[contact], this holds for numbers that decide neither the layout of the record nor which variables exist."""
 _others = attrgetter(
     *(
         entry.name
@@ -55,14 +55,15 @@ _others = attrgetter(
         if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
     )
 )
-"""Function that reads the other parts of a scene, except texts: two scenes share nothing if one of these is
-not the same object in both. [simulation] is no such part: it matters only to scenes with signals."""
+"""Function that reads all other fields of a scene, except texts and [simulation], which matters only with
+signals: two scenes share nothing if one of these fields is not the same object in both."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:
-    """Return the keys of a table whose values decide the layout of the record, or which variables exist.
+    """Return the keys of a table whose values may decide the layout of the record, or which variables exist.
 
-    The other keys of the table hold the numbers of parameters that every scene with this table has.
+    ``path`` is the path of the table in a scene, a template. The other keys of the table are those of
+    parameters that each scene with this table has.
     """
     numbers = {
         kind.path[-1]
@@ -76,20 +77,16 @@ def _decisive(table: type, path: DataPath) -> list[str]:
 _of_contact = attrgetter(*_decisive(Contact, ("contact",)))
 _of_link = attrgetter(*_decisive(Link, ("chain", "links", AT)))
 _of_slider = attrgetter(*_decisive(Slider, ("chain", "slider")), "angle")
-"""Functions that read those values of [contact], of a link and of a slider that decide the layout of the
-record or which variables exist. The angle of a slider is one of them, because it decides which walls the
-points can reach."""
+"""Functions that read the values of these keys from [contact], from a link and from a slider. The angle of a
+slider is one of these values, because it decides which walls the points can reach."""
 
 
 def common_of(scene: Scene) -> Common:
-    """Return the data that this scene shares with all scenes that differ from it only in numbers.
-
-    If the cache has no such data, they are added.
-    """
+    """Return the entry of the cache for a scene; add an entry if the cache has none for this scene."""
     for common in tuple(_cache):
         if changed_numbers(common.scene, scene) is not None:
             return common
-    # if another thread adds equal data at the same time, the cache has them twice, which does no harm
+    # if another thread adds an entry for this scene at the same time, the cache has both, which does no harm
     new = Common(scene)
     _cache.insert(0, new)
     del _cache[MOST_CACHED:]
@@ -99,7 +96,8 @@ def common_of(scene: Scene) -> Common:
 def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
     """Return the cached property for a method of ``PreparedScene`` whose result does not depend on numbers.
 
-    The result is shared by all scenes that differ only in numbers, under the name of the method.
+    All scenes that differ only in numbers share the result: it is in ``Common.parts``, under the name of the
+    method.
     """
 
     @wraps(part)
@@ -114,11 +112,11 @@ def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
 
 
 def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
-    """Return the names of the tables to write again in a copy of the record of ``before`` for ``scene``.
+    """Return the names in ``_NUMBERS`` that must be written again in a copy of the record of ``before``.
 
-    These are the tables of ``_NUMBERS`` that are not the same object in both scenes. The result is None if
-    the whole record must be written, because the scenes differ in more than numbers, or in numbers that
-    decide the layout of the record or which variables exist.
+    The copy is then the record of ``scene``. The names are those of which both scenes have different objects.
+    The result is None if the whole record must be written, because the scenes differ in more than numbers, or
+    in numbers that may decide the layout of the record or which variables exist.
     """
     if before is scene:
         return []
@@ -132,7 +130,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
 
 
 def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
-    """Return whether two chains differ in more than numbers that can be written to a record again."""
+    """Return whether two chains differ in the base, the number of links or a value of ``_decisive`` keys."""
     if first is second:
         return False
     if first.base != second.base or len(first.links) != len(second.links):
@@ -142,7 +140,7 @@ def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
 
 
 def _differ(first: Any, second: Any, decisive: Callable[[Any], tuple[Any, ...]]) -> bool:
-    """Return whether two tables, or None and a table, differ in the values that ``decisive`` reads."""
+    """Return whether two tables differ in the values that ``decisive`` reads, or only one of them is None."""
     if first is second:
         return False
     return first is None or second is None or decisive(first) != decisive(second)

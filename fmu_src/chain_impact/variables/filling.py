@@ -36,23 +36,24 @@ from chain_impact.variables.structure import Structure
 _GIVEN_IF = {
     kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
 }
-"""Condition ``Kind.given_if`` → function that tells whether a scene meets it. If so, the record has two
-fields for each parameter with this condition: the given value and the value in use."""
+"""Each condition ``Kind.given_if`` → function that tells whether a scene meets the condition. If the scene
+does, the record has two fields for a parameter with this condition: one for the value in use, one for the
+given value."""
 
 
 def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray:
-    """Return an instance with the parameters of a scene, before its initialization: an array with one record.
+    """Return an array with one record: an instance with the parameters of a scene, before initialization.
 
     Args:
         scene: the scene.
         structure: the structure of the scene.
-        common: the data that the scene shares with scenes that differ only in numbers.
+        common: the entry of the cache for the scene; if the whole record is written, it gets a copy.
     """
     sizes, last = structure.counts, common.record
     layout, changed = layout_of(*sizes), changed_numbers(last[0], scene) if last else None
     if last is None or changed is None:
         words = np.zeros(layout.itemsize // WORD)
-        # ``memory.view`` would first compare the types, which takes longer than the rest of this function
+        # ``words.view(layout)`` would first compare the types, which takes longer than all other lines here
         memory = np.ndarray(1, layout, words)
         _fill(memory[0], scene, structure)
         for table in _tables():
@@ -67,7 +68,7 @@ def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray
 
 
 def _fill(d: Any, scene: Scene, structure: Structure) -> None:
-    """Write into a new instance what ``_tables`` leaves out.
+    """Write into the new instance ``d`` all that ``_tables`` leaves out.
 
     These are counts and other numbers that are no parameters, the signals, and the materials of single walls.
     """
@@ -88,7 +89,7 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
 
 @cache
 def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
-    """Return table of the scene → its kinds of parameters, each with a function that reads their values.
+    """Return name of a table of the scene → pairs of a kind of its parameters, and the result of ``_reader``.
 
     The parameters of signals and of the materials of single walls are left out; ``_fill`` writes them.
     """
@@ -101,11 +102,10 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 
 
 def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
-    """Return a function from a scene to the values of a kind of parameters, one for each owner.
+    """Return a function from a scene to the list of numbers for a kind of parameters, one for each owner.
 
-    The record may have two fields for the parameter: one with the value in use, one with the given value. The
-    list then has first the values in use of all owners, and after them the given values of all owners. For a
-    value that is not given, the given value is the number DERIVED.
+    If the record has two fields for the parameter, the list has first the values in use of all owners, then
+    the given values of all owners. The given value is the number DERIVED where the scene derives the value.
     """
     path = kind.path or ()
     if AT not in path and ENTRY_AT not in path:
@@ -126,7 +126,10 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
 
 
 def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
-    """Return the function of ``_reader`` for a kind whose path has no owner's index; it is twice as fast."""
+    """Return the function of ``_reader`` for a kind whose path has no index of an owner.
+
+    This function is twice as fast as the general one.
+    """
     part, given_if = _getter(path), attrgetter(kind.given_if)
 
     def read(scene: Scene) -> list[Any]:
@@ -147,8 +150,8 @@ def _members(
 ) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[DataPath]]]:
     """Return three functions for a kind of parameters whose ``path`` in a scene is a template with an index.
 
-    The first function returns the owners of the parameters in a scene, in order, such as all links. The
-    second returns the value that one owner has. The third returns the paths of all these values in a scene.
+    The first returns the owners in a scene, such as all links, in order. The second returns the value of the
+    parameter for one owner. The third returns the paths of the values of all owners in a scene, in order.
     """
     if ENTRY_AT in path:  # these parameters belong to points of links, which form a list in each link
         key = path[-1]
@@ -167,16 +170,16 @@ def _members(
 
 
 def _given(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
-    """Return ``values``, with the number DERIVED in place of each value that the scene derives.
+    """Return ``values`` with the number DERIVED in place of each value that the scene derives.
 
-    ``paths`` are the paths of the values in the scene.
+    ``paths`` are the paths of ``values`` in the scene.
     """
     derived = frozenset(scene.derived_paths)
     return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
 
 
 def _getter(path: DataPath) -> Callable[[Any], Any]:
-    """Return a function that reads the value at a path of names; the path may end with one index."""
+    """Return a function that reads the value at a path in a scene or table: names, then at most one index."""
     names, indices = (tuple(step for step in path if isinstance(step, kind)) for kind in (str, int))
     named = attrgetter(".".join(map(str, names))) if names else _itself
     return (lambda whole: named(whole)[indices[0]]) if indices else named
@@ -187,10 +190,9 @@ def _itself(value: Any) -> Any:
 
 
 def _choice(kind: Kind, name: str) -> float:
-    """Return the real number with the same 8 bytes as an integer: the number of a choice, counted from 1.
+    """Return the real number with the same 8 bytes as an integer, the number of the choice ``name``, from 1.
 
-    The reason is that Python writes all words of a record as real numbers, but the kernel reads this word as
-    an integer. ``name`` is the name of the choice.
+    Python writes all words of a record as real numbers, but the kernel reads this word as an integer.
     """
     number = SOLVER_METHODS.index(name) + 1 if kind.choices == METHODS else _law_number(name)
     real: float = struct.unpack("d", struct.pack("q", number))[0]
@@ -198,8 +200,11 @@ def _choice(kind: Kind, name: str) -> float:
 
 
 def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
-    """Write the numbers of a table of the scene, such as "contact", to a new or copied record's words."""
-    # the record has room for the walls at any angle only if points may touch them
+    """Write the numbers of a table of the scene, such as "contact", to the ``words`` of a record.
+
+    ``sizes`` are the counts of the record.
+    """
+    # the record has room for the entries of ``walls`` only if points may touch walls
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
     met = tuple(name for name, holds in _GIVEN_IF.items() if holds(scene))
     indices, readers = _words_of(table, sizes, lines, slides, met)
@@ -210,10 +215,10 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
 def _words_of(
     table: str, sizes: Counts, lines: int, slides: bool, met: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
-    """Return the indices of a record's words with a table's numbers, and the functions that read the numbers.
+    """Return the indices of the words for a table's numbers, and the functions that read the numbers.
 
     The functions, one after the other, return the numbers in the order of the indices. ``lines`` is the
-    number of walls at any angle in the record, ``slides`` whether there is a slider, and ``met`` are the
+    number of entries of ``walls`` in the record, ``slides`` whether there is a slider, and ``met`` are the
     conditions of ``_GIVEN_IF`` that the scene meets.
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}
@@ -230,17 +235,20 @@ def _words_of(
 
 
 def _indices(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
-    """Return the index in the record of each owner of a kind, as a list of tables {"at": index}."""
+    """Return a list of tables {"at": index in the record}, one for each owner of a kind.
+
+    ``known`` has the numbers that the rules of this kind name.
+    """
     owners = OWNER_KINDS[owner_kind]
     index, count = owners.numbers.get("at", "order"), number_in(owners.over, known.__getitem__)
     return [{"at": number_in(index, {**known, "order": i}.__getitem__)} for i in range(count)]
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
-    """Write to the record those values of the tables [contact.wall.<name>] that the scene gives.
+    """Write to the record ``d`` those values of the tables [contact.wall.<name>] that the scene gives.
 
-    For all other values, the record keeps −1: the values of [contact] apply, except that a static friction
-    which is not given equals the wall's sliding friction, if that is given.
+    All other values keep −1 in the record: the value of [contact] applies, but a missing static friction of a
+    wall with a given sliding friction equals this sliding friction.
     """
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.record_path)
@@ -256,11 +264,11 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
-    """Return a copy of an instance that is followed in memory by tangent instances for derivatives.
+    """Return a copy of an instance, with tangent instances after it in memory, in the field BEHIND.
 
-    ``paths`` are the paths in the record of the parameters and inputs with respect to which there are
-    derivatives. Each of them has a direction of its own, in which its derivative is 1 and those of all others
-    are 0. A tangent instance has DIRECTIONS directions.
+    ``paths`` are the paths in the record of the parameters and inputs with respect to which the kernel
+    computes derivatives. Each of these numbers has a direction of its own, in which its derivative is 1 and
+    the derivatives of all others are 0. A tangent instance has DIRECTIONS directions.
     """
     layout, count = memory.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()
@@ -279,7 +287,7 @@ def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
 
 
 def _copy_values(source: Any, target: np.ndarray) -> None:
-    """Copy the values of a record into each of several records of dual numbers, whose derivatives stay."""
+    """Copy the values of a record into each of the records of dual numbers ``target``; derivatives stay."""
     for name in source.dtype.names:
         part = target[name]
         if source.dtype[name].base.names:

@@ -11,9 +11,10 @@ Hint = Callable[[str], str | None]
 
 
 def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
-    """Return a hint for a name that is an input or a parameter, not an output; None for any other name.
+    """Return a hint for the name or pattern of inputs or parameters, which are no outputs; else None.
 
-    ``how`` are words for what makes an input an output, such as a signal.
+    ``inputs`` and ``parameters`` are all names of these. ``how`` are words for what makes an input an output,
+    such as a signal; "" for nothing.
     """
     if find_names(name, inputs):
         return f"it is an input{how and f'; {how} makes it an output'}"
@@ -23,19 +24,19 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
 
 
 def parts_hint(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint for the first part of other names, such as a vector's: "there are force.x, force.y".
+    """Return a hint for a name with which, and a dot, ``names`` begin: "there are force.x, force.y".
 
-    The hint tells at most three of these names. The result is None for a name with which no other begins.
+    The hint has at most three of these names. The result is None if there are none.
     """
     parts = find_names(f"{name}.*", names)
     return f"there are {', '.join(parts[:3])}" if parts else None
 
 
 def series_hint(hint: Hint) -> Hint:
-    """Return a function that gives a hint for the name of something that a result does not have over time.
+    """Return a function that gives a hint for the name of a quantity that a result does not have over time.
 
     For a name that begins with ``impact.``, ``impact[`` or ``solver.``, the hint points to ``result.impacts``
-    and ``result.statistics``. For any other name it is that of the function ``hint``.
+    and ``result.statistics``. For any other name, the hint is that of the function ``hint``.
     """
 
     def found(name: str) -> str | None:

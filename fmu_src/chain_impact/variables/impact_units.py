@@ -31,10 +31,13 @@ STOP_UNITS = IMPACT_UNITS | {
 
 
 def impact_units(*, stop: bool) -> Mapping[str, str]:
-    """Return the units of all quantities of an impact; ``stop`` means an impact at a stop of a joint."""
+    """Return quantity of an impact → its unit, as an FMU writes it.
+
+    ``stop`` is true for an impact at a stop of a joint, false for one at a wall or at a stop of a slider.
+    """
     return STOP_UNITS if stop else IMPACT_UNITS
 
 
 def unit_at(quantity: str, *, stop: bool) -> str:
-    """Return the unit of a quantity of an impact as readers see it, as N·m; ``stop``: at a joint's stop."""
+    """Return the unit of a quantity of an impact as readers see it, N·m; ``stop`` as in ``impact_units``."""
     return unit_text(impact_units(stop=stop)[quantity])

@@ -1,4 +1,4 @@
-"""The indices of values in the record of an instance, and the indices of all outputs of a structure."""
+"""The indices of values in the record of an instance: of any number, of outputs, of the list of contacts."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from chain_impact.variables.variable import Variable
 
 WORD = 8  # [byte] size of a word: a 64-bit real number or integer of the record
 JOINT_FORCE = "joint_force"
-"""The name of the largest force in a joint [N]: of a run, and of an impact in ``Result.impacts``."""
+"""The name of the largest force in any joint [N], of a run and, in ``Result.impacts``, of an impact."""
 
 
 class Peak(NamedTuple):
     """The largest value of a quantity over all contacts of a run.
 
     Attributes:
-        path: the path of the value in the record.
-        words: the name of the value in pictures and texts.
-        field: the field of ``Result.impacts`` that has the largest value in each single contact.
-        at_stops: whether the value is over contacts at stops of joints; else it is over contacts at walls and
-            at stops of a slider.
+        path: the path of the largest value in the record.
+        words: the name of the largest value in pictures and texts.
+        field: the field of ``Result.impacts`` with the largest value of the quantity in each single contact.
+        at_stops: True if the contacts are those at stops of joints; False if they are those at walls and at
+            stops of a slider.
     """
 
     path: DataPath
@@ -39,17 +39,17 @@ class Peak(NamedTuple):
 
     @property
     def fmi_unit(self) -> str:
-        """The unit of the value, as an FMU writes it."""
+        """The unit of the largest value, as an FMU writes it."""
         return impact_units(stop=self.at_stops)[self.field]
 
     @property
     def unit(self) -> str:
-        """The unit of the value, as a text for readers."""
+        """The unit of the largest value, as a text for readers."""
         return unit_at(self.field, stop=self.at_stops)
 
     @property
     def is_load(self) -> bool:
-        """Whether the largest value is a force or a moment."""
+        """Whether the largest value is a force or a moment, and not a penetration."""
         return self.field == "peak_force"
 
 
@@ -61,18 +61,18 @@ PEAKS = {
         ("peaks", "rotation"), "largest rotation beyond a stop", "max_penetration", at_stops=True
     ),
 }
-"""Name in sweeps and rankings → peak. Only a scene with stops in joints has the peaks with ``at_stops``."""
+"""Name in sweeps and rankings → peak. Only a scene with stops of joints has the peaks with ``at_stops``."""
 # layouts are cached, because computing one takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
-"""The number of words at the start of a record: counts, two flags, and the number of tangent instances. These
-words decide the layout of the record."""
+"""The number of words at the start of a record: counts, two flags, and the number of tangent instances."""
 
 
 def word_index(dtype: np.dtype, path: DataPath) -> int:
-    """Return the index of a number in a record, counted in words of 8 bytes from the record's start.
+    """Return the index of the number at a path in a record, in words of 8 bytes from the record's start.
 
-    Raises IndexError or KeyError if the path does not lead to a single number.
+    ``dtype`` is the type of the record. Raises IndexError or KeyError if the path does not lead to a single
+    number of 8 bytes.
     """
     offset = 0
     for step in path:
@@ -91,23 +91,26 @@ def word_index(dtype: np.dtype, path: DataPath) -> int:
 
 
 def first_word(dtype: np.dtype, part: str) -> int:
-    """Return the index of the first word of a part of a record, such as "output"."""
+    """Return the index of the first word of a part of a record, such as "output", from the record's start."""
     offset: int = dtype.fields[part][1]  # type: ignore[index]
     return offset // WORD
 
 
 class LogWords(NamedTuple):
-    """Where a record has a run's status and the list of contacts: indices of words from the record's start.
+    """Where a record has a run's status and the list of contacts.
+
+    All attributes but ``room`` are indices of words, from the start of the record.
 
     Attributes:
         status: word with the status of the run.
         ended: word with the number of ended contacts in the list.
         collected: word with the number of ended contacts that a reader has already collected.
-        active: word with the number of contacts that still last; the list has them after the ended ones.
+        active: word with the number of contacts that last at the present time; in the list, they come after
+            the ended contacts.
         changes: word with the number of changes between sticking and sliding that wait to be collected.
         integrates: word that is 1 if steps integrate impulses, else 0.
-        first: first word of the list's columns, which follow each other.
-        room: number of rows of each column (not an index).
+        first: first word of the first column of the list; the columns follow each other without gaps.
+        room: number of rows of each column.
     """
 
     status: int
@@ -122,7 +125,7 @@ class LogWords(NamedTuple):
 
 @cache
 def log_words(counts: Counts) -> LogWords:
-    """Return where a record with these counts has the status and the list of contacts."""
+    """Return where a record with these counts has the status of the run and the list of contacts."""
     layout = layout_of(*counts)
     paths: tuple[DataPath, ...] = (
         ("statistics", "status"),
@@ -138,15 +141,15 @@ def log_words(counts: Counts) -> LogWords:
 
 
 class OutputIndices(NamedTuple):
-    """The indices of some outputs in the record of an instance, counted in words of 8 bytes.
+    """The indices of some outputs in the record of an instance, in words of 8 bytes from the record's start.
 
     Attributes:
         motion: name → index, for outputs that change continuously.
-        stepwise: name → (index, whether it is a real number), for outputs that change only at events and
-            steps.
+        stepwise: name → (index, whether the output is a real number), for outputs that change only at events
+            and steps.
         row: the NumPy type of a row of ``Result.outputs`` with the outputs in ``motion``.
-        words: the indices of the numbers of such a row, then the sorted indices of the outputs in
-            ``stepwise``.
+        words: the indices of the numbers in a row of the type ``row``, then the sorted indices of the outputs
+            in ``stepwise``.
         of_state: whether the state alone determines all these outputs (``STATE_OUTPUTS`` in
             kernel/record/instance.py), so that no forces must be computed for them.
     """
@@ -159,7 +162,7 @@ class OutputIndices(NamedTuple):
 
 
 def indices_of(variables: Iterable[Variable], every: OutputIndices) -> OutputIndices:
-    """Return the indices of the outputs ``variables``; ``every`` has the indices of all outputs."""
+    """Return the indices of the outputs ``variables``, in this order; ``every`` has those of all outputs."""
     paths = {variable.name: variable.record_path for variable in variables}
     motion = {name: every.motion[name] for name in paths if name in every.motion}
     stepwise = {name: every.stepwise[name] for name in paths if name in every.stepwise}
@@ -174,9 +177,9 @@ def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.n
 
 @lru_cache(KEPT_STRUCTURES)
 def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
-    """Return the indices of all outputs, which are the same for all scenes of a structure.
+    """Return the indices of all outputs of a structure, without derivatives; ``counts`` are its counts.
 
-    The indices are cached, because computing them takes as long as a short simulation.
+    The result is cached, because to compute it takes as long as a short simulation.
     """
     layout = layout_of(*counts)
     motion: dict[str, int] = {}

@@ -1,9 +1,9 @@
 """A kind of variables: variables that differ only in the number or the name of their owner, such as a link.
 
-The names, texts and paths of a kind are templates. ``{n}`` stands for the number of an owner of the kind,
-``{name}`` for the name of its wall or signal, ``{axis}`` for an axis. Any other word in braces stands for a
-text that depends on the scene or the owner (words.py). In a path, ``{at}`` stands for the index of the owner,
-and ``{next}`` for this index plus 1.
+The names, texts and paths of a kind are templates. ``{n}`` stands for the number of an owner, ``{of}`` for
+the number of the owner's link, ``{name}`` for the name of the owner's wall or signal, ``{axis}`` for x or y.
+Any other word in braces in a text stands for words that depend on the scene or the owner (words.py). In a
+path, ``{at}`` stands for the index of the owner in the record, and ``{next}`` for this index plus 1.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MOTIONS = ("position", "velocity", "acceleration")
 
 
 class Heading(NamedTuple):
-    """The first words of descriptions: ``text``, a template, of one variable; ``general`` of a whole kind."""
+    """The first words of descriptions: ``text``, a template, for one variable; ``general`` for a kind."""
 
     text: str = ""
     general: str = ""
@@ -46,37 +46,38 @@ class Kind:
 
     Attributes:
         name: the template of the variables' names.
-        terminal: the first part of the name, if the variables whose names begin with this part form a
-            terminal in FMI 3.0; else "".
+        terminal: the first part of the name, a template, if the variables whose names begin with this part
+            form a terminal in FMI 3.0; else "".
         owner_kind: the kind of owner that has such a variable: a key of ``owners.OWNER_KINDS``; "one" if
-            the scene has one such variable.
+            a scene has at most one such variable.
         heading: the first words of the description.
         text: the rest of the description, a template.
         axis: x or y if the variable is a component of a vector, else "".
         unit: name of the unit; "" for a variable that is not a real number.
         causality: ``parameter``, ``input`` or ``output``.
-        record_path: path in the instance record, a template.
-        when: the conditions that a scene or an owner must all meet to have the variable.
-        minimum: the smallest allowed value, if any, as a number or the name of a number of the scene.
-        above: the limit that the value must exceed, if any.
-        maximum: the largest allowed value, if any, as a number or the name of a number of the scene.
-        path: path of a parameter in the scene file, a template; None for inputs and outputs.
+        record_path: path of the value in use in the record of an instance, a template.
+        when: the names of the conditions that a scene or an owner must all meet to have the variable.
+        minimum: the smallest allowed value, a number or the name of a number of the scene; None for none.
+        above: the limit that the value must exceed; None for none.
+        maximum: the largest allowed value, a number or the name of a number of the scene; None for none.
+        path: path of a parameter in the scene, a template; None for inputs and outputs.
         given: path in the record, a template, of the given value of a parameter, if the record has this value
-            beside the value in use, which has the path ``record_path``; else None.
+            beside the value in use; else None.
         given_if: condition under which the record has the path ``given``; "" if it always has this path.
-        derived: the rule by which the scene may derive the value, if any.
-        tunable: condition under which a parameter can be set at any time; "" if it never can.
-        if_given: whether a scene that derives the value, because its file does not give it, lacks the
+        derived: the rule by which the scene may derive the value; None for none.
+        tunable: condition under which a parameter can be set during a run; "" if it never can.
+        if_given: whether a scene that derives the value, because the file does not give it, lacks the
             parameter.
-        if_not_given: the number of a parameter that a scene has although its file does not give it, such as
+        if_not_given: the value of a parameter that a scene has although the file does not give it, such as
             one of two coefficients of friction; None if a scene without the value lacks the parameter.
         if_missing: the number in the record for a value that the scene does not have.
-        choices: name of an enumeration's list of choices.
+        choices: name of the list of choices of an enumeration; "" for any other variable.
         smooth: whether there are derivatives with respect to the variable.
-        hint: a sentence that tells users how to get the parameter into a scene.
-        feedthrough: whether an input acts on the output directly, not only through the state.
+        hint: a sentence that tells users how to get the parameter into a scene; "" for none.
+        feedthrough: whether an input acts on the output at once, not only through the state.
         nominal: the usual magnitude of the output, a key of ``nominal_values``; "" for none.
-        rate_of: field of the output record whose derivative the output is.
+        rate_of: the field of the record's part ``output`` whose derivative over time the output is; "" for
+            none.
         array: name of the array with all variables of the kind, in FMI 3.0 and in datasets; "" for none.
     """
 
@@ -111,7 +112,7 @@ class Kind:
 
     @cached_property
     def parts(self) -> NameParts:
-        """The parts of a variable's name, with the number 0 and the name "name" in place of its owner's."""
+        """The parts of the variables' name, with 0 for each number and "name" for the name of an owner."""
         return name_parts(self.name.format(n=0, of=0, name="name"))
 
     @cached_property
@@ -130,8 +131,8 @@ class Kind:
         """Return one description for all variables of the kind.
 
         Args:
-            words: word of the templates → text for this scene; under "general" a table with texts that hold
-                for every owner.
+            words: word in braces → text for this scene and owner; the entry "general" is a table with the
+                texts that hold for every owner, which are used in place of these.
         """
         general = {
             **words,
@@ -143,13 +144,13 @@ class Kind:
         return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
 
     def derivative(self, parameter: Kind) -> Kind:
-        """Return the kind of the derivatives of this kind's outputs with respect to a kind of parameters."""
+        """Return the kind of the derivatives of outputs of this kind with respect to a kind of parameters."""
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"
         return Kind(name=sensitivity_name(of, by), text=text, record_path=(), feedthrough=self.feedthrough)
 
     def ended(self, text: str) -> str:
-        """Return a description with the limit ``above`` in words at its end.
+        """Return ``text`` with the limit ``above`` in words at its end, if there is one.
 
         FMI has no attribute for such a limit.
         """
@@ -159,11 +160,11 @@ class Kind:
 OF_SIGNALS = ("signal", "step")
 """The kinds of owners that belong to signals."""
 LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
-"""Kind of owner → the letter for its number in names and texts for all owners, if this is not i."""
+"""Kind of owner → the letter for an owner's number in names and texts for all owners; i for other kinds."""
 
 
 class Block(NamedTuple):
-    """The kinds that one kind of owner has; all variables of an owner come before the next owner's."""
+    """The kinds that one kind of owner has; all variables of an owner come before those of the next one."""
 
     owner_kind: str
     kinds: tuple[Kind, ...]
@@ -177,15 +178,15 @@ def block(
     when: tuple[str, ...] = (),
     **common: Any,
 ) -> Block:
-    """Return the block of the kinds that one kind of owner has.
+    """Return the block of the kinds ``rows``, completed with what they have in common.
 
     Args:
         owner_kind: the kind of owner.
         rows: the kinds, with names that lack the prefix.
-        prefix: the first part of the names, without the dot.
+        prefix: the first part of all names, without the dot; "" for none.
         is_terminal: whether the variables of an owner form a terminal in FMI 3.0.
-        when: conditions for all kinds, in addition to each kind's own conditions.
-        common: other attributes that all kinds have.
+        when: names of conditions for all kinds, in addition to the conditions of each kind.
+        common: other attributes of ``Kind`` that all kinds have.
     """
     common = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **common}
     start = f"{prefix}." if prefix else ""
@@ -196,7 +197,7 @@ def block(
 
 
 def filled(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
-    """Return a path in the record or in the scene file, with an owner's words in place of the braces."""
+    """Return a path in the record or in a scene: the template ``path`` with the values of ``owner``."""
     if not owner:
         return path
     steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in owner.items()}

@@ -1,4 +1,4 @@
-"""The variables of a scene's FMU: each kind of variables gives one for each of its owners in the scene."""
+"""The variables of a scene's FMU: of each kind, one for each owner that meets the conditions of the kind."""
 
 from __future__ import annotations
 
@@ -26,17 +26,18 @@ from chain_impact.variables.words import owner_words, scene_words
 
 KEPT_STRUCTURES = 64  # largest number of structures of scenes whose lists of outputs are cached
 BEHIND = "behind"
-"""The name of the tangent instances among the fields of a record's type: these are records of dual numbers,
-which follow an instance in memory (filling.py)."""
+"""The field of a record's type with the tangent instances, records of dual numbers that come after an
+instance in memory (filling.py)."""
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
 
 
 def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
-    """Yield the parameters of the FMU: the variables whose value the scene has.
+    """Yield the parameters of the FMU, in the order of their value references.
 
-    A parameter of a kind with ``if_given`` is left out if the scene derives its value.
+    A parameter is left out if the scene has no value for it or, for a kind with ``if_given``, if the scene
+    derives its value.
     """
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, words in _owned_kinds(PARAMETERS, structure):
@@ -60,13 +61,13 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
 
 
 def inputs(structure: Structure) -> Iterator[Variable]:
-    """Return the inputs that the scenes of a structure ask for, without quantities that signals determine."""
+    """Return the inputs that scenes with this structure ask for, without those that signals determine."""
     driven = structure.driven_quantities
     return (variable for variable in inputs_asked(structure) if variable.name not in driven)
 
 
 def inputs_asked(structure: Structure) -> Iterator[Variable]:
-    """Return the inputs that the scenes of a structure ask for, also quantities that signals determine."""
+    """Return the inputs that scenes with this structure ask for, also those that signals determine."""
     return (
         Variable.of(*arguments, variability="continuous") for arguments in _owned_kinds(INPUTS, structure)
     )
@@ -79,21 +80,19 @@ def all_outputs(scene: Scene) -> dict[str, Variable]:
 
 @lru_cache(KEPT_STRUCTURES)
 def outputs_of(structure: Structure) -> dict[str, Variable]:
-    """Return name → output for all outputs of a scene with this structure.
+    """Return name → output for all outputs of scenes with this structure, without derivatives.
 
-    Outputs that are derivatives are left out.
-
-    The outputs of the KEPT_STRUCTURES structures used last are cached, because making them takes as long as a
-    short simulation.
+    The results for the KEPT_STRUCTURES structures used last are cached, because to make one takes as long as
+    a short simulation.
     """
     variables = (Variable.of(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
     return {variable.name: variable for variable in (*_driven(structure), *variables)}
 
 
 def _driven(structure: Structure) -> Iterator[Variable]:
-    """Yield the quantities that signals determine, as outputs with the names of inputs.
+    """Yield outputs with the names of inputs, for the inputs that signals determine.
 
-    Such a quantity is no input of the FMU; the output with its name shows its value.
+    Such an input is not an input of the FMU; the output shows its value.
     """
     rows = structure.driven_quantities
     for kind, owner, words in _owned_kinds(INPUTS, structure) if rows else ():
@@ -108,7 +107,10 @@ def _driven(structure: Structure) -> Iterator[Variable]:
 
 
 def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
-    """Yield the derivatives of all ``outputs`` with respect to each parameter or input in ``varied``."""
+    """Yield the derivatives of all ``outputs`` with respect to the first of ``varied``, then to the next.
+
+    ``varied`` are parameters and inputs; the one with index k has direction k of the tangent instances.
+    """
     for number, parameter in enumerate(varied):
         tangent, direction = divmod(number, DIRECTIONS)
         kinds: dict[str, Kind] = {}
@@ -127,10 +129,7 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
 
 
 def value_at(scene: Any, path: DataPath) -> Any:
-    """Return the value at a path of a scene, or of a part of a scene.
-
-    The result is None if the scene leaves the value out.
-    """
+    """Return the value at a path of a scene, or of a part of a scene; None if the scene has no such value."""
     for step in path:
         if isinstance(step, int):
             scene = scene[step]
@@ -140,7 +139,7 @@ def value_at(scene: Any, path: DataPath) -> Any:
 
 
 def absent_hint(name: str) -> str | None:
-    """Return a hint how to get into the FMU a parameter that only some scenes have.
+    """Return a hint how a scene gets the parameter ``name``, if only some scenes have this parameter.
 
     The result is None for any other name.
     """
@@ -151,9 +150,9 @@ def absent_hint(name: str) -> str | None:
 def _owned_kinds(
     blocks: Iterable[Block], structure: Structure
 ) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
-    """Yield (kind, owner, words) for each kind and each of its owners that meets the kind's conditions.
+    """Yield (kind, owner, words) for each kind and each owner that meets the conditions of the kind.
 
-    ``words``: word in braces in templates → the text or number of this scene and owner that replaces it.
+    ``words`` is word in braces → the text or number of this scene and owner that replaces the word.
     """
     scene = scene_words(structure)
     for of, kinds in blocks:
@@ -165,9 +164,9 @@ def _owned_kinds(
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:
-    """Return the choices of the FMU's two enumerations: contact laws and methods of the solver.
+    """Return name of an enumeration (LAWS, METHODS) → its choices: contact laws, and methods of the solver.
 
-    The last contact law is the one in the file ``contact.law_file``, if the scene has one.
+    If the scene has a file ``contact.law_file``, the law of this file comes last.
     """
     laws = [Item(law.id, law.source) for law in CONTACT_LAWS.values()]
     if scene.contact.law_file:

@@ -1,9 +1,9 @@
-"""The inputs and outputs in the table of variables, one row for each kind; kind.py explains the columns.
+"""The inputs and outputs in the table of variables, one row for each kind; kind.py explains the attributes.
 
 The cells of a row are the name without the prefix, the unit, the description, and attributes. Attributes are
-those of ``Kind``, and ``field``: the name of the record's field, if it is not the name in the row. Rows of
-inputs lack name and unit, which ``INPUTS_OF`` has. A row with {axis} stands for two rows: for x, where {j} is
-0, and for y, where {j} is 1. The value references follow the order of the rows.
+those of ``Kind``, and ``field``: the path of the record's field in its part, if it is not the name in the
+row. Rows of inputs lack name and unit, which ``INPUTS_OF`` has. A row with {axis} stands for two rows: for x,
+where {j} is 0, and for y, where {j} is 1. The value references follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ def _block(
         part: the part of the record.
         owner_kind: the kind of owner.
         prefix: the first part of the names.
-        rows: the rows of the table. The index of the owner is appended to the path of each field without
-            ``{at}`` or ``{next}``, unless the owner is the only one: "one" or "slider".
-        names: full name → unit, for rows that lack name and unit: row k has the k-th name that begins with
+        rows: the rows of the table. ``{at}``, the index of the owner, is appended to the path of a field that
+            has neither ``{at}`` nor ``{next}``, unless ``owner_kind`` is "one" or "slider".
+        names: whole name → unit, for rows that lack name and unit: row k has the k-th name that begins with
             ``prefix``.
-        array: whether the values of all owners form an array, named after the owner and the row.
-        other: attributes that all kinds have; see also ``block``.
+        array: whether the values of all owners form an array with the name <owner_kind>.<name in the row>.
+        other: attributes that all kinds have, and further arguments of ``block``.
     """
     kinds, head = list[Kind](), f"{prefix}."
     given = [(name.removeprefix(head), unit) for name, unit in names.items() if name.startswith(head)]
@@ -64,7 +64,7 @@ def _block(
 
 
 def _kind(part: str, owner_kind: str, axis: str, array: bool, cells: Sequence[str]) -> Kind:
-    """Return the kind that one row of a table describes; a wrong row raises TypeError or ValueError."""
+    """Return the kind that the cells of one row describe; wrong cells raise TypeError or ValueError."""
     name, unit, text, *more = cells
     attributes: dict[str, Any] = {"array": f"{owner_kind}.{name}" if array else "", "field": name}
     attributes |= dict(_attribute(attribute, unit) for cell in more for attribute in cell.split())
@@ -76,9 +76,9 @@ def _kind(part: str, owner_kind: str, axis: str, array: bool, cells: Sequence[st
 
 
 def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
-    """Yield the axis and the cells of each row.
+    """Yield (axis, cells) for each row of the table ``text``.
 
-    A row with {axis} is yielded once for each axis; the axis of other rows is "".
+    A row with {axis} is yielded for x and for y; the axis of any other row is "".
     """
     for line in text.strip().splitlines():
         for j, axis in enumerate(AXES if "{axis}" in line else ("",)):
@@ -88,8 +88,8 @@ def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
     """Return the name and value of an attribute that a row has as text, such as ``minimum=0``.
 
-    An attribute without "=" has the value True. The value of ``minimum`` or ``maximum`` is a real number if
-    the row has a ``unit``, else an integer; the name of a number stays text.
+    An attribute without "=" has the value True. The value of ``minimum`` or ``maximum`` is a float if the row
+    has a ``unit``, else an int, or the name of a number; that of ``when`` is a tuple. All others are texts.
     """
     name, _, value = text.partition("=")
     if name == "when":
@@ -181,7 +181,7 @@ INPUTS = (
         causality="input",
     ),
 )
-"""All inputs that scenes can ask for."""
+"""The kinds of all inputs that scenes can ask for."""
 
 OUTPUTS = (
     _block(
@@ -393,4 +393,4 @@ OUTPUTS = (
         is_terminal=False,
     ),
 )
-"""All outputs, without derivatives."""
+"""The kinds of all outputs that scenes can have, without derivatives."""

@@ -2,9 +2,9 @@
 
 An owner is a part of a scene that has variables, such as a link. Python (structure.py) and a page
 (pages/browser/scene/owners.js) evaluate the rules, which are in the language of scene/rules.py and name facts
-and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint
-with friction", which has the outputs of dry friction; the record has room for them, because the fact
-"friction" holds.
+and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint with
+friction", which has the outputs of dry friction; the record has room for these outputs, because the fact
+"friction" is true.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ FLAGS = [
     for name, table in (("inputs", Inputs), ("outputs", Outputs))
     for entry in fields(table)
 ]
-"""The keys of [inputs] and [outputs], which are conditions of variables, too. A key with a list counts as the
-list's length."""
+"""The keys of [inputs] and [outputs], which are conditions of variables, too, and count as whole numbers; a
+list counts as the number of its entries."""
 
 
 OWN_CONDITIONS = {
@@ -38,8 +38,8 @@ OWN_CONDITIONS = {
     "in_file": "the file has the point; it is not a corner of a box",
     "base_at_rest": "the point is a base that cannot move",
 }
-"""Name of a condition that an owner, not the scene, meets → its meaning. No condition has the name of a
-fact."""
+"""Name of a condition that single owners meet, not the scene → its meaning. No such condition has the name of
+a fact."""
 COUNTS_OF = {
     "links": "links",
     "candidates": "candidates",
@@ -56,16 +56,17 @@ products."""
 
 @dataclass(frozen=True, kw_only=True)
 class OwnerKind:
-    """A kind of owners of variables, one row of the table of owners.
+    """The rules that find the owners of one kind, one row of the table of owners.
+
+    In the rules ``has``, ``numbers`` and ``conditions``, ``order`` is the index of the member in the list.
 
     Attributes:
-        over: the list whose members can be owners; or a rule for the number of members, if they have no
+        over: the list whose members can be owners; or a rule for the number of members, if these have no
             values.
         has: the rule that is true if a member is an owner. If several such members have the same ``n``,
-            ``of`` and name, only the first is an owner: the two stops of joint 2 are one owner.
+            ``of`` and ``name``, only the first is an owner: the two stops of joint 2 are one owner.
         numbers: name of a number → the rule for this number of an owner. ``n`` is the number in names of
-            variables, ``at`` the owner's index in the record, ``of`` the number of the owner's link. In the
-            rules, ``order`` is the index of the member in the list.
+            variables, ``at`` the index in the record, ``of`` the number of the owner's link.
         conditions: name in OWN_CONDITIONS → rule that is true if an owner meets the condition.
     """
 
@@ -95,7 +96,7 @@ OWNER_KINDS = {
     ),
     "joint": OwnerKind(over="links", has="jointed", numbers=_COUNTED),
     "joint with friction": OwnerKind(over="links", has="has_friction", numbers=_COUNTED),
-    # both stops of a joint have their outputs at the same index of the record: that of the first stop
+    # the outputs for both stops of a joint are at one index of the record: that of the joint's first stop
     "stop": OwnerKind(over="candidates", has="at_joint", numbers={"at": "order"}),
     "contact": OwnerKind(
         over="candidates",
@@ -130,13 +131,13 @@ OWNER_KINDS = {
 
 
 class Written(NamedTuple):
-    """A number in the record, or one for each member of a list, that is no parameter but follows from a rule.
+    """One or several numbers in the record that are no parameters but follow from a rule.
 
     Attributes:
-        path: the path of the number in the record.
+        path: the path of the number in the record; with AT, of several numbers.
         number: the rule for the number.
-        over: the list each member of which has such a number, or a rule for the count of such numbers.
-        at: the rule for the member's index in the record's array.
+        over: for several numbers: the list each member of which has a number, or a rule for their count.
+        at: for several numbers: the rule for the index that replaces AT for a member.
     """
 
     path: DataPath
@@ -173,7 +174,7 @@ RECORD = {
         for key in ("restitution", "friction", "static_friction")
     },
 }
-"""Name → number, or numbers, of the record that are no parameters."""
+"""Name → the rules for one or several numbers of the record that are no parameters."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,9 +182,9 @@ class Owner:
     """An owner of variables, such as link 2.
 
     Attributes:
-        values: its number ``n``, its name, its index ``at`` in the record, and the values of its member of
-            the list.
-        conditions: name of a condition → whether the owner, or its scene, meets the condition.
+        values: the values of the owner's member of the list ``OwnerKind.over``, and the numbers in
+            ``OwnerKind.numbers``.
+        conditions: name of a condition → whether the owner, or the scene, meets the condition.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
@@ -195,8 +196,8 @@ def values_of(
 ) -> ValueOf:
     """Return the function from a name in a rule to its value, for the rules of the tables in this file.
 
-    ``known`` and ``lists`` have the values of names without a dot. A name with a dot is a key of the scene's
-    file: any key if ``scene`` is given, else one of [inputs] or [outputs], whose values ``known`` has.
+    ``lists`` and ``known`` have the values of lists, and of all other names without a dot. A name with a dot
+    is a key of the scene's file: any key if ``scene`` is given; else it must be one of FLAGS, in ``known``.
     """
 
     def value_of(name: str) -> Any:
@@ -208,7 +209,7 @@ def values_of(
 
 
 def known_of(facts: SceneFacts) -> dict[str, int]:
-    """Return name → number for keys of [inputs] and [outputs], facts, counts and the lengths of lists."""
+    """Return name → number for FLAGS, FACTS, COUNTS_OF, and the length of each list in LISTS."""
     counts = {name: number_in(rule, facts.value_of) for name, rule in COUNTS_OF.items()}
     lengths = {name: len(facts[name]) for name in LISTS}
     return {name: facts[name] for name in (*FLAGS, *FACTS)} | lengths | counts
@@ -217,7 +218,10 @@ def known_of(facts: SceneFacts) -> dict[str, int]:
 def owners_of(
     kind: str, known: Mapping[str, Any], lists: Mapping[str, Sequence[Mapping[str, Any]]]
 ) -> list[Owner]:
-    """Return the owners of a kind, in the order of their variables."""
+    """Return the owners of a kind, in the order of their variables.
+
+    ``known`` and ``lists`` have the values of the names in the rules (``values_of``).
+    """
     row, found = OWNER_KINDS[kind], dict[Any, Owner]()
     for order, member in enumerate(members_in(row.over, values_of(known, lists))):
         here = {**known, **member, "order": order}

@@ -1,8 +1,8 @@
-"""The parameters in the table of variables, one row for each kind; kind.py explains the columns.
+"""The parameters in the table of variables: their kinds, whose attributes kind.py explains.
 
-The fields of ``scene/tables.py`` and ``scene/chain_tables.py`` have the meaning, the unit and the range of a
-parameter; the rows of this table add the path of the value in the record, and which scenes have the
-parameter. The value references follow the order of the rows.
+The dataclasses of the scene (scene/tables.py and others) have the meaning, the unit and the range of each
+parameter. The kinds add the path of the value in the record, and which scenes have the parameter. The value
+references follow the order of the kinds.
 """
 
 from __future__ import annotations
@@ -41,22 +41,23 @@ HAS_TARGET = (
     "constant signal of the target instead"
 )
 KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
-"""Placeholders for the steps of a path: a parameter's key, and the index and the name of an axis."""
+"""Placeholders for steps of a path: KEY for the key of a parameter, INDEX and AXIS for the index (0, 1) and
+the name (x, y) of an axis."""
 
 
 @cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
-    """Return key → its metadata for a table of the scene, without short forms in files (``file_only``)."""
+    """Return key → metadata for a table of the scene, without keys that only files have (``file_only``)."""
     return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(
     rule: Mapping[str, Any], *, path: DataPath, record_path: DataPath, text: str = "{}", **other: Any
 ) -> Kind:
-    """Return the kind of parameters for a value at a path in the scene.
+    """Return the kind of parameters for the values at ``path`` in the scene, a template.
 
-    Unit and range come from the key's metadata ``rule``. The braces ``{}`` in ``text`` stand for the
-    description in ``rule``.
+    Unit and range are those in ``rule``, the metadata of the key. In ``text``, ``{}`` stands for the
+    description in ``rule``. ``other`` are further attributes of ``Kind``.
     """
     default, limits = rule["default"], {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
     return Kind(
@@ -83,7 +84,8 @@ def _of_table(
 ) -> list[Kind]:
     """Return the kinds of parameters for the keys ``names`` of a table, by default for all keys.
 
-    ``special`` has, by key, additional attributes of the key's kind.
+    In ``path`` and ``record_path``, KEY stands for the key. ``special`` is key → further attributes of the
+    kind, which replace the common ones.
     """
     kinds = []
     for key in names or _rules(table):
@@ -96,7 +98,10 @@ def _of_table(
 
 
 def _vector(table: type, *, path: DataPath, record_path: DataPath, text: str, **other: Any) -> list[Kind]:
-    """Return the kinds of parameters for the components x and y of a vector; ``path`` ends with its key."""
+    """Return the kinds of parameters for the components x and y of a vector; ``path`` ends with its key.
+
+    In ``record_path``, INDEX and AXIS stand for the component.
+    """
     kinds, rule = [], _rules(table)[str(path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
@@ -111,7 +116,7 @@ _COEFFICIENT: dict[str, Any] = {
     "if_not_given": 0.0,
     "hint": HAS_FRICTION,
 }
-"""Attributes that the coefficients of sliding and static friction of [contact] have in common."""
+"""The attributes that both coefficients of friction of [contact], sliding and static, have in common."""
 
 PARAMETERS = (
     block(
@@ -278,7 +283,8 @@ PARAMETERS = (
     ),
     block(
         "one",
-        # if inputs move the base, its initial position is also its position until an input gives another one
+        # if inputs move the base, a new initial position is also written to the inputs for the base's
+        # position
         *(
             replace(kind, given=(MOTION, "position", j), given_if="inputs.base_motion")
             for j, kind in enumerate(
@@ -290,7 +296,7 @@ PARAMETERS = (
                 )
             )
         ),
-        # only for a free base: the velocity of a pinned or sliding base follows from other values
+        # only for a free base: the velocity of any other base follows from inputs or initial.slider_velocity
         *_vector(
             Initial,
             path=("initial", "velocity"),
@@ -349,4 +355,5 @@ PARAMETERS = (
 )
 """All parameters that scenes can have."""
 EXPERIMENT = _of_table(Simulation, path=("simulation", KEY), record_path=())
-"""Kinds of the values in [simulation], which the record does not contain; a sweep can vary the stop time."""
+"""The kinds for the keys of [simulation], which are no parameters: the record does not have their values. A
+sweep can vary the stop time."""

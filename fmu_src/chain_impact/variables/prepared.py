@@ -1,7 +1,7 @@
-"""A scene prepared for simulation: the scene, with data that are computed from it once and then kept.
+"""A scene prepared for simulation: the scene, with data that are computed from the scene once and then kept.
 
 A prepared scene has the candidates, and the variables of the FMU with their paths in the record of an
-instance (kernel/record/). It makes new instances, whose records hold the parameters of the scene.
+instance (kernel/record/). It makes new instances, whose records have the parameters of the scene.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from chain_impact.variables.selection import outputs_named, varied_by
 from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import TableRow, Variable, variable_row
 
-KEPT_SELECTIONS = 64  # largest number of texts or tuples of names of outputs whose indices are kept
+KEPT_SELECTIONS = 64  # largest number of selections of outputs (names or patterns) whose indices are kept
 
 
 class PreparedScene:
@@ -54,7 +54,7 @@ class PreparedScene:
         vars(self).update(self.common.parts)
 
     def __eq__(self, other: object) -> bool:
-        """Return whether another prepared scene has an equal scene."""
+        """Return whether ``other`` is a prepared scene with an equal scene."""
         return self.scene == other.scene if isinstance(other, PreparedScene) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
@@ -70,16 +70,15 @@ class PreparedScene:
 
     @in_common
     def candidates(self) -> list[tuple[int, int]]:
-        """The candidates: pairs (number of a point or joint, index of a wall or stop).
+        """The candidates: pairs (number of a point or joint, index of a wall or stop in ``wall_names``).
 
-        The index is that in ``scene.wall_names``. A stop of a slider has the number 0 in place of a point's
-        number.
+        A stop of a slider has the number 0.
         """
         return [(candidate["n"], candidate["wall"]) for candidate in self.structure.lists["candidates"]]
 
     @in_common
     def wall_names(self) -> tuple[str, ...]:
-        """The names of the walls, see ``Contents.wall_names``."""
+        """The names of walls and stops by their indices in the record (``Contents.wall_names``)."""
         return self.scene.wall_names
 
     @in_common
@@ -94,22 +93,22 @@ class PreparedScene:
 
     @in_common
     def row(self) -> np.dtype:
-        """The NumPy type of a row of ``Result.outputs``: all outputs that change continuously."""
+        """The NumPy type of a row of ``Result.outputs`` with all outputs that change continuously."""
         return self.layout["output"]
 
     @in_common
     def parameters(self) -> list[Variable]:
-        """The parameters of the FMU."""
+        """The parameters of the FMU, in the order of their value references."""
         return list(parameters(self.scene, self.structure))
 
     @in_common
     def inputs(self) -> list[Variable]:
-        """The inputs of the FMU."""
+        """The inputs of the FMU, in the order of their value references."""
         return list(inputs(self.structure))
 
     @cached_property
     def signals_by_input(self) -> dict[str, str]:
-        """Name of a driven input, its integrals and derivatives → name of the signal that drives it."""
+        """Name of a quantity that a signal determines (``Driven.outputs``) → name of this signal."""
         return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
 
     @in_common
@@ -139,10 +138,10 @@ class PreparedScene:
 
     @cached_property
     def varied(self) -> list[Variable]:
-        """The parameters and inputs in ``outputs.sensitivities``, for which the FMU has derivatives.
+        """The parameters and inputs with respect to which the FMU has derivatives: ``outputs.sensitivities``.
 
         Raises:
-            UnknownNameError: when the scene names a variable that has no derivatives.
+            UnknownNameError: when the scene names no such parameter or input there.
         """
         names = self.scene.outputs.sensitivities
         return varied_by(self, names) if names else []
@@ -154,9 +153,10 @@ class PreparedScene:
 
     @in_common
     def parameter_paths(self) -> dict[str, DataPath]:
-        """Name of a parameter → its path in the scene, which ``scene.with_values`` accepts.
+        """Name of a parameter → the path of its value in the scene, which ``scene.with_values`` accepts.
 
-        For a choice such as ``contact.model``, the FMU has a number where the scene has a name.
+        The value of an enumeration, such as ``contact.model``, is a name in the scene and a number in the
+        FMU.
         """
         return {v.name: v.scene_path for v in self.parameters if v.scene_path is not None}
 
@@ -169,20 +169,17 @@ class PreparedScene:
 
     @cached_property
     def start(self) -> np.ndarray:
-        """An instance before initialization, with the start values of all variables.
-
-        Nothing may write to it.
-        """
+        """An instance before initialization, with the start values of all variables; it cannot be changed."""
         start = self.new_instance()
         start.flags.writeable = False
         return start
 
     def word(self, variable: Variable) -> int:
-        """Return the index of a variable in an instance of the FMU, counted in words of 8 bytes."""
+        """Return the index of a variable in the record of the FMU, in words of 8 bytes from the start."""
         return word_index(self.start.dtype, variable.record_path)
 
     def table_row(self, variable: Variable) -> TableRow:
-        """Return the data on a variable that the FMU's table of variables has for importers."""
+        """Return the row of the FMU's table of variables for a variable."""
         words = (word_index(self.start.dtype, path) for path in (variable.record_path, variable.set_path))
         return variable_row(variable, *words)
 
@@ -198,7 +195,7 @@ class PreparedScene:
 
     @in_common
     def kernel_size(self) -> int:
-        """The scene's number of links for ``kernel_library``, or GENERAL: see the function kernel_size."""
+        """The result of the function ``kernel_size`` for the scene."""
         return kernel_size(self.scene)
 
     @in_common
@@ -209,16 +206,16 @@ class PreparedScene:
 
     @in_common
     def output_indices(self) -> OutputIndices:
-        """Where the record has each output of the scene."""
+        """The indices in the record of all outputs of the scene, without derivatives."""
         return output_indices(self.structure, self.sizes)
 
     def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
-        """Return the indices in the record of the outputs whose names match ``wanted``, in its order.
+        """Return the indices in the record of the outputs with the names or patterns ``wanted``, in order.
 
         An output that several names or patterns match is returned once.
 
         Raises:
-            UnknownNameError: when no output has a name, or matches a pattern.
+            UnknownNameError: when a name is not that of an output, or a pattern matches no output.
         """
         by_names, kept = self._indices_by_names, self._indices_by_text
         if not isinstance(wanted, str):
@@ -231,31 +228,34 @@ class PreparedScene:
 
     @in_common
     def _indices_by_text(self) -> dict[str, OutputIndices]:
-        """Name or pattern of outputs → their indices, from earlier calls of ``indices_named``."""
+        """Name or pattern → the indices of its outputs, from earlier calls of ``indices_named``."""
         return {}
 
     @in_common
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
-        """A function from names of outputs to their indices; it keeps the results of its last calls."""
+        """The function from names of outputs to their indices, which keeps the results of its last calls."""
         outputs, every = self.own_outputs, self.output_indices
         return lru_cache(KEPT_SELECTIONS)(lambda *names: indices_of([outputs[name] for name in names], every))
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
-        """Return name of an output → its values over time, shape (T,), from ``Result.outputs``."""
+        """Return name of an output → its values over time, shape (T,).
+
+        ``outputs`` are rows with all outputs that change continuously (``row``), as in ``Result.outputs``.
+        """
         return {
             variable.name: field_at(outputs, variable.record_path)[(..., *variable.index)]
             for variable in self.motion
         }
 
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
-        """Return an instance with the parameters of the scene, before its initialization.
+        """Return an array with one record: an instance with the scene's parameters, before initialization.
 
-        The instance is an array with one record. If the kernel computes derivatives, the last field of this
-        record has the tangent instances.
+        If the kernel computes derivatives, the last field of this record has the tangent instances.
 
         Args:
-            varied: the variables with respect to which the kernel computes derivatives; none for an empty
-                list. By default, they are those with respect to which the FMU has derivatives.
+            varied: the parameters and inputs with respect to which the kernel computes derivatives; by
+            default
+                those of ``varied``, with respect to which the FMU has derivatives.
         """
         varied = self.varied if varied is None else varied
         memory = new_record(self.scene, self.structure, self.common)
@@ -263,9 +263,9 @@ class PreparedScene:
 
 
 def field_at(outputs: Any, path: DataPath) -> Any:
-    """Return the array in ``Result.outputs`` that belongs to a path in the record.
+    """Return the array of the field in ``Result.outputs`` that ``path``, a path in the record, leads to.
 
-    Indices in the path are ignored.
+    Indices in the path are ignored, and so is the first step, "output".
     """
     for name in path[1:]:
         if isinstance(name, str):
@@ -274,11 +274,11 @@ def field_at(outputs: Any, path: DataPath) -> Any:
 
 
 def kernel_size(scene: Scene) -> int:
-    """Return the number of links for which ``kernel_library`` compiles the kernel of a scene, or ``GENERAL``.
+    """Return the argument ``links`` of ``kernel_library`` for a scene: the number of links, or ``GENERAL``.
 
     It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, the base is on a slider, or a
-    link has points or a given ``center_of_mass_offset``: a kernel for a fixed number of links has no code for
-    these. For any other scene it is the scene's number of links.
+    link has points beside its ends or a given ``center_of_mass_offset``: other kernels have no code for
+    these.
     """
     facts = SceneFacts(scene)
     is_general = scene.signals or facts["body"] or facts["motions"]
@@ -286,5 +286,5 @@ def kernel_size(scene: Scene) -> int:
 
 
 def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
-    """Return the prepared form of a scene; return a prepared scene unchanged."""
+    """Return ``source`` itself if it is a prepared scene, else the prepared scene for it."""
     return source if isinstance(source, PreparedScene) else PreparedScene(source)

@@ -1,4 +1,4 @@
-"""Finds the variables of a prepared scene that a user names, and gives hints for unknown names."""
+"""Finds the variables of a prepared scene that a user names, and makes the hints of errors on other names."""
 
 from __future__ import annotations
 
@@ -40,12 +40,13 @@ class Available(Protocol):
 
 
 def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]:
-    """Return the parameters and inputs whose names match ``names``, each once, for derivatives.
+    """Return the parameters and inputs with the names or patterns ``names``, each once, for derivatives.
 
-    ``*`` in a name stands for any text.
+    They are in the order of ``names``. In a pattern, ``*`` stands for any text.
 
     Raises:
-        UnknownNameError: when no variable with derivatives has such a name.
+        UnknownNameError: when a name is not that of a variable with respect to which there are derivatives,
+            or a pattern matches none.
     """
     scene = prepared.scene
 
@@ -68,10 +69,10 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
 
 
 def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Variable]:
-    """Return the outputs with the names or patterns ``wanted``, each once, in this order.
+    """Return the outputs with the names or patterns ``wanted``, each once, in the order of ``wanted``.
 
     Raises:
-        UnknownNameError: when no output has a name, or matches a pattern.
+        UnknownNameError: when a name is not that of an output, or a pattern matches no output.
     """
     if not wanted:
         return []
@@ -80,10 +81,10 @@ def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Vari
 
 
 def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str, int]:
-    """Return the entries of ``PreparedScene.columns`` for the names or patterns ``wanted``.
+    """Return the entries of ``PreparedScene.columns`` for the names or patterns ``wanted``, in this order.
 
     Raises:
-        UnknownNameError: when no column has a name, or matches a pattern.
+        UnknownNameError: when a name is not that of a column, or a pattern matches no column.
     """
     columns, hint = prepared.columns, series_hint(_hint_on_outputs(prepared))
     names = _named(prepared.scene.name, wanted, columns, "not an output", hint)
@@ -91,7 +92,7 @@ def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str,
 
 
 def missing_output_hint(prepared: Available, name: str) -> str | None:
-    """Return a hint how to get an output that the scene does not have; None if none is known."""
+    """Return a hint on ``name``, which is no name or pattern of the outputs needed; None if none is known."""
     inputs, outputs = [variable.name for variable in prepared.inputs], prepared.own_outputs
     if hint := output_hint(name, inputs, prepared.parameter_paths, "a signal in the scene or --inputs FILE"):
         return hint
@@ -112,7 +113,7 @@ def _hint_on_outputs(prepared: Available) -> Hint:
 
 
 def _hint_on_more(scene: Scene, name: str) -> str | None:
-    """Return a hint for an output that the scene would have with another key of [outputs]; else None."""
+    """Return a hint if the scene would have the output ``name`` with another key of [outputs]; else None."""
     for key in keys(Outputs):
         if getattr(scene.outputs, key.name) is False:
             asked = f"outputs.{key.name} = true"
@@ -127,9 +128,10 @@ def _hint_on_more(scene: Scene, name: str) -> str | None:
 def _named(
     source: str, wanted: str | Iterable[str], available: Mapping[str, Any], what: str, hint: Hint
 ) -> dict[str, None]:
-    """Return a table whose keys are the names in ``available`` that a wanted name or pattern matches.
+    """Return a dict whose keys are the names in ``available`` that the names or patterns ``wanted`` match.
 
-    Each name is there once, in the order of ``wanted``.
+    The keys are in the order of ``wanted``. ``source``, ``what`` and ``hint`` are for the error if a name or
+    pattern matches none (``names_matching``).
     """
     names = (wanted,) if isinstance(wanted, str) else wanted
     return {match: None for name in names for match in names_matching(source, name, available, what, hint)}

@@ -14,11 +14,11 @@ from chain_impact.variables.structure import Structure
 
 
 def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
-    """Write the signals of a scene into a new instance.
+    """Write the signals of a scene into the new instance ``d``.
 
     The record has an entry for each input that a signal drives. The entry has the number of the input, the
     form and the values of the signal, and how often the kernel integrates the input over time: twice for an
-    acceleration, whose integrals are a velocity and a position, and not at all for a force.
+    acceleration of the base or a wall, once for a velocity or a belt's speed, and not at all for all others.
     """
     if not scene.signals:
         return
@@ -34,9 +34,9 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
 
 
 def input_at(path: DataPath) -> tuple[int, str | int]:
-    """Return the number of an input (kernel/chain/input_fields.py), and its index in the input's array.
+    """Return the number of an input (kernel/chain/input_fields.py), and the index in its array.
 
-    ``path`` is the path of the input in the record. Every prescribed motion has the number CHANNEL.
+    ``path`` is the path of the input in the record. All prescribed motions have the number CHANNEL.
     """
     part, field, index = path
     return CHANNEL if part == MOTION else NAMES.index(str(field)), index

@@ -16,14 +16,14 @@ from chain_impact.variables.owners import Owner, known_of, owners_of
 
 @dataclass(frozen=True)
 class Structure:
-    """All properties of a scene that decide which variables exist, without the values of parameters.
+    """All properties of a scene that decide which outputs exist, without the values of parameters.
 
     Scenes with equal structures have the same outputs. Nothing may change ``known`` and ``lists``.
 
     Attributes:
-        known: name → number, for the facts and counts of the scene, and the lengths of its lists (owners.py).
+        known: name → number, for the facts, counts and lengths of lists of the scene (owners.known_of).
         lists: name of a list of the scene (scene/facts.py) → the members of this list.
-        signals: the inputs that signals drive, in the order in which they stand in the record.
+        signals: the inputs that signals drive, in the order of the record.
     """
 
     known: Mapping[str, int]
@@ -31,7 +31,7 @@ class Structure:
     signals: tuple[Driven, ...]
 
     def __hash__(self) -> int:
-        """Return the hash of the facts and counts; equal structures have equal facts and counts."""
+        """Return the hash of the numbers in ``known``, which are the same in equal structures."""
         return hash(tuple(self.known.values()))
 
     @cached_property

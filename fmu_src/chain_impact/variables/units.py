@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit: FMI's name of the quantity, and the exponents of SI base units.
+    """A unit: FMI's name of the quantity, and ``powers``: SI base unit or rad → its exponent in the unit.
 
-    The exponents are None if they are not fixed integers.
+    ``powers`` is None if the exponents are not fixed integers.
     """
 
     quantity: str
@@ -43,11 +43,11 @@ UNITS = {
     "N.m/rad^exponent": Unit("StopStiffness", None),
     "J": Unit("Energy", {"kg": 1, "m": 2, "s": -2}),
 }
-"""Name → unit of the FMU's variables; ``unit_of`` has the units of derivatives."""
+"""Name of a unit in FMUs → the unit; ``unit_of`` also has the units of derivatives, which are quotients."""
 
 
 def quotient(unit: str, parameter: str) -> str:
-    """Return the name of a derivative's unit: the unit of the output divided by the unit of the parameter."""
+    """Return the name of a derivative's unit: ``unit``, of the output, divided by the unit ``parameter``."""
     if parameter == "1":
         return unit
     return "1" if unit == parameter else f"{unit}/({parameter})"
@@ -67,8 +67,8 @@ def unit_of(name: str) -> Unit:
 
 
 def in_order(names: set[str]) -> list[str]:
-    """Return names of units in the order in which FMUs list them: keys of ``UNITS``, then quotients.
+    """Return names of units in the order in which FMUs list them: keys of ``UNITS``, then sorted quotients.
 
-    The name "", no unit, is left out.
+    The name "", which stands for no unit, is left out.
     """
     return [*(name for name in UNITS if name in names), *sorted(names - UNITS.keys() - {""})]

@@ -14,16 +14,16 @@ from chain_impact.variables.kind import Kind, filled
 from chain_impact.variables.owners import Owner
 
 OBSERVED = ("output",), ("latest",)
-"""The parts of the record that the kernel fills only when an output is read. An output in them that is a real
-number has the variability "continuous" of FMI."""
+"""The first steps of paths to those parts of the record that the kernel fills only when an output is read. A
+real output in such a part has the variability "continuous" of FMI."""
 
 UNLESS_SET = "; unless set: "
-"""The words before the rule by which a parameter is derived, in its description."""
+"""The words in the description of a parameter before the rule by which its value is derived."""
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One choice of an FMU enumeration; its number is its position in the list of choices, counted from 1."""
+    """One choice of an enumeration of the FMU; choices are numbered from 1, in the order of their list."""
 
     name: str
     description: str
@@ -38,20 +38,18 @@ class Variable:
         name: structured name, as in FMI 2.0, section 2.2.9.
         variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
         unit: name of the unit, for ``units.unit_of``; "" if the variable is not a real number.
-        description: one line.
-        record_path: path in the instance record, for example ``("chain", "length", 2)``.
+        description: the description in the FMU, one line.
+        record_path: path of the value in use in the record of an instance: ``("chain", "length", 2)``.
         given_path: path in the record of the given value of a parameter, if the record has this value beside
-            the value in use, which has the path ``record_path`` (kernel/chain/inertia.py); else None.
+            the value in use (kernel/chain/inertia.py); else None.
         rule: the rule by which the scene derives the value; None if the scene does not derive it.
-        scene_path: path of a parameter in the scene file, for ``scene.with_values``; None for all other
-            variables.
-        minimum: the smallest allowed value, if any.
-        maximum: the largest allowed value, if any.
+        scene_path: path of a parameter in the scene, for ``scene.with_values``; None for all other variables.
+        minimum: the smallest allowed value; None for none.
+        maximum: the largest allowed value; None for none.
         items: the choices of an enumeration; empty for any other variable.
-        base_at_rest: whether the variable belongs to point 0 and this base cannot move: it is pinned, and no
-            input moves it.
-        terminal: the variable's terminal in FMI 3.0, "" for none.
-        known: word in braces in templates → text or number that replaces it; ``kind_description`` uses this.
+        base_at_rest: whether the variable belongs to point 0, and this base is pinned and no input moves it.
+        terminal: name of the variable's terminal in FMI 3.0; "" for none.
+        known: word in braces in templates → text or number that replaces the word.
     """
 
     kind: Kind
@@ -72,9 +70,10 @@ class Variable:
 
     @classmethod
     def of(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other: Any) -> Variable:
-        """Return the variable that an owner has of a kind.
+        """Return the variable of a kind that an owner has.
 
-        ``words`` has the texts for words in braces in templates, and the numbers that limits name.
+        ``words`` has the texts for words in braces in templates, and the numbers that ``minimum`` and
+        ``maximum`` name. ``other`` are further attributes, which replace those from the kind.
         """
         changing = kind.record_path[:1] in OBSERVED and kind.unit
         text, rule = kind.description.format_map(words), other.get("rule")
@@ -95,7 +94,7 @@ class Variable:
 
     @property
     def type(self) -> str:
-        """The type: ``real``, ``integer`` or ``enumeration``."""
+        """The type of the variable: ``real``, ``integer`` or ``enumeration``."""
         return "enumeration" if self.items else "real" if self.unit else "integer"
 
     @property
@@ -105,12 +104,12 @@ class Variable:
 
     @property
     def above(self) -> float | None:
-        """The open lower limit, which the value must exceed; None if there is no such limit."""
+        """The limit that the value must exceed; None for no such limit."""
         return self.kind.above
 
     @property
     def kind_description(self) -> str:
-        """The description that stands for all variables of the kind in this scene."""
+        """One description for all variables of the kind in this scene."""
         text = self.kind.in_general(self.known)
         return f"{text}{UNLESS_SET}{self.rule.text}" if self.rule else text
 
@@ -127,17 +126,17 @@ class Variable:
     def feedthrough(self) -> bool:
         """Whether an input acts on this output at once, not only through the state.
 
-        An input acts at once on forces, moments, sticking, peak forces of impacts, and accelerations, except
-        that of a base that cannot move; and on derivatives of these outputs. The reason for forces is that a
-        torque changes the force of a rigid wall or of dry friction at once.
+        An input acts at once on accelerations, except those of a base that cannot move; on forces, moments,
+        sticking and peak forces of impacts, because a torque changes the force of a rigid wall or of dry
+        friction at once; and on derivatives of these outputs.
         """
         return self.kind.feedthrough and not self.base_at_rest
 
     @property
     def field(self) -> str:
-        """The name of the record's field with the value, such as ``point_position``.
+        """The name of the field with the value in its part of the record, such as ``point_position``.
 
-        Dots join nested fields.
+        The names of nested fields are joined by dots: ``friction.force``.
         """
         return ".".join(step for step in self.record_path[1:] if isinstance(step, str))
 
@@ -145,14 +144,14 @@ class Variable:
     def set_path(self) -> DataPath:
         """The path in the record of the value that users set; derivatives are with respect to this value.
 
-        This path differs from ``record_path`` for a parameter that the scene can derive, and for the initial
-        position of a base that inputs move.
+        This is ``given_path`` for a parameter that a scene can derive, and for the initial position of a base
+        that inputs move; else it is ``record_path``.
         """
         return self.given_path or self.record_path
 
     @property
     def index(self) -> tuple[int, ...]:
-        """The index of the value in its field of the record."""
+        """The index of the value in its field of the record, one number for each dimension of the field."""
         return tuple(step for step in self.record_path if isinstance(step, int))
 
     @property
@@ -167,16 +166,17 @@ class Variable:
 class TableRow(NamedTuple):
     """A row of the FMU's table of variables: the data that reading and setting a variable needs.
 
+    Indices are those of words of 8 bytes in the record.
+
     Attributes:
-        name: the name.
-        type: real or integer.
-        word: index in the record of the value in use, which an importer reads.
+        name: the name of the variable.
+        type: "real" or "integer"; an enumeration is an integer.
+        word: index of the value in use, which reading returns.
         kind: the variability of a parameter, else the causality.
         low: the lowest value that can be set.
         high: the highest value that can be set.
         allowed: the values that can be set, as text.
-        set_word: index of the value that was set. An importer writes a new value at ``word`` and at
-            ``set_word``.
+        set_word: index of the given value. A new value is written at ``word`` and at ``set_word``.
     """
 
     name: str
@@ -190,7 +190,7 @@ class TableRow(NamedTuple):
 
 
 def variable_row(variable: Variable, word: int, set_word: int) -> TableRow:
-    """Return the row of a variable; see ``TableRow`` for the two indices."""
+    """Return the row of a variable; ``word`` and ``set_word`` are those of ``TableRow``."""
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low: float
     low, high = -LARGEST_NUMBER, LARGEST_NUMBER

@@ -1,4 +1,4 @@
-"""The texts that replace words in braces in the descriptions of variables, for a scene and for each owner."""
+"""The texts that replace words in braces in the descriptions of variables of a scene and of each owner."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ OF_STOPS = {
     "in_rad": f"; at a stop the angle in {unit_at('max_penetration', stop=True)}",
     "in_n_m_s": f"; at a stop in {unit_at('impulse', stop=True)}",
 }
-"""Word in braces → text on a quantity of an impact at a stop of a joint; "" in a scene without joint
-stops."""
+"""Word in braces → text on a quantity of an impact at a stop of a joint, for a scene in which a joint has a
+stop."""
 
 GENERAL = {
     "before": "link i − 1, or the base",
@@ -27,17 +27,18 @@ GENERAL = {
     "from_x": "",
     "about": "the origin, of a wall at any angle about its point",
 }
-"""Word in braces → text that is right for any owner, if the base is free and there are walls at any angle.
+"""Word in braces → text that holds for every owner, in a scene with a free base and with walls at any angle.
 
-``scene_words`` has other texts for other scenes.
+For other scenes, ``scene_words`` replaces some of these texts.
 """
 LOSSES = "contacts, joint damping and dry friction"
 
 
 def scene_words(structure: Structure) -> dict[str, Any]:
-    """Return the texts and limits that a scene gives to variables, by the words in braces.
+    """Return word → text or number that replaces this word in the templates of a scene's variables.
 
-    The entry "general" is a table of texts that are right for any owner.
+    The words are in braces in texts, and without braces in limits. The entry "general" is a table of the same
+    form, with texts that hold for every owner.
     """
     known, names = structure.known, [wall["name"] for wall in structure.lists["walls"]]
     without = () if known["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
@@ -47,8 +48,8 @@ def scene_words(structure: Structure) -> dict[str, Any]:
         "points": known["links"] + known["sites"],
         "walls": known["walls"],
         "most_status": max(statuses),
-        # The number of a wall is an integer variable, not an enumeration: importers count an enumeration's
-        # items from 1, so the number 0 could not mean "none".
+        # The number of a wall is an integer variable, not an enumeration: the items of an enumeration count
+        # from 1, so there could be no number 0 for "none".
         "wall_numbers": f"0 none, {walls}",
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
@@ -63,7 +64,7 @@ def scene_words(structure: Structure) -> dict[str, Any]:
 
 
 def owner_words(of: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
-    """Return word in braces → text for an owner of the kind ``of``; ``values`` are the ``Owner``'s."""
+    """Return word in braces → text for an owner of the kind ``of`` with the values ``values``."""
     words = _WORDS_OF.get(of)
     return words(structure, values) if words else {}
 
@@ -92,7 +93,8 @@ _WORDS_OF: dict[str, Callable[[Structure, dict[str, Any]], dict[str, str]]] = {
     "step": _of_signal,
     "impact": lambda _, impact: {"but": f" but {impact['n'] - 1}" if impact["n"] > 1 else ""},
 }
-"""Kind of owner → function that returns the texts of an owner; other kinds have no texts of their own."""
+"""Kind of owner → function of a structure and an owner's values that returns word → text; for all other kinds
+there are no such words."""
 
 
 def _ground(structure: Structure) -> str:
@@ -101,7 +103,7 @@ def _ground(structure: Structure) -> str:
 
 
 def _label(structure: Structure, point: int) -> str:
-    """Return words such as " (heel, link 2)" for a point of a link; "" for an end of a link."""
+    """Return " (heel, link 2)" or " (link 2)" for a point of a link beside its ends; "" for an end."""
     links = structure.known["links"]
     if point <= links:
         return ""
