@@ -25,6 +25,7 @@ from chain_impact.simulation.inputs import InputCourse
 from chain_impact.variables.indices import HEAD, WORD, log_words
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
+from chain_impact.variables.parameters import FOLLOWING
 from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared_scene
 from chain_impact.variables.variable import Variable
 
@@ -187,9 +188,9 @@ class Instance:
         # outputs are computed in a copy, because reading them must not change the run
         tried = self._memory.copy()
         status = self._kernel.observe_now(tried.ctypes.data)
-        self.record["fault"] = tried[0]["fault"]
-        self.record["output"] = tried[0]["output"]
-        self.record["stops"]["restitution"] = tried[0]["stops"]["restitution"]
+        self.record["fault"], self.record["output"] = tried[0]["fault"], tried[0]["output"]
+        for part, field in FOLLOWING:
+            self.record[part][field] = tried[0][part][field]
         if self.record["tangents"]:
             self._memory[0][BEHIND]["output"] = tried[0][BEHIND]["output"]
         return status

@@ -354,6 +354,11 @@ PARAMETERS = (
     ),
 )
 """All parameters that scenes can have."""
+FOLLOWING = tuple(
+    kind.record_path[:2] for _, kinds in PARAMETERS for kind in kinds if kind.given and kind.tunable
+)
+"""The fields of the record with values in use that follow from other values during a run, as long as the user
+does not give them: part of the record and field."""
 EXPERIMENT = _of_table(Simulation, path=("simulation", KEY), record_path=())
 """The kinds for the keys of [simulation], which are no parameters: the record does not have their values. A
 sweep can vary the stop time."""
