@@ -29,7 +29,7 @@ def require(package: str, extra: str) -> Any:
     try:
         return import_module(package)
     except ModuleNotFoundError as error:
-        # if the installed package lacks another one, the error is raised as it is
+        # if the package is installed, but lacks another package, the error is raised unchanged
         if error.name != package.partition(".")[0]:
             raise
         how = how_to_install(extra)

@@ -1,8 +1,7 @@
 """Sites: points fixed to links beside the joints, such as the heel of a foot or the corner of a brick.
 
 A site lies at x along the line of its link, from the proximal joint, and at y to the left of the line. With
-the
-vector L along the link and L⊥ = ẑ × L, the arm from the proximal joint to the site is
+the vector L along the link and L⊥ = ẑ × L, the arm from the proximal joint to the site is
 
     r = (x/ℓ) L + (y/ℓ) L⊥,   ℓ the length of the link,
 

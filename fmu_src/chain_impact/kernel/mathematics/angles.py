@@ -31,8 +31,8 @@ C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
 # GROUP_BITS: the number of bits of 2/π in each group, an entry of DIGITS. GROUPS: the number of groups that
 # ``far_reduction`` uses for one angle, enough for every double.
 GROUP_BITS, GROUPS = 24, 6
-# Exponent e of the largest double m 2^e, with an integer m of 53 bits. It determines how many bits of 2/π are
-# stored.
+# exponent e of the largest double m 2^e, with an integer m of 53 bits; this exponent determines how many bits
+# of 2/π are stored
 LAST_DIGIT = 971
 
 

@@ -34,12 +34,12 @@ from chain_impact.kernel.rows.geometry import (
 # armatures), is raised to this value. In a toggle position of a pinned chain the mobility of a point is 0,
 # and its effective mass would be infinite. A mass a million times the chain's has almost the same effect.
 LEAST_MOBILITY = 1e-6
-# The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. It is fixed,
-# except that the iteration ends when the residual is round-off: if it depended on the residual, the forces
-# would jump from one state to the next.
+# The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. This number
+# is fixed, except that the iteration ends when the residual is round-off: if the number depended on the
+# residual, the forces would jump from one state to the next.
 STICKING_ITERATIONS = 5
-# The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
-# the residual to 1/(1 + D W) of it, with the mobility W: at rigid walls, two or three iterations suffice. A
+# The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py divides
+# the residual by 1 + D W, with the mobility W: at rigid walls, two or three iterations usually suffice. A
 # larger D would lose digits of the chain's inertia, a smaller D needs more iterations.
 RELATIVE_IMPEDANCE = 1e6
 
@@ -55,7 +55,7 @@ def mean_mass(d):
 def holding_impedance(d):
     """Return an impedance D [kg] that reduces the motion of a link of mean mass to about a millionth.
 
-    It is RELATIVE_IMPEDANCE times the mean mass.
+    The result is RELATIVE_IMPEDANCE times the mean mass.
     """
     return RELATIVE_IMPEDANCE * mean_mass(d)
 
@@ -89,7 +89,7 @@ def factorize_contacts(d, slot, impedance):
 
 
 def joints_loaded(d):
-    """Return whether any joint adds a term to M + Jᵀ D J: its armature, an active stop or sticking friction.
+    """Return whether any joint adds a term to M + Jᵀ D J: an armature, an active stop or sticking friction.
 
     The sticking friction of a slider counts, too.
     """
@@ -182,7 +182,7 @@ def accelerations_with_armatures(d, y, rate):
 def effective_mass(d, c):
     """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points.
 
-    It is at most the mass of the chain, with carriage and armatures (``mean_mass``), divided by
+    The result is at most the mass of the chain, with carriage and armatures (``mean_mass``), divided by
     LEAST_MOBILITY.
     """
     scratch, row = d.scratch, normal_row(d, c)

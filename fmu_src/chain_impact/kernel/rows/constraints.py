@@ -194,7 +194,7 @@ def reduce_free_impulses(d, fraction, noise):
     """Take a ``fraction`` off the impulses along motions that can hardly be constrained.
 
     Along such a motion each of the STICKING_ITERATIONS has added D m to the impulse, with the impedance D and
-    residual m. The impulse hardly changes if m is well below ``noise``, and may be round-off.
+    the residual m. An impulse whose m is well below ``noise``, and so may be round-off, hardly changes.
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
@@ -302,10 +302,10 @@ def solve_lcp(d, scale):
     """Find impulses p ≥ 0 and motions u ≥ target with p·(u − target) = 0, at points that rigid walls hold.
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587) begins with the active set in
-    ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once as
-    long as their number falls, otherwise only the one with the highest index; this ends if the mobility W is
-    positive definite (Murty 1974, Linear Algebra Appl 9:65). If the search does not terminate, the problem is
-    recorded as unsolved. Arguments and stored results are as in ``solve_equality``; nothing is returned.
+    ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once
+    or, beyond MAX_STALLED_PIVOTS, only the one with the highest index; this ends if the mobility W is
+    positive definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of
+    pivots, the problem is recorded as unsolved. Arguments and stored results are as in ``solve_equality``.
     """
     constraints, first = d.constraints, d.touch.compliant_count
     count = d.touch.active_count - first
