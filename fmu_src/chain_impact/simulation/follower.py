@@ -53,8 +53,8 @@ SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a
 # [1] in the first round of ``_break``, a value belongs to the nearer of two polynomials only if the smaller
 # distance is at most NEARER times the larger one; in the second round any value belongs to the nearer one
 NEARER = 0.1
-NEWTON_STEPS = 4  # number of Newton steps to find a zero of a polynomial that is close to the first guess
-TINY = 1e-300  # the code divides by the allowed error, so this replaces an error of 0
+NEWTON_STEPS = 4  # number of Newton steps from 0 to a zero of a polynomial near 0
+TINY = 1e-300  # replaces an allowed error of 0, because the code divides by the allowed error
 # [1] round-off of a time, relative to the time, which also makes values of a function inaccurate
 RESOLVED = 1e-14
 # there is a jump if two pieces differ where they meet by more than this times the allowed error

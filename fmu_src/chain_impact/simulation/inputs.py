@@ -192,7 +192,10 @@ def input_course(
 
 
 def _signals_of(prepared: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return name → input over time, checked: a number, a function, or a pair of arrays (times, values)."""
+    """Return name → input over time: a number, a function, or a pair of arrays (times, values).
+
+    Refuse unknown names, and values of other types.
+    """
     source, names = prepared.scene.name, {variable.name for variable in prepared.inputs}
     for name in inputs:
         if name not in names:

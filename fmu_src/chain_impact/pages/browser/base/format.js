@@ -31,7 +31,7 @@ export function digits(value, count = 3) {
   return value.toFixed(Math.min(Math.max(decimals, 0), 9));
 }
 
-/** Return a number with a given number of decimals; if it is rounded to 0, it has no minus sign. */
+/** Return a number as text with a given number of decimals; a number that is rounded to 0 has no minus sign. */
 export function fixed(value, decimals) {
   return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "");
 }

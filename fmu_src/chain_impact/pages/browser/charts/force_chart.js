@@ -95,7 +95,7 @@ export class ForceChart extends Chart {
     const top = up.indexOf(highest(up));
     if (!peak || top < 0) return;
     const x = valToPos(along[top], "x", true);
-    const isAtLeft = x > bbox.left + 0.6 * bbox.width; // beside the line at the time of the peak
+    const isAtLeft = x > bbox.left + 0.6 * bbox.width; // near the right edge, the number has room to the left of the peak only
     ctx.save();
     Object.assign(ctx, { textAlign: isAtLeft ? "right" : "left", textBaseline: "top" });
     ctx.font = `600 ${11 * devicePixelRatio}px system-ui, sans-serif`;

@@ -220,7 +220,7 @@ export class ChainDrawing {
   }
 
   /**
-   * Draw the name, or else the number, of each point; one without a free position is left out. `all`: positions of the points, `bodies`:
+   * Draw the name, or else the number, of each point, if there is a free position for this text. `all`: positions of the points, `bodies`:
    * corners of the bodies, both on the screen.
    */
   #drawNames(all, bodies) {

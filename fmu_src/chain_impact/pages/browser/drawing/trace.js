@@ -1,8 +1,8 @@
 // The trace of the tip, or of the centre of a ball, on the screen: a smooth curve through its positions at the frames, with corners at
 // impacts.
 
-const APART = 1.5; // [pixels] least distance between two points of the drawn trace
-const OFF = 0.05; // [pixels] largest distance of the curve from the straight lines with which it is drawn
+const APART = 1.5; // [pixels] least distance between two successive points of the drawn trace
+const OFF = 0.05; // [pixels] allowed distance of the curve from the drawn straight lines, if MOST and MOST_PARTS allow enough lines
 // largest distance of a cubic curve from its chord, divided by the difference between its slope at one end and the chord's slope (slopes in
 // pixels per step between frames); the distances that follow from the two ends add up
 const BEND = 4 / 27;

@@ -1,4 +1,4 @@
-// What the page exports: the command that repeats a motion, a link, the scene file, tables and pictures.
+// What the page exports: the command that repeats a motion, the page's address, the scene file, tables and pictures.
 
 import { inputSignals, inputStepTexts } from "../scene/input_steps.js";
 

@@ -1,4 +1,4 @@
-// The dialog that exports the command, a link, tables, the scene file and a picture.
+// The dialog that exports the command, the page's address, tables, the scene file and a picture.
 
 import { find } from "../base/dom.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";

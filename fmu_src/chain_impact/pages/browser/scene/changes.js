@@ -132,7 +132,7 @@ export class Changes {
     this.#listeners.forEach((listener) => listener());
   }
 
-  /** Return changes of parameters for a command or a link, as pairs [name, text of the value]; a choice is given by its name. */
+  /** Return changes of parameters for a command or an address, as pairs [name, text of the value]; a choice is given by its name. */
   texts(values = this.values) {
     return Object.entries(values).map(([name, value]) => {
       const { items } = this.parameters.get(name);

@@ -1,17 +1,17 @@
-// Inputs that the reader changed while the motion played: written as parts of a link, and as signals of a scene.
+// Inputs that the reader changed while the motion played: written as parts of the page's address, and as signals of a scene.
 
 import { numberText } from "../base/format.js";
 
-const MARK = "@"; // in a link, this mark follows the name of an input with steps
+const MARK = "@"; // in an address, this mark follows the name of an input with steps
 
-/** Return the inputs with steps as parts of a link: pairs [name and MARK, text of times [s] and values, such as 0.5:2,1:3]. */
+/** Return the inputs with steps as parts of an address: pairs [name and MARK, text of times [s] and values, such as 0.5:2,1:3]. */
 export function inputStepTexts({ inputSteps }) {
   return Object.entries(inputSteps).map(([name, steps]) => [`${name}${MARK}`, steps.map((step) => step.map(numberText).join(":")).join()]);
 }
 
 /**
- * Return the contents of the parts of a link (`texts`: name → text): `inputSteps`, the inputs with steps, and `others`, all other parts. An
- * error tells which part is wrong, and the allowed form.
+ * Return the contents of the parts of an address (`texts`: name → text): `inputSteps`, the inputs with steps, and `others`, all other
+ * parts. An error tells which part is wrong, and the allowed form.
  */
 export function inputStepsIn(texts, changes) {
   const [others, inputSteps] = [{}, {}];

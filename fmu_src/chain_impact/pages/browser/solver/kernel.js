@@ -10,7 +10,7 @@ function aligned(address) {
   return (address + 63) & ~63;
 }
 
-/** Return the times [s] of the rows of a result: multiples of the step from 0 on, and the stop time. */
+/** Return the times [s] of the rows of a result: multiples of the step from 0 on, below the stop time, and the stop time. */
 export function rowTimes(stop, step) {
   const count = Math.ceil((stop / step) * (1 - SHARED.file.STEP_ROUND_OFF)) + 1;
   const times = Float64Array.from({ length: count }, (_, row) => row * step);

@@ -11,7 +11,7 @@ import { boxWallText } from "../scene/words.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./bodies.js";
 
-const PARTS = 100; // the first run has this many parts, between which it can be replaced by a newer request
+const PARTS = 100; // the rows of the first run are divided into at most this many parts, between which a newer request can replace the run
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time, for their curves
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: about two for each pixel of a chart
