@@ -1,1 +1,1 @@
-"""Derivatives of a run with respect to parameters; dual numbers compute them together with the run."""
+"""Derivatives of a run with respect to parameters and inputs, computed with dual numbers beside the run."""

@@ -1,4 +1,4 @@
-"""Dual numbers as the kernel uses them: a value and its derivatives in several directions.
+"""Dual numbers as the kernel uses them: a value and the derivatives of this value in several directions.
 
 The primal instance d is the record of the run. The tangent instance t has the same layout, but with dual
 numbers in place of reals. The kernel's functions accept both instances. The compiled kernel uses the dual
@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import SETTABLE
 
-# size of a rate, in any unit, above which `reciprocal` computes 1/rate: for a smaller one it may overflow
+# absolute value of a rate above which ``reciprocal`` returns 1/rate: for a smaller rate 1/rate may overflow
 LEAST_RATE = 1e-300
 DIRECTIONS = 4  # number of directions in one tangent instance; more directions need more instances
 
@@ -30,23 +30,21 @@ def dual_dtype(dtype):
     return dtype
 
 
-# layout of the time up to which the derivatives can be trusted, and of the reason, see
+# layout of the part ``trust``: the time up to which the derivatives can be trusted, and the reason, see
 # kernel/tangent/trust.py
 TRUST = np.dtype(
     [
-        # 0: the derivatives are trusted at present; else the number, in trust.py, of the reason why they have
-        # ended
+        # 0: the derivatives have not ended; else the number, in trust.py, of the reason why they have ended
         ("reason", np.int64),
-        ("time", np.float64),  # s, the time from which on the derivatives cannot be trusted
+        ("time", np.float64),  # s, if ``reason`` is not 0: time from which on derivatives are not trusted
         # number of the point or joint whose impact or dry friction is the reason; 0 for the slider; −1: no
         # such point
         ("point", np.int64),
         # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider; without
         # meaning if ``point`` is −1
         ("wall", np.int64),
-        # sum over the changes of positions whose derivatives are neglected: changes by a speed that friction
-        # stops soon. Each change adds the largest ratio of its |derivative| to the largest |derivative| of
-        # any position by the same parameter (``negligible`` in tangent/friction.py)
+        # a sum over the changes of positions whose derivatives are neglected: changes by a speed that
+        # friction stops soon. Each change adds its share (``negligible`` in tangent/friction.py)
         ("neglected", np.float64),
         (
             "split",
@@ -61,7 +59,7 @@ TRUST = np.dtype(
 def tangent_dtype(instance):
     """Return the layout of a tangent instance, for a primal instance of the layout ``instance``.
 
-    It has a dual number for each real, and after all parts of the instance the part ``trust``.
+    A tangent instance has a dual number for each real, and after all other parts the part ``trust``.
     """
     dual = dual_dtype(instance)
     return np.dtype([*((name, dual[name]) for name in dual.names), ("trust", TRUST)])
@@ -106,9 +104,9 @@ def block(d, number):
 
 
 def as_words(part):
-    """Return an instance, or a part of one, as one array of words of 8 bytes.
+    """Return an instance, or a part of an instance, as one array of words of 8 bytes.
 
-    A dual number is DIRECTIONS + 1 words: its value, then its derivatives.
+    A dual number is DIRECTIONS + 1 words: first the value, then the derivatives.
     """
     return part.words
 
@@ -116,16 +114,17 @@ def as_words(part):
 def copy_values(source, target):
     """Copy the values of ``source``, a part of the primal instance, to ``target``.
 
-    This is the same part of a tangent instance, whose derivatives do not change. The function copies all
-    fields, also of nested records, so a new field of the record needs no change here.
+    ``target`` is the same part of a tangent instance; the derivatives there do not change. All fields are
+    copied, also those of nested records.
     """
     target.copy_values(source)
 
 
 def copy_given(d, t, when):
-    """Copy from d to t the values that a scene or importer gives, of all parts that apply at ``when``.
+    """Copy from d to t the values of all parts that a scene or importer gives and that apply at ``when``.
 
-    ``when`` is AT_START or AT_ANY_TIME, as the layout of each part declares (record/fields.py).
+    ``when`` is AT_START or AT_ANY_TIME, as ``settable`` declares it for each part (record/fields.py).
+    Derivatives in t do not change.
     """
     for part, applies in SETTABLE.items():
         if applies == when:

@@ -19,9 +19,10 @@ from chain_impact.kernel.tangent.trust import copy_reason, is_trusted
 
 
 def for_all(act):
-    """Return a function that calls ``act`` for an instance together with each of its tangent instances.
+    """Return a function of d that calls ``act`` (d, t) for each tangent instance t of the instance d.
 
-    If the derivatives of any tangent instance have ended, those of all end at the earliest of these times.
+    If the derivatives of some tangent instances have ended, all tangent instances then get the earliest time
+    at which any has ended, with its reason.
     """
 
     def act_on_all(d):
@@ -38,8 +39,8 @@ def for_all(act):
 def observe_tangent(d, t):
     """Set the derivatives of the outputs at the communication point; NaN if they cannot be trusted.
 
-    They are also NaN after a fault of the run, and in the directions of ``forget_missing``. After
-    ``mark_split`` those of the outputs of friction and of loads are NaN; those of other outputs stay.
+    The derivatives are also NaN after a fault of the run, and in the directions of ``forget_missing``. After
+    ``mark_split`` only the derivatives of the outputs of friction and of loads are NaN.
     """
     set_own_output_time(t, d.step.time)
     fill_outputs(t)
@@ -52,7 +53,7 @@ def observe_tangent(d, t):
 
 
 def observe_trial_of_tangent(_d, t):
-    """Set the derivatives of those outputs that new input or parameter values, on trial, change at once."""
+    """Set the derivatives of those outputs that a trial of new input or parameter values changes at once."""
     return_to_stored_state(t)
     refill_motion(t)
     if not is_trusted(t):
@@ -77,9 +78,9 @@ def forget_slopes(words):
 
 
 def truncate_tangent(d, t):
-    """Cut the last step of t at the communication point, and log its active contacts up to this point.
+    """Cut the last step of t at the communication point, and log the active contacts of t up to this point.
 
-    The state there is stored, so that each trial of new input values can return to it.
+    The state there is stored, so that each trial of new input values can return to this state.
     """
     set_own_output_time(t, d.step.time)
     store_output_state(t)
@@ -88,7 +89,7 @@ def truncate_tangent(d, t):
 
 
 def all_valid(d):
-    """Return 1 if the counts and indices of all tangent instances are valid, else 0."""
+    """Return 1 if all tangent instances have the counts of d and valid indices, else 0."""
     fits = True
     for b in range(d.tangents):
         t = block(d, b)
@@ -100,7 +101,7 @@ def all_valid(d):
 
 
 def tangent_word_count(d):
-    """Return the number of words, of 8 bytes each, that the tangent instances take."""
+    """Return the number of words, of 8 bytes each, of all tangent instances together."""
     return d.tangents * len(as_words(block(d, 0)))
 
 

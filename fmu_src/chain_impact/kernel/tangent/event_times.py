@@ -1,9 +1,9 @@
 """The derivatives of event times: the time at which a function φ of the motion is zero depends on parameters.
 
-The delay of an event is a dual number [s] of the value 0. Its derivatives are −φ′/φ̇, with the derivatives φ′
-of φ with respect to the parameters at a fixed time, and the rate φ̇ of φ in time. For clearances, their
-rates and tangential speeds, φ̇ is known; for forces, the kinks of forces, and the margins of friction and
-drives, φ̇ is found by differences along the motion.
+The delay of an event is a dual number [s] of the value 0, with the derivatives −φ′/φ̇. φ′ are the derivatives
+of φ with respect to the parameters at a fixed time, and φ̇ is the rate of φ in time. For clearances, rates of
+clearances and tangential speeds, φ̇ is known; for forces, the kinks of forces, and the margins of friction
+and drives, φ̇ is found by differences along the motion.
 """
 
 import math
@@ -20,7 +20,7 @@ from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import dual_with_slope, reciprocal, value
 
-# φ̇ is found by differences over ± this part of the length of the last step
+# φ̇ is found by differences over ± TIME_DIFFERENCE times the length of the last step
 TIME_DIFFERENCE = 1e-3
 # number of Newton iterations for a delay: each multiplies the error of the delay by the relative error of φ̇
 NEWTON_ITERATIONS = 2
@@ -32,14 +32,14 @@ def step_length(t):
 
 
 def along_motion(function):
-    """Return two functions, for a function φ(t, c) and its rate φ̇ along the motion; ``function`` is φ.
+    """Return two functions, for φ and for the rate φ̇ along the motion; ``function`` is φ, of (t, c).
 
-    φ uses located points and known forces. The state after the end of the last step is extrapolated by ẏ.
+    φ uses located points and known forces. The state beyond the end of the last step is extrapolated by ẏ.
 
     Returns:
-        A function of (t, c, time) that returns φ at a ``time`` [s], a dual number, after the end of the last
-        step; and a function of (t, c) that returns φ̇ at that end. Both leave the points located at another
-        time.
+        A function of (t, c, time) that returns φ at a ``time`` [s], a dual number, counted from the end of
+        the last step; and a function of (t, c) that returns φ̇ at this end, without derivatives. Both leave
+        the points located at another time.
     """
 
     def after(t, c, time):
@@ -61,8 +61,8 @@ def along_motion(function):
 def delay_along_motion(after):
     """Return a function of (t, c, rate) for the delay [s] of the event φ = 0 at the end of the last step.
 
-    ``after`` is the first function that ``along_motion`` returns for φ, and ``rate`` is φ̇ at the event.
-    Afterwards points and forces are again those at the end of the last step.
+    ``after`` is the first function that ``along_motion`` returns for φ, and ``rate`` is φ̇ at the event. When
+    the returned function ends, points and forces are again those at the end of the last step.
     """
 
     def delay(t, c, rate):
@@ -76,7 +76,7 @@ def delay_along_motion(after):
 
 
 def evaluate_end(t):
-    """Locate the points and evaluate the forces at the end of the last step again."""
+    """Locate and accelerate the points, and evaluate the forces, at the end of the last step again."""
     locate_points(t, t.step.state_end)
     rate_from_points(t, t.step.state_end, t.scratch.rate)
     ensure_points(t)
@@ -123,7 +123,10 @@ def delay_of_saturation(t):
 
 
 def delay_of_segment(t):
-    """Return the delay [s] of the end of a signal's segment, if one ends with the last step; else 0."""
+    """Return the delay [s] of the end of the first signal's segment that ends with the last step.
+
+    If no segment ends there, the result is 0 without derivatives.
+    """
     for j in range(t.signals):
         if has_ended(t, j):
             return dual_with_slope(0.0, 1.0, segment_end(t, j) - t.step.end)

@@ -2,16 +2,16 @@
 
 The tangent instance takes the modes of the primal run. Sliding ends where the tangential speed t·v is 0.
 Sticking ends where µ_s F_n − |F_t| = 0, with µ_s the coefficient of static friction, F_n the normal and F_t
-the friction force. These times depend on the parameters. If the friction force does not drop at the end of
-sticking, the time of this end has no effect on the motion, except through the small excess of the force at
-which the end is found (events/sampled.py).
+the friction force. The times of these ends depend on the parameters. If the friction force does not drop at
+the end of sticking, the time of this end has no effect on the motion, except through the small excess of the
+force at which the end is found (events/sampled.py).
 
 Derivatives do not exist where a small change of the parameters changes the order of such events, or decides
 whether an event occurs, unless the effect is negligible. The effect is a small tangential speed, which
-friction stops at once or a little later. This speed changes a position by itself times the time in which the
-chain settles. If the derivatives of this change are a small part of the largest derivative of a position,
-they are neglected: sticking sets the derivatives of the speed to zero. ``trust.neglected`` is the sum of
-these parts.
+friction stops at once or a little later. This speed changes a position by the speed times the time in which
+the chain settles. If the derivatives of this change are a small part of the largest derivative of a position,
+the derivatives of the change are neglected: sticking sets the derivatives of the speed to zero.
+``trust.neglected`` is the sum of these parts.
 """
 
 import math
@@ -48,16 +48,16 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# Two events count as events at one time, for nearby parameters, too, if at the delayed time of one event the
-# derivatives of the speed or friction margin that causes the other are at most this, relative to their scale.
+# Two events are simultaneous also for nearby parameters if, at the delayed time of one event, the derivatives
+# of the speed or margin that causes the other event are at most SAME_TIME_SLOPE, relative to a scale.
 SAME_TIME_SLOPE = 1e-5
 # The end of sticking is located where the friction force exceeds its limit by a small excess. If the limit
 # itself is at most NEARLY_SLIPPING_RATIO times the excess, and the element is marked STOPPED, the located
 # time is wrong, and the derivatives end there.
 NEARLY_SLIPPING_RATIO = 1000.0
 # The largest ``trust.neglected``, the sum of the neglected derivatives of positions in a run, each
-# relative to the largest derivative of a position; the derivatives end before the sum exceeds it. With a
-# larger sum, a fit to a position at rest would be wrong by more than some percent.
+# relative to the largest derivative of a position; the derivatives end before the sum exceeds this number.
+# With a larger sum, a fit to a position at rest would be wrong by more than some percent.
 MOST_NEGLECTED = 1e-2
 # a third value of ``element.undecided``, beside 0 and 1: the element has stuck since an onset at zero speed,
 # and sticking has also set the derivatives of its speed to zero
@@ -82,10 +82,10 @@ def delay_of_change(t):
 
 
 def delay_of_rest(t, e):
-    """Return the delay −φ′/φ̇ [s] of the time at which element e stops sliding; φ is its tangential speed.
+    """Return the delay [s] of the time at which element e stops sliding, a dual number of the value 0.
 
-    φ′ is the derivative of φ with respect to a parameter. The delay has no derivatives if the acceleration φ̇
-    is so small that it may be an error.
+    With the tangential speed φ of e and the derivatives φ′ of φ, the delay has the derivatives −φ′/φ̇; but it
+    has none if the acceleration φ̇ is so small that φ̇ may be an error.
     """
     rate = value(tangential_acceleration(t, e))
     return dual_with_slope(
@@ -94,14 +94,14 @@ def delay_of_rest(t, e):
 
 
 def acceleration_may_be_error(t, e):
-    """Return whether the acceleration of element e, whose speed is now zero, may be a solver's error."""
+    """Return whether the tangential acceleration of element e, which is at rest, may be an error."""
     return abs(value(tangential_acceleration(t, e))) <= value(largest_acceleration_error(t, e))
 
 
 def largest_acceleration_error(t, e):
-    """Return the acceleration [m/s²] of element e that an error of the solver may cause at most.
+    """Return the largest acceleration [m/s²] of element e that an error of the solver may cause.
 
-    It is OPEN_DISTANCE times the tolerance times the acceleration that the element's friction could cause.
+    It is OPEN_DISTANCE times the tolerance times the acceleration that the friction limit of e could cause.
     """
     return OPEN_DISTANCE * value(t.solver.tolerance) * t.element.limit[e] / mean_mass(t)
 
@@ -113,11 +113,12 @@ delay_of_margin = delay_along_motion(margin_after)
 
 
 def delay_of_sliding(t, e):
-    """Return the delay −φ′/φ̇ [s] of the time at which element e begins to slide.
+    """Return the delay [s] of the time at which element e begins to slide, a dual number of the value 0.
 
-    φ = µ_s F_n − |F_t| is the margin of static friction. If φ falls so slowly that errors decide this time,
-    the delay has no derivatives; the derivatives of the run then end, too, if the friction drops at this time
-    and the drop matters. They also end if the located time is wrong (NEARLY_SLIPPING_RATIO).
+    With the margin of static friction φ = µ_s F_n − |F_t|, the delay has the derivatives −φ′/φ̇. If φ falls
+    so slowly that errors decide this time, the delay has no derivatives; the derivatives of the run then end,
+    too, if the friction drops at this time and the drop matters. The derivatives of the run also end if the
+    located time is wrong (NEARLY_SLIPPING_RATIO).
     """
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.chain.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
@@ -138,8 +139,8 @@ def negligible(t, speed):
     """Return whether the derivatives of ``speed`` [m/s], a dual number of the value 0, may be neglected.
 
     The speed times the settling time is a change of a position. The share of this change is the largest ratio
-    of its derivative to the largest derivative of any position by the same parameter. The result is true if
-    ``trust.neglected`` plus the share is at most MOST_NEGLECTED. In this case the share is added to
+    of the change's derivative to the largest derivative of any position by the same parameter. The result is
+    true if ``trust.neglected`` plus the share is at most MOST_NEGLECTED. In this case the share is added to
     ``trust.neglected``; and if the share is not 0, the derivatives of friction impulses count as unknown
     (``mark_split``).
     """
@@ -166,7 +167,7 @@ def settling_time(t):
 
 
 def friction_drops(t, e):
-    """Return whether e's friction drops when e begins to slide: at walls with µ < µ_s only.
+    """Return whether the friction of element e drops when e begins to slide: at walls with µ < µ_s only.
 
     µ is the coefficient of sliding friction, µ_s that of static friction.
     """
@@ -212,9 +213,9 @@ def check_changes(t, time):
 def slips_for_nearby_parameters(t, e, time):
     """Return whether element e begins to slide at a delayed time for nearby parameters, too.
 
-    It does if its margin of static friction, whose value is zero, has no derivatives at that time.
-    ``time`` [s] is the delay, a dual number of value 0; derivatives up to SAME_TIME_SLOPE of their scale
-    count as zero.
+    This is so if the margin of static friction of e, whose value is zero, has no derivatives at that time.
+    ``time`` [s] is the delay, a dual number of value 0; derivatives up to SAME_TIME_SLOPE times a scale count
+    as zero.
     """
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
@@ -235,7 +236,8 @@ def any_stops_sliding(t):
 def stays_at_rest(t, after, time):
     """Return whether an element at rest is at rest after a delay ``time`` [s] for nearby parameters, too.
 
-    ``after`` is the element's speed then, of the value 0; its derivatives must be almost zero.
+    ``after`` is the element's speed after the delay, a dual number of the value 0. The result is true if the
+    derivatives of ``after`` are almost zero (SAME_TIME_SLOPE).
     """
     most = value(largest_component(t, t.scratch.acceleration))
     for k in range(DIRECTIONS):
@@ -267,10 +269,10 @@ def largest_displacement(t, direction):
 def choose_modes(t):
     """Set the modes of dry friction to those of the primal run.
 
-    The derivatives end if errors of the run, not the forces, have decided such a mode.
+    The derivatives end if errors of the run, not the forces, have decided one of these modes.
     """
     for e in range(t.elements):
-        # an element that has stuck and now slides does so because its sticking ended, so its mode is certain
+        # the mode of an element whose sticking has just ended is certain
         if t.element.before[e] == STICKS and t.element.mode[e] != STICKS:
             t.element.undecided[e] = 0
         t.element.mode[e] = t.element.chosen[e]
@@ -298,8 +300,8 @@ def any_begins_to_stick(t):
 def clear_sticking_speeds(t):
     """Set the derivatives of the speeds of sticking elements to zero, without resistance of contacts.
 
-    In the projection of the state, contacts with a force law resist, so a part of the derivatives would stay
-    as long as the elements stick, for example for a rod that lies almost flat.
+    In a projection (``project_state``), contacts with a force law resist, so a part of the derivatives would
+    stay as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
     set_start_to_state(t, 1)
@@ -313,8 +315,8 @@ def clear_sticking_speeds(t):
 def check_onsets_at_rest(t):
     """Check elements whose friction begins now at a speed that is zero, but has derivatives.
 
-    If the element sticks, sticking stops the speed also for nearby parameters, and the element is marked
-    STOPPED. If it slides, friction would stop only a speed against the direction in which it slides, and the
+    If such an element sticks, sticking stops the speed also for nearby parameters, and the element is marked
+    STOPPED. If the element slides, friction would stop only a speed against the direction of sliding, and the
     derivatives end.
     """
     for i in range(t.friction.count):
@@ -331,8 +333,8 @@ def check_onsets_at_rest(t):
 def contact_resistance(t):
     """Return the resistance [kg] of contacts to a projection; 0 at an onset where an element is STOPPED.
 
-    There the forces of the contacts are still small while friction stops the speed. Elsewhere the result is
-    that of the function which this one replaces.
+    At such an onset the forces of contacts are still small while friction stops the speed. Otherwise the
+    result is the same as in forces/holding.py.
     """
     for i in range(t.friction.stuck_count):
         e = t.element.stuck[i]
@@ -356,10 +358,10 @@ def check_coefficients(t):
 
 
 def is_nearly_at_limit(t, e):
-    """Return whether the force that would hold element e at rest nearly equals the limit of friction.
+    """Return whether errors decide if undecided element e sticks or slides, and this choice matters.
 
-    Errors then decide between sticking and sliding. If the effect of this choice is negligible, the result is
-    false.
+    This is so if the force that would hold e at rest nearly equals the limit of friction. If the effect of
+    the choice is negligible, the result is false.
     """
     limit, errors = value(t.element.limit[e]), OPEN_DISTANCE * value(t.solver.tolerance)
     if limit <= value(friction_round_off(t, e)):

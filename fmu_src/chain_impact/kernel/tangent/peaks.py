@@ -1,7 +1,7 @@
 """Peaks without derivatives: peaks at two simultaneous events whose order depends on the parameters.
 
-Two signals may jump at one time. If a parameter moves one jump, a force has a third value between the jumps,
-which may be larger than the values before and after both.
+Two signals may jump at one time. If a parameter moves one of the jumps, a force has a third value between the
+jumps, which may be larger than the values before and after both jumps.
 """
 
 import math
@@ -13,15 +13,16 @@ from chain_impact.kernel.ode.last_step import set_start_delay
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value, with_slope
 
-# a contact's force at the end of a step counts as its peak if it is less by at most this part of the peak
+# a contact's force at the end of a step counts as the contact's peak if it is below the stored peak by at
+# most this part of the peak
 FORCE_ROUND_OFF = 1e-9
 
 
 def forget_peaks(t, delay):
-    """Set derivatives of peaks to NaN if the peak lies where the last step ends and the next one begins.
+    """Set derivatives of peaks to NaN if the peak lies where the last step ends and the next step begins.
 
     Only the derivatives in directions in which the ``delay`` [s] of an event at this time has derivatives are
-    set. A later peak at the start of the next step gets NaN from ``step.start_delay``.
+    set. A peak that is found later, at the start of the next step, gets NaN from ``step.start_delay``.
     """
     set_start_delay(t, with_unknown_slopes(t.step.start_delay, delay))
     for i in range(t.links if t.loads > 0 else 0):
@@ -42,7 +43,7 @@ def forget_peaks(t, delay):
             at_end = value(t.constraints.sample[1, k])
         else:
             # The force of a force law does not jump where the two steps meet, because position and velocity
-            # of the point do not. If this one value of the force is the peak, its derivatives get NaN below.
+            # of the point do not jump. If this value is the peak, the peak's derivatives get NaN below.
             gap, gap_rate = clearance(t, c)
             at_end = value(contact_force(t, c, gap, gap_rate)) + FORCE_ROUND_OFF * value(peak)
         if at_end >= value(peak):

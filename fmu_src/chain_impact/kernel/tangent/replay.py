@@ -1,7 +1,7 @@
 """Derivatives of a run: each step of the primal instance d is repeated by the tangent instance t.
 
 t has the same layout as d, with dual numbers in place of reals: the values of d, and the derivatives in some
-directions of the parameters. After each step that d has accepted, t makes the same step with the same
+directions, by parameters or inputs. After each step that d has accepted, t makes the same step with the same
 functions, and so differentiates the step. Rejected steps and the search for events are not repeated: t takes
 the size of the step, the method and the events from d, and these choices have no derivatives.
 
@@ -10,9 +10,9 @@ parameters, too. With φ′ the derivatives of φ where the step of d ends, the 
 −ẏ φ′/φ̇ is added to the derivatives of the state at the event. Time is part of the state, and the change of
 the state at an event is differentiated like the rest of the run. At the kink of a force the rate is
 continuous, so the derivative of the event time affects a peak or the end of a contact there, but not the
-motion. The dense output of a step is computed before the end of the step moves, so its derivatives are those
-at fixed times. The search for peaks in a step covers exactly the time between the events with which the step
-begins and ends: a force that jumps with a signal may have its largest value at one of these.
+motion. The dense output of a step is computed before the end of the step moves, so the derivatives of the
+dense output are those at fixed times. The search for peaks in a step covers exactly the time between the
+events with which the step begins and ends: a force that jumps with a signal may be largest at such an event.
 
 In an implicit step, t repeats the iteration, started from the stages that d has found. The result does not
 depend on the approximate Jacobian A, so the linear systems of d, in the scratch memory of d, give the
@@ -100,7 +100,7 @@ from chain_impact.kernel.tangent.trust import (
 
 
 def start_tangent(d, t):
-    """Initialize t like the initialized d; t already contains the derivatives of the parameters."""
+    """Initialize t as d has been initialized; t already contains the derivatives of the parameters."""
     copy_given(d, t, AT_START)
     derive_chain(t)
     clear_run(t, d.step.time)
@@ -118,10 +118,10 @@ def start_tangent(d, t):
 
 
 def reinit_tangent(d, t):
-    """Re-initialize t at the communication point, as d was; ``truncate_tangent`` has ended its step there."""
+    """Re-initialize t at the communication point, as d was; ``truncate_tangent`` has cut t's step there."""
     reset_step(t, t.step.end, t.step.state_end)
     set_start_delay(t, dual_with_slope(0.0, 0.0, t.step.end))
-    # if derivatives have ended only after this point, they are valid again, because that part of the run is
+    # derivatives that have ended only after this point are valid again, because that part of the run is
     # dropped
     if t.trust.time > value(t.step.end):
         mark_trusted(t)
@@ -148,7 +148,7 @@ def copy_given_and_modes(d, t):
 
 
 def copy_modes(d, t):
-    """Store the modes of friction and drives of d in ``chosen`` of t, which does not choose modes itself."""
+    """Store the modes of friction and drives of d in ``chosen`` of t, because t does not choose modes."""
     for e in range(d.elements):
         t.element.chosen[e] = d.element.mode[e]
     if d.chain.has_drive_limits:
@@ -160,20 +160,20 @@ def copy_modes(d, t):
 # CONVERGED_SLOPES times the tolerance.
 CONVERGED_SLOPES = 0.01
 # An iteration of derivatives stops if the least correction so far has not fallen by the factor
-# LARGEST_FALL_FACTOR within STALLED_ITERATIONS iterations; corrections may rise in between, as their
-# direction changes. A last correction ≤ SLOPE_ROUND_OFF, relative to the derivatives, is then round-off and
-# accepted; after a larger one the iteration has failed.
+# LARGEST_FALL_FACTOR within STALLED_ITERATIONS iterations; corrections may rise in between. A last correction
+# ≤ SLOPE_ROUND_OFF, relative to the derivatives, is then round-off and accepted; after a larger correction
+# the iteration has failed.
 LARGEST_FALL_FACTOR, STALLED_ITERATIONS, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
 MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: if each leaves 0.95 of the error, 1e-9 remains
-# Derivatives below LEAST_SLOPE times ``speed_by_friction`` may be round-off: a correction is then relative to
+# Derivatives below LEAST_SLOPE × ``speed_by_friction`` may be round-off: a correction is then relative to
 # this product.
 LEAST_SLOPE = 1e-3
-# result of ``last_correction`` that stands for "not converged", if the derivatives are zero or not finite
+# result of ``last_correction`` for "not converged": a correction is not finite, or the derivatives are zero
 UNLIMITED_CORRECTION = 1e300
 
 
 def make_implicit(d, t, h):
-    """Make the last step of d, an implicit one of size h, in dual numbers; ``trial`` of t gets its end."""
+    """Make the last step of d, an implicit step of size h, in t; ``trial`` of t gets the state at the end."""
     extend_start(t)
     size = extended_size(t)
     extrapolate_stages(t, h, size)
@@ -189,7 +189,7 @@ def make_implicit(d, t, h):
 
 
 def copy_stages(d, t, size):
-    """Set the values of the stages of t, of ``size`` components, to those of d; derivatives in t stay."""
+    """Set the values of t's stages, of ``size`` components each, to those of d; derivatives in t stay."""
     for i in range(RADAU_STAGES):
         for j in range(size):
             t.implicit.stages[i, j] = dual_with_slope(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
@@ -208,7 +208,7 @@ def copy_jacobian_data(d, t):
 
 
 def iterate_slopes(d, t, h, size):
-    """Iterate the derivatives of the stages of a step of size h; return whether they have converged.
+    """Iterate the derivatives of the stages of a step of size h; return whether the iteration has converged.
 
     ``size`` is the length of the extended state z, here and in ``solve_slopes`` and ``last_correction``.
     """
@@ -247,7 +247,7 @@ def solve_slopes(d, t, h, size):
 def last_correction(d, t, size):
     """Return the largest correction of derivatives in the last iteration, relative to the derivatives.
 
-    Correction and derivatives belong to the same parameter or input.
+    Correction and derivatives belong to the same direction, a parameter or input.
     """
     implicit, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
@@ -268,7 +268,8 @@ def last_correction(d, t, size):
 def speed_by_friction(d, t, direction):
     """Return the derivative of the speed that friction at its limits could cause in the step, times a weight.
 
-    The derivative belongs to a ``direction``; the weight is the largest error weight of a speed.
+    The derivative belongs to a ``direction``; the weight is the largest error weight of a speed. If no
+    element sticks, the result is 0.
     """
     force, weight = 0.0, 0.0
     if d.friction.stuck_count == 0:
@@ -320,7 +321,7 @@ def replay(d, t):
 
 
 def repeat_step(d, t, h):
-    """Make a step of size h in t with the method of d's step, without error control."""
+    """Make a step of size h in t with the method ``step.method`` of t, without error control."""
     begin_trial(t, h)
     if t.step.method == IMPLICIT:
         make_implicit(d, t, h)
@@ -332,16 +333,16 @@ def repeat_step(d, t, h):
 
 
 def ends_regularized(d):
-    """Return whether the dense output of d cut the last step where its regularized contact ends.
+    """Return whether d has cut its last step where the regularized contact ends.
 
-    The force has a kink there. d has computed the step beyond the kink, and does not repeat it to end there.
-    t makes only the part of the step up to the kink.
+    The force has a kink there. d has computed the step beyond the kink, and has not repeated the step to end
+    there. t makes only the part of the step up to the kink.
     """
     return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
 
 
 def copy_end_values(d, t):
-    """Set the values of t at the end of the last step to the values of d; they differ by round-off only.
+    """Set the values of t at the end of the last step to the values of d, which differ by round-off only.
 
     The rate at the end is the first stage of the next explicit step. If t kept its own rate, long steps at
     rest would multiply the round-off of this rate from step to step, although the motion itself is stable.

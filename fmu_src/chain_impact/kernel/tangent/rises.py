@@ -1,15 +1,15 @@
-"""Derivatives by the rise time of a sine signal that has none; they are one-sided, as no rise time is < 0.
+"""Derivatives by the rise time of a sine signal, where this time is 0; one-sided, as no rise time is < 0.
 
-At its start the sine differs from its mean m by J = a sin ψ, with the amplitude a and the phase ψ. With a
-rise time ρ the input is m + r J, where r grows from 0 to 1 in the time ρ. To first order in ρ the motion
+At the start a sine differs from its mean m by J = a sin ψ, with the amplitude a and the phase ψ. With a rise
+time ρ the input is m + r J, where r grows from 0 to 1 in the time ρ. To first order in ρ the motion
 lacks the effect of J for the time ∫ (1 − r) dt = ½ ρ: the input jumps from m to m + J a time ½ ρ after the
 start. So the rates ẏ with the two inputs give y′ = ½ (ẏ(m) − ẏ(m + J)) ρ′, as at any other jump.
 
 This is valid if ẏ is linear in the input. Contacts, dry friction and limits of drives may change during the
-rise, so with any of these there is no derivative. There is none either where the motion with a short rise is
-not near the motion without one: where the velocity of the base, or the target of a servo, jumps at the start
-of the sine; and where a sine starts within the run, as its value before the start is m with a rise, but m + J
-without.
+rise, so with any of these there is no derivative. A derivative is also missing where the motion with a short
+rise is not near the motion without a rise: where position or velocity of the base, or the target of a servo,
+jumps at the start of the sine; and where a sine starts within the run, as the value before the start is m
+with a rise, but m + J without.
 """
 
 import math
@@ -27,12 +27,12 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_s
 # ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the rise acts like a jump that is
 # late by this part of the rise time
 LACKING = 0.5
-# a sine or cosine of a phase whose absolute value is below this is round-off of 0
+# a sine or cosine of a phase counts as 0 if its absolute value is at most PHASE_ROUND_OFF
 PHASE_ROUND_OFF = 1e-12
 
 
 def check_rises(t):
-    """Mark in ``trust.missing`` the directions in which a rise time of 0 leaves no derivative."""
+    """Clear ``trust.missing``, then mark in it the directions in which a rise time of 0 has no derivative."""
     for k in range(DIRECTIONS):
         t.trust.missing[k] = 0
     for j in range(t.signals):
@@ -44,7 +44,7 @@ def check_rises(t):
 
 
 def is_sudden(t, j):
-    """Return whether signal j is a sine with the rise time 0, and derivatives by this time are computed."""
+    """Return whether signal j is a sine with the rise time 0, and this time has derivatives in t."""
     rise = t.signal.rise[t.signal.source[j]]
     return t.signal.form[j] == SINE and value(rise) == 0.0 and has_slope(rise)
 
@@ -64,15 +64,15 @@ def is_differentiable(t, j):
         return False
     if moves_base(t, j):
         return signal.integrals[j] == 2 and is_linear(t)
-    # if the signal moves a wall, a rise lets the wall start −``jump`` farther inward than it starts without a
-    # rise: no point may lie in between
+    # if the signal moves a wall, the wall starts −``jump`` farther inward with a rise than without a rise: no
+    # point may lie in between
     return is_linear(t) and (not moves or nearest(t) > -jump)
 
 
 def at_begin(t, j):
-    """Return the jump J = a sin ψ of signal j at its start, and the signal's rate there, as plain numbers.
+    """Return the jump J = a sin ψ of the sine of signal j at the start, and the rate of the sine there.
 
-    a is the amplitude of the sine, ψ its phase at the start.
+    a is the amplitude of the sine, ψ the phase at the start. Both results have no derivatives.
     """
     signal, i = t.signal, t.signal.source[j]
     cosine, sine = direction(signal.phase[i])
@@ -88,7 +88,7 @@ def is_linear(t):
 
 
 def nearest(t):
-    """Return the least clearance [m] of all candidates at the end of the last step."""
+    """Return the least clearance [m] of all candidates at the end of the last step, without derivatives."""
     least = math.inf
     locate_points(t, t.step.state_end)
     for c in range(t.candidates):
@@ -98,7 +98,7 @@ def nearest(t):
 
 
 def delay_jumps(t):
-    """Give the start of the run its derivatives with respect to rise times of 0.
+    """Give the state at the start of the run the derivatives with respect to rise times of 0.
 
     A sine with such a rise time begins with a jump, which a longer rise time delays.
     """
@@ -112,9 +112,9 @@ def delay_jumps(t):
 def delay_jump(t, j, jump, delay):
     """Give the run the derivatives of a ``delay`` [s] of the ``jump`` with which signal j begins.
 
-    The derivatives of the state change by the delay times (ẏ before the jump − ẏ after it), unless the signal
+    The derivatives of the state change by the delay times (ẏ before − ẏ after the jump), unless the signal
     gives the position or velocity of a wall, which does not change ẏ without contact. If the kernel
-    integrates the signal over time, its first integral gets the change −``jump`` times the delay.
+    integrates the signal over time, the signal's first integral changes by −``jump`` times the delay.
     """
     k, m = t.signal.segment[j], t.signal.integrals[j]
     if t.signal.input[j] != CHANNEL or m == 2:

@@ -1,8 +1,8 @@
 """Functions with their own rules of differentiation, where dual numbers would give wrong derivatives or none.
 
-Each function has the name of the function that it replaces, and is called instead if an argument carries
-derivatives. A value that it returns is the same up to round-off; only ``has_effect``, ``iterated_enough``
-and ``contact_resistance`` can return others, which the derivatives need.
+Each replacement in RULES has the name of the function that it replaces, and is called in place of that
+function if an argument carries derivatives. The value of a result is the same up to round-off, except that
+the results of ``has_effect``, ``iterated_enough`` and ``contact_resistance`` also depend on derivatives.
 """
 
 import math
@@ -27,8 +27,8 @@ from chain_impact.kernel.tangent.duals import (
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
-# The increment of an argument of a user's law for the differences that give the derivatives with respect to
-# this argument, relative to the argument; for the rate δ̇ of the penetration, relative to |δ̇| plus the
+# The increment of an argument of a user's law, relative to the argument, for the differences that give the
+# derivative with respect to this argument; for the rate δ̇ of the penetration, relative to |δ̇| plus the
 # impact speed.
 ARGUMENT_DIFFERENCE = 1e-3
 # number of iterations for the forces of constraints after which their derivatives have converged
@@ -71,8 +71,8 @@ def power(x, y):
 def power_of_depth(depth, exponent):
     """Return δ^n of a penetration δ, with derivatives with respect to δ and n.
 
-    The function that this one replaces has special cases of n, in which the derivatives with respect to n
-    would be lost. At δ = 0 the derivatives are set to 0 if n ≠ 1, although for n < 1 they are infinite.
+    The replaced function has special cases of n, in which the derivatives with respect to n would be lost. At
+    δ = 0 the derivatives are set to 0 if n ≠ 1, although for n < 1 those with respect to δ are infinite.
     """
     base, n = value(depth), value(exponent)
     result = force_formula.power_of_depth(base, n)
@@ -85,10 +85,10 @@ def power_of_depth(depth, exponent):
 
 
 def set_polar(radius, y, first, horizontal, vertical):
-    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, with r in ``radius`` and φ in y.
+    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, with r in ``radius`` and φ [rad] in y.
 
     The angles φ begin at index ``first`` of y. The replaced function rounds an angle to whole quarter turns
-    by adding a large number; there dual numbers would give wrong derivatives.
+    by adding a large number; with dual numbers this would give wrong derivatives.
     """
     for i in range(len(radius)):
         cosine, sine = direction(y[first + i])
@@ -98,20 +98,20 @@ def set_polar(radius, y, first, horizontal, vertical):
 def direction(angle):
     """Return the cosine and sine of an angle [rad].
 
-    The replaced function rounds the angle to whole quarter turns by adding a large number; there dual numbers
-    would give wrong derivatives.
+    The replaced function rounds the angle to whole quarter turns by adding a large number; with dual numbers
+    this would give wrong derivatives.
     """
     cosine, sine = angles.direction(value(angle))
     return dual_with_slope(cosine, -sine, angle), dual_with_slope(sine, cosine, angle)
 
 
 def has_effect(constant):
-    """Return whether a constant has an effect: its value or any of its derivatives is not 0."""
+    """Return whether the value or any derivative of a ``constant``, such as a damping, is not 0."""
     return value(constant) != 0.0 or has_slope(constant)
 
 
 def choose_saturation(t):
-    """Set the modes of drives to the modes that the primal instance has chosen."""
+    """Set the modes of all drives to those of the primal instance (``drive.chosen``)."""
     for i in range(drives.drive_count(t)):
         t.drive.mode[i] = t.drive.chosen[i]
 
@@ -131,10 +131,11 @@ def shift_start(t, delay):
 
 
 def fraction(t, time):
-    """Return the fraction of the last step at a time; one Newton step from the value gives all derivatives.
+    """Return the fraction of the last step at a ``time`` [s], with derivatives.
 
-    Dual numbers in the iteration of the replaced function would not do: it stops when the value is exact, and
-    the derivatives may not be exact then.
+    In a regularized step, one Newton step from the value gives the derivatives. Dual numbers in the iteration
+    of the replaced function would not do: this iteration stops when the value is exact, and the derivatives
+    may then not be exact.
     """
     step, clock = t.step, time_at(t.links)
     elapsed = time - step.start
@@ -151,10 +152,10 @@ def fraction(t, time):
 
 
 def event_fraction(t):
-    """Return 0, the fraction of the last step at which the event lies that began it, with derivatives.
+    """Return 0, the fraction of the last step at which the event lies that began the step, with derivatives.
 
-    The derivatives are those of ``start_delay``, the delay of this event, divided by the rate of time with
-    the fraction at the start of the step.
+    The derivatives are those of ``start_delay``, the delay of this event, divided by dt/dθ at the start of
+    the step, with the time t and the fraction θ.
     """
     step = t.step
     rate = value(step.size)
@@ -166,14 +167,17 @@ def event_fraction(t):
 def iterated_enough(_t, iterations):
     """Return whether this number of iterations reduces the derivatives of constraint forces to round-off.
 
-    Each iteration reduces the derivatives of a residual to a millionth. The value of a residual is no
-    measure: where it is zero, its derivatives may be large.
+    Each iteration reduces the derivatives of a residual to about a millionth. The value of a residual is no
+    measure: where the value is zero, the derivatives may be large.
     """
     return iterations >= FORCE_ITERATIONS
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """Return the force [N] of a user's law; differences of the law give the derivatives by each argument."""
+    """Return the force [N] of a user's law, at a joint's stop the moment [N·m], with derivatives.
+
+    Differences of the law give the derivatives with respect to each argument.
+    """
     at = (
         value(depth),
         value(rate),
@@ -206,7 +210,7 @@ def slope_along(argument, h, at):
 
 
 def force_after_change(argument, by, at):
-    """Return the force [N] of the user's law with ``by`` added to entry ``argument``, from 0, of ``at``."""
+    """Return the result of the user's law with ``by`` added to entry ``argument``, from 0, of ``at``."""
     return user_law.force(
         at[0] + by * (argument == 0),
         at[1] + by * (argument == 1),
@@ -219,7 +223,7 @@ def force_after_change(argument, by, at):
 
 
 def time_of_peak(_t, time, place):
-    """Return the ``time`` [s] of a peak, with NaN as its derivatives if its place has no derivatives."""
+    """Return the ``time`` [s] of a peak, with NaN as derivatives if the ``place`` has no derivatives."""
     if not has_slope(place):
         for k in range(DIRECTIONS):
             time = with_slope(time, k, math.nan)

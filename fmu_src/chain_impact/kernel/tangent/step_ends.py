@@ -1,8 +1,8 @@
 """The derivatives of the time at which a step ends with an event, and the next step begins.
 
 The time of an event depends on the parameters (event_times.py). The end of the last step gets the derivatives
-of this time, and the state there moves with it. So the search for peaks ends exactly at the event: a force
-that jumps there may have its largest value before the jump.
+of this time, and the state there gets the derivatives of a shift along the motion. So the search for peaks
+ends exactly at the event: a force that jumps there may have its largest value before the jump.
 """
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
@@ -32,8 +32,8 @@ from chain_impact.kernel.tangent.trust import check_onsets
 def move_end(t):
     """Give the end of the last step the derivatives of the time of the event that ends the step.
 
-    The dense output does not change; its derivatives are those at fixed times. If a force only has a kink at
-    the event, the time of the event affects a peak and the end of a contact, but not the motion.
+    The dense output does not change, and its derivatives stay those at fixed times. If a force only has a
+    kink at the event, the time of the event affects a peak or the end of a contact, but not the motion.
     """
     for c in range(t.candidates):
         if is_crossing(t, c):
@@ -63,7 +63,7 @@ def move_end(t):
 def move_to_segment(t):
     """Give the end of the last step the derivatives of the time at which a signal's segment ends there.
 
-    Without such an end, or with another event at the same time, nothing changes.
+    If no segment ends there, or another event happens there, nothing changes.
     """
     delay = delay_of_segment(t)
     if ends_with_segment(t) and has_slope(delay):
@@ -72,7 +72,10 @@ def move_to_segment(t):
 
 
 def is_crossing(t, c):
-    """Return whether candidate c has an event at the end of the last step whose time changes the motion."""
+    """Return whether the time of candidate c's event at the end of the last step affects the motion.
+
+    Without an event of c there, the result is False. RELEASE and KINK do not count.
+    """
     kind = t.touch.event[c]
     # at the end of a regularized contact dt/ds = 0, with the step's variable s, so a shift of the end in s
     # changes nothing
@@ -82,9 +85,9 @@ def is_crossing(t, c):
 
 
 def prepare_end(t):
-    """Compute rate, points and dense output at the end of the last step.
+    """Compute the rate and the points at the end of the last step, and the step's dense output.
 
-    They must be known before the end gets the derivatives of the event's time (``move_along``).
+    All these must be known before the end gets the derivatives of the event's time (``move_along``).
     """
     ensure_rate(t)
     ensure_dense(t, SOLVER)
@@ -116,7 +119,7 @@ def ends_at_limit(t):
 
 
 def ends_with_segment(t):
-    """Return whether the last step ends where a segment of a signal ends, and with no other event."""
+    """Return whether the last step ends where a segment of a signal ends, and no other event happens."""
     if t.drive.event != 0 or ends_with_contact(t):
         return False
     for j in range(t.signals):
@@ -136,9 +139,9 @@ def ends_with_contact(t):
 def fix_start(t):
     """Move the start of the next step, after an event, along the motion to a time without derivatives.
 
-    Without this, until the next event, the derivatives at a fixed time would contain the error of the dense
-    output's slope times the derivatives of the start time. The event itself keeps its derivatives, as the
-    ``start_delay`` of the step: the search for peaks in the next step begins at the event.
+    Without this move, until the next event, the derivatives at a fixed time would contain the error of the
+    dense output's slope times the derivatives of the start time. The time of the event keeps its derivatives,
+    in ``start_delay``: the search for peaks in the next step begins at the event.
     """
     delay = t.step.start_delay + dual_with_slope(0.0, 1.0, t.step.end)
     mark_jump(t)

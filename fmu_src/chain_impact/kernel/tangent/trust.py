@@ -20,8 +20,8 @@ TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, FROM_REST = 6, 7, 8, 9
 NO_IMPACT = -1  # value of ``c`` in ``mark_untrusted`` if no candidate and no element is the reason
 JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint or of the slider
-# Errors of the run may decide a choice if a quantity is at most OPEN_DISTANCE times the tolerance away from
-# the bound that decides it, relative to the scale of the bound. The derivatives then end.
+# Errors of the run may decide a choice if the quantity that decides the choice is at most OPEN_DISTANCE times
+# the tolerance, relative to a scale, away from the bound at which the choice changes: the derivatives end.
 OPEN_DISTANCE = 100.0
 # A force jumps at rest if its values at the rates ±NEAR_REST v₀ of the penetration, with the impact speed v₀,
 # differ by more than RELATIVE_JUMP, relative to the force.
@@ -31,8 +31,9 @@ NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 def check_onsets(t):
     """End the derivatives if they do not exist at an onset at the end of the last step.
 
-    They do not exist if the point grazes the wall, if its speed is the least impact speed of a force law, or
-    if several contacts begin at the same time. The points must be located at this end.
+    They do not exist if a point grazes the wall, if the approach speed is the least impact speed of a force
+    law, or if several contacts begin at the same time. The points must be located at the end of the step.
+    Coefficients of friction at the onsets are checked, too (``check_coefficient``).
     """
     onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
@@ -56,7 +57,7 @@ def check_onsets(t):
 def near_least_speed(t, c, speed):
     """Return whether an approach ``speed`` [m/s] equals the least impact speed of candidate c's law.
 
-    Equal means up to errors. At a lower speed the law uses the least impact speed, at a higher speed the
+    Both may differ by errors. At a lower speed the law uses the least impact speed, at a higher speed the
     approach speed.
     """
     errors = OPEN_DISTANCE * value(t.solver.tolerance) * fastest_speed(t)
@@ -75,10 +76,10 @@ def check_coefficient(t, friction):
 
 
 def fastest_speed(t):
-    """Return the speed of the fastest point [m/s]."""
+    """Return the speed [m/s] of the fastest point or site, without derivatives."""
     most, velocity = 0.0, t.scratch.velocity
     for k in range(len(velocity.x)):
-        # the places of joints are left out, because they are no points that move with this speed
+        # the places of joints are left out, because no point moves with their velocities
         if not t.links < k <= 2 * t.links:
             x, y = value(velocity.x[k]), value(velocity.y[k])
             most = max(most, math.sqrt(x * x + y * y))
@@ -86,9 +87,10 @@ def fastest_speed(t):
 
 
 def check_turns(t):
-    """End the derivatives if a user's force jumps where the rate of a penetration changes its sign.
+    """End the derivatives if a user's force jumps where a penetration has turned in the last step.
 
-    This concerns active contacts at the end of the last step; the derivatives end at the start of this step.
+    A penetration turns where its rate changes sign. The contacts are those that are active in the step; the
+    derivatives end at the start of the step.
     """
     if not user_law.is_present() or t.trust.reason != TRUSTED:
         return
@@ -103,7 +105,7 @@ def check_turns(t):
 
 
 def jumps_at_rest(t, c, depth):
-    """Return whether the force of contact c jumps where the rate of its penetration is 0.
+    """Return whether the force of contact c jumps where the rate of the penetration changes sign.
 
     ``depth`` [m] is the penetration there.
     """
@@ -114,9 +116,9 @@ def jumps_at_rest(t, c, depth):
 
 
 def mark_untrusted(t, reason, c, time):
-    """End the derivatives at a ``time`` [s]; the cause is candidate or element c, or NO_IMPACT.
+    """End the derivatives at a ``time`` [s]; the cause is candidate or element c, or for NO_IMPACT neither.
 
-    ``reason`` is one of this module's numbers for a reason, such as JUMP.
+    ``reason`` is a number of this module, from GRAZING to FROM_REST.
     """
     trust = t.trust
     trust.reason, trust.time = reason, time
@@ -141,8 +143,8 @@ def begin_trust(t):
 def mark_split(t):
     """Record that the derivatives of friction impulses are not known from now on.
 
-    If a speed with neglected derivatives stops, these impulses change, and so does the distribution of
-    friction between sticking elements.
+    If friction stops a speed with neglected derivatives, these impulses change, and so does the distribution
+    of friction between sticking elements.
     """
     t.trust.split = 1
 
@@ -157,6 +159,6 @@ def copy_reason(t, other):
 def is_trusted(t):
     """Return whether the derivatives can be trusted at the communication point.
 
-    At the time ``trust.time`` itself, at which they end, they cannot be trusted.
+    If they have ended, this point must lie before ``trust.time``.
     """
     return t.trust.reason == TRUSTED or value(t.step.time) < t.trust.time
