@@ -27,6 +27,10 @@ TEXTS = function_of("in_pages", "textsOf")
 """The numbers of typed arrays as texts, which ``bits`` reads: single numbers would take far longer."""
 SUBTITLE = "document.getElementById('subtitle').textContent"
 TIME_TEXT = "document.getElementById('time').textContent"
+MAP = {"simulation.stop_time": 0.8}
+"""Changes of the dropped rod whose map has few impacts in each run."""
+ANGLE_AXIS = "Initial angle of link 1, °"
+"""The title of the second axis of this map."""
 LIGHT_CHAIN, DARK_CHAIN = "#2b4a9f", "#9db4ff"
 
 
@@ -78,6 +82,12 @@ def saved(page, button):
     with page.expect_download() as download:
         page.get_by_role("button", name=button).click()
     return Path(download.value.path())
+
+
+def draw_map(page):
+    """Request a map in its dialog, and wait for the map."""
+    page.get_by_role("button", name="Simulate 41 × 41 runs").click()
+    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
 
 
 def time_of(page):

@@ -1,9 +1,8 @@
-"""The map of two parameters: preview, values, colours, the keyboard, and runs that a click opens."""
+"""The map of two parameters: preview, values, outputs, the keyboard, and runs that a click opens."""
 
 # Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_drawing.js
-# Tests: pages/browser/explore/map/map_scales.js, pages/browser/explore/map/map_rows.js
-# Tests: pages/browser/explore/map/map_outputs.js, pages/browser/explore/map/map_files.js
-# Tests: pages/browser/explore/map/map_marks.js, pages/browser/explore/map/ranking.js
+# Tests: pages/browser/explore/map/map_rows.js, pages/browser/explore/map/map_outputs.js
+# Tests: pages/browser/explore/map/map_files.js, pages/browser/explore/map/ranking.js
 
 import io
 import math
@@ -14,12 +13,10 @@ import pytest
 from PIL import Image
 
 from chain_impact import load_scene, simulate, sweep
-from tests.pages.in_pages import saved, until, until_told
+from tests.pages.in_pages import ANGLE_AXIS, MAP, draw_map, saved, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-MAP = {"simulation.stop_time": 0.8}
-AXIS = "Initial angle of link 1, °"
 EMPTY = """(() => {
   const copy = new OffscreenCanvas(41, 41).getContext('2d', { willReadFrequently: true });
   copy.drawImage(document.getElementById('map-canvas'), 0, 0);
@@ -29,12 +26,6 @@ EMPTY = """(() => {
 READ = re.compile(
     r"Restitution = ([\d.]+), Initial angle of link 1 = ([\d.]+)\u202f°: Number of impacts = (\d+)"
 )
-
-
-def draw_map(page):
-    """Request a map, and wait for the map."""
-    page.get_by_role("button", name="Simulate 41 × 41 runs").click()
-    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
 
 
 def test_a_map_is_drawn_read_and_opens_a_run(show):
@@ -72,7 +63,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     draw_map(page)
     box = page.locator("#map-canvas").bounding_box()
     titles = page.locator("#map-scales text").all_text_contents()
-    assert {"Restitution", AXIS, "Number of impacts", "0.4", "20"} <= set(titles)
+    assert {"Restitution", ANGLE_AXIS, "Number of impacts", "0.4", "20"} <= set(titles)
     assert page.locator(".map-present").count() == 2, "in the map and on the scale of colours"
     table = saved(page, "Map as CSV").read_text().splitlines()
     assert table[0] == "contact.restitution,initial.angle[1],impact.count"
@@ -262,47 +253,6 @@ def test_a_closed_map_stops_and_a_new_one_replaces_an_incomplete_one(show):
     until_told(page, "Number of impacts = ", "map-text")
 
 
-def test_angles_in_degrees_are_taken_in_every_field(show):
-    page = show("rod_drop", MAP)
-    page.evaluate("chainImpact.show({ 'initial.angle[1]': '20 deg' })")
-    shown = "chainImpact.parameters['initial.angle[1]']"
-    assert float(page.evaluate(shown)) == pytest.approx(math.radians(20.0), rel=1e-15)
-    page.locator("#list-of-parameters summary").click()
-    for name, text in (("initial.angle[1]", "-30deg"), ("initial.angular_velocity[1]", "90 deg/s")):
-        field = page.locator(f"#list-of-parameters input[aria-label='{name}']")
-        field.fill(text)
-        field.press("Enter")
-        number = math.radians(float(re.match(r"-?\d+", text)[0]))
-        assert float(page.evaluate(f"chainImpact.parameters['{name}']")) == pytest.approx(number, rel=1e-15)
-    field.fill("90 deg")  # a wrong unit for an angular velocity
-    field.press("Enter")
-    assert "must be a finite number" in page.locator(".parameter .refusal:not(:empty)").inner_text()
-    page.get_by_role("button", name="Map…").click()
-    limits = [page.locator(f"#map-y-{end}").input_value() for end in ("from", "to")]
-    assert limits == ["-45", "-15"], "around the angle, and in degrees, as the axis"
-    page.locator("#map-y-from").fill("10 deg")
-    page.locator("#map-y-to").fill("50")
-    draw_map(page)
-    assert {"10", "50"} <= set(page.locator("#map-scales text").all_text_contents())
-
-
-def test_the_runs_of_a_map_are_read_in_the_unit_of_its_colours(show):
-    page = show("rod_drop", MAP)
-    page.get_by_role("button", name="Map…").click()
-    page.locator("#map-x-name").select_option("contact.stiffness")
-    page.locator("#map-x-from").fill("10")
-    page.locator("#map-x-to").fill("1e7")
-    draw_map(page)
-    box, told = page.locator("#map-canvas").bounding_box(), set()
-    for share in np.linspace(0.01, 0.99, 9):
-        page.locator("#map-canvas").hover(position={"x": share * box["width"], "y": 0.5 * box["height"]})
-        number, unit = re.search(
-            r"Largest force at a wall = ([\d.e-]+)\s(\w+)", page.inner_text("#map-text")
-        ).groups()
-        told.add((float(number) < 1.0, unit))
-    assert told == {(True, "kN"), (False, "kN")}
-
-
 def test_a_map_goes_by_the_keyboard(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
@@ -321,65 +271,6 @@ def test_a_map_goes_by_the_keyboard(show):
     assert float(page.evaluate("chainImpact.parameters['contact.restitution']")) == pytest.approx(
         told, rel=1e-4
     )
-
-
-def test_the_scale_of_a_number_of_impacts_has_whole_numbers(show):
-    """An end of the rod touches before it is level only if it begins below the other one."""
-    page = show("rod_drop", {"simulation.stop_time": 0.25})
-    page.get_by_role("button", name="Map…").click()
-    page.locator("#map-output").select_option("impact.count")
-    for end, angle in (("from", "-25 deg"), ("to", "25 deg")):
-        page.locator(f"#map-y-{end}").fill(angle)
-    draw_map(page)
-    texts = page.locator("#map-scales text:not(.map-value)").all_text_contents()
-    assert texts[texts.index(AXIS) + 1 :] == ["0", "1", "Number of impacts"]
-
-
-def test_the_colours_of_a_wide_range_are_logarithmic(show):
-    """The peak force grows by four decades with the stiffness."""
-    page = show("rod_drop", MAP)
-    page.get_by_role("button", name="Map…").click()
-    page.locator("#map-x-name").select_option("contact.stiffness")
-    page.locator("#map-x-from").fill("10")
-    page.locator("#map-x-to").fill("1e10")
-    draw_map(page)
-    texts = page.locator("#map-scales text:not(.map-value)").all_text_contents()
-    ticks = [float(text) for text in texts[texts.index(AXIS) + 1 : -1]]
-    assert len(ticks) >= 2
-    assert np.ptp(np.diff(np.log10(ticks))) < 1e-9 < np.ptp(np.diff(ticks))
-
-
-def test_an_axis_of_a_stiffness_goes_by_decades(show):
-    page = show("rod_drop", MAP)
-    page.get_by_role("button", name="Map…").click()
-    page.locator("#map-x-name").select_option("contact.stiffness")
-    page.locator("#map-text").get_by_text("A preview of 9 × 9 runs. Press Simulate for 41 × 41.").wait_for()
-    low, high = (float(page.locator(f"#map-x-{end}").input_value()) for end in ("from", "to"))
-    present = float(page.evaluate("chainImpact.parameters['contact.stiffness']"))
-    assert (low, high) == pytest.approx((present / 10, present * 10))
-    page.locator("#map-canvas").press("ArrowRight")  # the run in the middle
-    told = re.search(r"Stiffness = ([\d.e]+)", page.text_content("#map-text"))[1]
-    assert float(told) == pytest.approx(present, rel=1e-4)
-    numbers = page.locator("#map-scales text").all_text_contents()
-    assert {f"{power:.0e}".replace("+0", "") for power in (low, present, high)} <= set(numbers)
-
-
-def test_a_map_has_the_unit_of_its_own_runs(show):
-    """The unit of a stiffness follows the exponent of the runs, which the present scene may have no more."""
-    page = show("rod_drop", MAP)
-    page.get_by_role("button", name="Map…").click()
-    page.locator("#map-x-name").select_option("contact.stiffness")
-    page.locator("#map-y-name").select_option("contact.exponent")
-    page.locator("#map-text").get_by_text("A preview of 9 × 9 runs.").wait_for()
-    assert "Stiffness, N/m^exponent" in page.locator("#map-scales text").all_text_contents()
-    page.locator("#map-y-name").select_option("initial.angle[1]")
-    draw_map(page)
-    page.locator("#map-canvas").press("ArrowRight")
-    assert re.search(r"Stiffness = \S+\sN/m¹·⁵,", page.text_content("#map-text"))
-    page.keyboard.press("Escape")
-    page.evaluate("chainImpact.show({ 'contact.exponent': 2 })")
-    page.get_by_role("button", name="Map…").click()
-    assert "Stiffness, N/m¹·⁵" in page.locator("#map-scales text").all_text_contents()
 
 
 def test_the_map_of_a_scene_without_walls_shows_an_energy(show):
@@ -413,28 +304,6 @@ def test_another_axis_of_a_whole_map_begins_a_new_preview(show):
     assert page.evaluate("chainImpact.parameters['gravity.y']") == "-5"
 
 
-def test_a_map_tells_numbers_of_runs_the_present_run_and_the_pointers(show):
-    page = show("rod_drop", MAP)
-    page.get_by_role("button", name="Map…").click()
-    page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
-    shown = {float(text) for text in page.locator(".map-value").all_text_contents()}
-    low, high = (float(page.locator(f"#map-y-{end}").input_value()) for end in ("from", "to"))
-    second = {"contact.restitution": 0.05, "initial.angle[1]": np.deg2rad(low + (high - low) / 8)}
-    corner = simulate(load_scene("rod_drop").with_values(MAP | second)).impacts["peak_force"].max() / 1e3
-    assert min(abs(value / corner - 1.0) for value in shown) < 5e-3, "a run at the left is told"
-    present = simulate(load_scene("rod_drop").with_values(MAP)).impacts["peak_force"].max()
-    number = page.text_content(".map-value.of-present")
-    assert float(number) == pytest.approx(present / 1e3, rel=5e-3)
-    page.locator("#map-canvas").hover(position={"x": 5, "y": 5})
-    label = page.text_content(".map-label-text")
-    told = re.search(r"Largest force at a wall = ([\d.]+)", page.inner_text("#map-text"))[1]
-    assert float(label.split("\u202f")[0]) == pytest.approx(float(told), rel=5e-3)
-    assert page.locator(".map-at").count() == 1, "the scale of colours has a mark, too"
-    page.mouse.move(1, 1)
-    page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
-    assert page.locator(".map-label-text").count() == 0
-
-
 def test_a_map_tells_when_where_and_how_hard_the_first_impact_is(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
@@ -457,43 +326,3 @@ def test_a_map_tells_when_where_and_how_hard_the_first_impact_is(show):
     assert texts[-3:] == ["0 floor", "1 floor", "First impact: point and wall"]
     page.locator("#map-canvas").hover(position={"x": 5, "y": 5})
     page.locator("#map-text").get_by_text("First impact: point and wall = 0 floor").wait_for()
-
-
-def test_the_colours_of_crowded_values_have_equally_many_runs(script):
-    values = [1 + 0.001 * k for k in range(80)] + [1.2 + 0.05 * k for k in range(20)]
-    shares, knots = script.evaluate(
-        "(all) => { const { shareOf, knots } = colourScale(all, false); return [all.map(shareOf), knots]; }",
-        values,
-    )
-    assert shares == sorted(shares)
-    assert (shares[0], shares[-1]) == (0.0, 1.0)
-    assert shares[50] == pytest.approx(0.5, abs=0.03)
-    assert len(knots) == 9
-    assert (
-        script.evaluate("(values) => colourScale(values, false).knots ?? null", list(range(1, 100))) is None
-    )
-
-
-HIDDEN = """() => {
-  const label = document.querySelector('.map-label').getBoundingClientRect();
-  return [...document.querySelectorAll('.map-value')].map((one) => one.getBoundingClientRect())
-    .filter(({ left, right }) => left < label.right && right > label.left)
-    .filter(({ top, bottom }) => top + 3 < label.bottom && bottom - 3 > label.top).length;
-}"""
-"""The number of numbers that the label of a run covers."""
-
-
-def test_the_label_of_a_run_covers_no_number_and_tablets_have_all_columns(show):
-    page = show("rod_drop", MAP, viewport={"width": 768, "height": 1024})
-    page.get_by_role("button", name="Map…").click()
-    page.locator("#map-text").get_by_text("A preview of").wait_for()
-    places = page.locator(".map-value:not(.of-present)").evaluate_all(
-        "all => all.map((one) => one.getAttribute('x'))"
-    )
-    assert len(set(places)) == 9
-    draw_map(page)
-    box = page.locator("#map-canvas").bounding_box()
-    for share in np.linspace(0.1, 0.9, 7):
-        page.locator("#map-canvas").hover(position={"x": share * box["width"], "y": share * box["height"]})
-        page.locator(".map-label-text").wait_for()
-        assert page.evaluate(HIDDEN) == 0
