@@ -41,15 +41,13 @@ from chain_impact.kernel.record.given import (
     given_dtype,
     initial_dtype,
     inputs_dtype,
-    motion_dtype,
-    moved_dtype,
-    shift_dtype,
     site_dtype,
     slider_dtype,
     solver_dtype,
     stops_dtype,
     walls_dtype,
 )
+from chain_impact.kernel.record.motions import motion_dtype, moved_dtype, shift_dtype
 from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
 from chain_impact.kernel.record.solver import (
     balance_dtype,
