@@ -1,8 +1,7 @@
 """The layout of an instance: the offsets of all fields in the record."""
 
 # Tests: kernel/record/counts.py, kernel/record/instance.py, kernel/record/given.py, kernel/record/motions.py
-# Tests: kernel/record/signals.py
-# Tests: kernel/record/solver.py
+# Tests: kernel/record/friction.py, kernel/record/signals.py, kernel/record/solver.py
 
 import numpy as np
 import pytest

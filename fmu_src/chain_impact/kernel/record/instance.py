@@ -19,11 +19,8 @@ import numpy as np
 
 from chain_impact.kernel.record.contacts import (
     candidate_dtype,
-    changes_dtype,
     constraints_dtype,
     contact_log_dtype,
-    element_dtype,
-    friction_dtype,
     impact_dtype,
     latest_dtype,
     law_dtype,
@@ -34,6 +31,7 @@ from chain_impact.kernel.record.contacts import (
 )
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
+from chain_impact.kernel.record.friction import changes_dtype, element_dtype, friction_dtype
 from chain_impact.kernel.record.given import (
     chain_dtype,
     contact_dtype,

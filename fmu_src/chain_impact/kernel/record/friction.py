@@ -1,0 +1,74 @@
+"""The parts of the record with the data of dry friction, in contacts, in joints and of the slider."""
+
+import numpy as np
+
+from chain_impact.kernel.forces.friction import NO_FRICTION
+from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, written_by
+
+# number of changes of friction modes for which the log has room, divided by the number of elements
+CHANGES_OF_EACH = 4
+
+
+@written_by("forces/friction.py")
+def friction_dtype(elements: int) -> np.dtype:
+    """Return the layout of the data of dry friction in the whole scene; `element` has each element's data."""
+    return record(
+        ("used", INTEGER),  # 1: some wall, joint or the slider has dry friction
+        # number of elements with friction at present: active contacts, joints and the slider, in this order
+        ("count", bounded(0, elements)),
+        ("contact_count", INTEGER),  # number of contacts among the elements with friction at present
+        ("stuck_count", INTEGER),  # number of sticking elements: contacts, joints and the slider
+        ("stuck_joints", INTEGER),  # number of sticking joints, plus 1 if the slider sticks
+        ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation of ẏ
+    )
+
+
+@written_by(
+    "forces/friction.py",
+    event="events/marks.py",
+    **dict.fromkeys(("before", "slack", "undecided"), "events/friction_modes.py"),
+)
+def element_dtype(elements: int) -> np.dtype:
+    """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
+    return record(
+        # indices of the elements with friction at present; only the first `friction.count` entries are used
+        ("index", bounded(0, elements - 1), (elements,)),
+        # indices of the sticking elements; only the first `friction.stuck_count` entries are used
+        ("stuck", bounded(0, elements - 1), (elements,)),
+        ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction
+        # the event of an element at `step.end`, which the next step applies: a mark of events/marks.py
+        ("event", INTEGER, (elements,)),
+        ("before", INTEGER, (elements,)),  # mode before the last choice of modes; 2 if the contact began then
+        ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
+        # 1: the element is at rest, and the forces have determined the mode; 0: the element moves, and the
+        # motion has determined the mode; in a tangent instance also STOPPED = 2 of tangent/friction.py
+        ("undecided", INTEGER, (elements,)),
+        # m/s, a speed of an element against its direction of sliding counts as an error up to ``slack`` plus
+        # ``rest_speed`` (events/sampled.py)
+        ("slack", REAL, (elements,)),
+        ("anchor", REAL, (elements,)),  # m, the coordinate along t at which a sticking element is held
+        ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
+        # N, largest force of static friction at the last evaluation of ẏ; constant for a joint and the slider
+        ("limit", REAL, (elements,)),
+        # least margin of an element to the end of its mode in the stages of the tried step; 0 if no margin is
+        # negative. If the element slides, the margin is its speed in the direction of sliding [m/s]; if it
+        # sticks, its limit minus the size of the friction force [N]
+        ("margin", REAL, (elements,)),
+    )
+
+
+@written_by("events/friction_modes.py")
+def changes_dtype(elements: int) -> np.dtype:
+    """Return the layout of the log of changes of friction modes.
+
+    Friction that begins or ends is a change, too. A caller that has collected changes sets ``count`` to 0.
+    """
+    log = CHANGES_OF_EACH * elements
+    return record(
+        ("count", INTEGER),  # number of changes since the caller has last collected them
+        ("time", REAL, (log,)),  # s, time of each change
+        ("point", INTEGER, (log,)),  # number of the point or joint of the element; 0 for the slider
+        # index of the wall in the scene's wall_names; −1 for dry friction in a joint or of the slider
+        ("wall", INTEGER, (log,)),
+        ("mode", INTEGER, (log,)),  # mode of the element from this time on, as in `element.mode`
+    )
