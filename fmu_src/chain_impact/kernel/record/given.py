@@ -147,6 +147,10 @@ def drive_dtype(links: int) -> np.dtype:
     """Return the layout of the drives, see kernel/chain/drives.py: a row for each joint, then for the slider.
 
     The row of a slider has N and m in place of N·m and rad; without a slider, this row is not used.
+
+    Other parts of the record have the other data of a drive: `given` has the values that can change during a
+    run (damping, stiffness, targets and torque), `inputs` has those of these values that are in use, and
+    `chain` has ``joint_armature``.
     """
     rows = (links + 1,)
     return record(
