@@ -30,26 +30,26 @@ from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR, load_unit, scale
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
-# the largest number of points (or joints at stops) with a mark of their own, so that the legend has room
+# the largest number of different looks of marks, each for a point or a joint at its stops, or for all others
 MOST_OWN_MARKS = 5
 # Impacts have equal distances in time if there are more than REGULAR impacts, and if the largest and the
 # smallest distance of successive impacts differ by at most EQUAL times the mean distance.
 REGULAR, EQUAL = 5, 0.2
-NUMBERED = 60  # the largest number of impacts whose marks get numbers: the first in the order of writing
+NUMBERED = 60  # only the first NUMBERED impacts in the order of writing get numbers
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
-# [points] the size of the mark of an impact, and the increase of a mark for each mark that covers it
+# [points] the size of the mark of an impact, and the increase of this size for each mark that covers the mark
 IMPACT_DOT, COVERED_RIM = 4.5, 3.0
-# The size of a cell in which all marks of impacts count as one mark, relative to the duration and to the
-# largest height.
+# the width and height of a cell in which all marks of impacts count as one mark, relative to the run's
+# duration and to the largest height of a mark
 ONE_MARK = 0.005
 # [points] the widths of the line at an impact and of the line that shows a contact, the size of the mark at
 # its start, and the height of a row of these lines
 STEM, CONTACT, CONTACT_MARK, ROW = 0.8, 2.0, 3.5, 4.5
 SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
 HOLLOW: dict[str, Any] = {"color": INK, "markerfacecolor": "white", "markeredgewidth": 0.8}
-# Marks of points, and of joints at their stops. Their forms differ and they have one colour, because colours
-# stand for energies and for time; each second one is hollow, so that one is seen before another.
+# Marks of points, and of joints at their stops. The marks differ in form, not in colour, because colours
+# stand for energies and for time; full and hollow marks alternate, so that a reader can distinguish them.
 POINT_MARKS = tuple(
     look | {"marker": form} for form, look in zip("os^vD", (SOLID, HOLLOW) * 2 + (SOLID,), strict=True)
 )
@@ -62,14 +62,13 @@ MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P":
 
 
 def draw_impacts(axes: Axes, recording: Recording) -> None:
-    """Draw the peak force, or the impulse, of each impact over time.
+    """Draw how hard each impact is over time: its peak force or impulse or, if none is known, its speed.
 
-    If neither is known, the impact speeds are drawn. A stem leads from the onset to the mark at the time of
-    the peak force (``impacts_at_peaks``). The look of a mark tells the point. At most MOST_OWN_MARKS points
-    have a look of their own: those with the hardest impacts. The marks of all other points are grey. The
-    impacts in ``marked_peaks`` have a colour of their own.
+    A stem leads from the onset to the mark at the time of the peak force (``impacts_at_peaks``). The look of
+    a mark tells the point, or the joint at a stop (``point_groups``). The impacts in ``marked_peaks`` have
+    the colour PEAK_COLOUR.
 
-    Contacts that are long enough to be seen are thick, pale lines below the marks. Each kind of mark has a
+    Contacts that are long enough to be visible are thick, pale lines below the marks. Each kind of mark has a
     row of these lines, and the axis of time is below all rows. If there are impacts both at walls and at
     stops of joints, the values at stops have an axis on the right.
     """
@@ -119,10 +118,10 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
 
 
 def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, mark: dict[str, Any]) -> None:
-    """Draw the contacts of a point, from their starts to their ends [s], as lines in a row below axes.
+    """Draw contacts with a common mark, from ``starts`` to ``ends`` [s], as lines in a row below axes.
 
-    ``lane`` is the number of the row, from 0 at the axes; ``mark`` has the properties of the point's mark,
-    which stands at the first start.
+    ``lane`` is the number of the row, from 0 at the axes. ``mark`` has the properties of the mark, which
+    stands at the first start, with matplotlib's names.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -140,9 +139,10 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, m
 
 
 def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
-    """Return what marks at walls, or at stops of joints, show: words, unit, and values, shape (I,).
+    """Return what marks at walls or, if ``is_stop``, at stops of joints show: words, unit, values (I,).
 
-    It is the result of ``strengths`` or, if no value is known, the impact speed.
+    The values are those of ``strengths`` or, if none of these is known, impact speeds; 0 for impacts of the
+    other kind.
     """
     words, unit, values = strengths(recording, is_stop=is_stop)
     if not values.any():
@@ -152,7 +152,7 @@ def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarra
 
 
 def scaled_name(axis: Axis, words: str, unit: str, values: np.ndarray) -> str:
-    """Write an axis's numbers in a unit with a prefix for the values; return ``words`` with this unit."""
+    """Give the numbers of an axis a unit whose prefix suits ``values``; return ``words`` with this unit."""
     factor, unit = load_unit(values.max(initial=0.0), unit)
     scale_numbers(axis, factor)
     return f"{words} [{unit}]"
@@ -161,7 +161,8 @@ def scaled_name(axis: Axis, words: str, unit: str, values: np.ndarray) -> str:
 def stop_scale(recording: Recording) -> float:
     """Return the factor from values at stops to heights in the panel, whose axis is that of walls.
 
-    With this factor the hardest impacts at walls and at stops have the same height.
+    With this factor, the hardest impact at walls and the hardest one at stops have the same height. Without
+    impacts of both kinds the factor is 1.
     """
     at_walls, at_stops = (
         measure(recording, is_stop=is_stop)[-1].max(initial=0.0) for is_stop in (False, True)
@@ -180,14 +181,14 @@ def marks_of(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 def hardest(tops: np.ndarray) -> np.ndarray:
-    """Return the rows of the impacts in the order of their heights ``tops``, the highest first."""
+    """Return the rows of the impacts in the order of the heights of their marks ``tops``, highest first."""
     return np.argsort(-tops, kind="stable")
 
 
 def common_marks(
     recording: Recording, times: np.ndarray, tops: np.ndarray
 ) -> dict[tuple[int, int], list[int]]:
-    """Return groups of impacts with nearly coincident marks: cell (ONE_MARK) → rows in ``impacts``.
+    """Return the impacts with nearly coincident marks: cell (ONE_MARK) → rows of ``impacts``, ascending.
 
     ``times`` and ``tops`` are the result of ``marks_of``.
     """
@@ -204,9 +205,10 @@ def mark_sizes(
 ) -> np.ndarray:
     """Return the size of each impact's mark, shape (I,) [points].
 
-    Marks of several groups may coincide; then the groups that are drawn later cover the earlier ones. A
-    covered mark is larger, so that its rim is seen around the marks above it. ``groups`` has the rows of the
-    impacts in each group, in the order of drawing; ``times`` and ``tops`` are the result of ``marks_of``.
+    If marks of several groups coincide, a mark of a group that is drawn later covers the marks of earlier
+    groups. The more groups cover a mark, the larger the mark is, so that its rim is visible. ``groups`` has
+    the rows of the impacts in each group, in the order of drawing; ``times`` and ``tops`` are the result of
+    ``marks_of``.
     """
     sizes, looks = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
     for look, hits in enumerate(groups):
@@ -221,8 +223,9 @@ def mark_sizes(
 def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict[str, Any], np.ndarray]]:
     """Return the groups of impacts with a common mark: name, mark, and rows of the impacts.
 
-    The points, and the joints at their stops, with the hardest impacts have a group each; all others share a
-    grey group. The mark is given by properties with matplotlib's names.
+    If at most MOST_OWN_MARKS points, and joints at their stops, are hit, each of these has a group. Otherwise
+    MOST_OWN_MARKS − 1, those with the hardest impacts, have a group each, and all others share a grey one,
+    which is first. The mark is given by properties with matplotlib's names. ``tops``: see ``marks_of``.
     """
     impacts = recording.impacts
     names = [short_names(recording, what_touches(recording, row)) for row in impacts]
@@ -242,11 +245,11 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the number of each impact at its mark, where ``ink`` is free, the hardest impact first.
 
-    Impacts whose marks coincide share a label. If an impact in ``marked_peaks`` has its own label, this label
-    also has the force, moment or impulse, if there is room. If impacts have equal distances in time and their
-    numbers have no room, only every k-th impact has a number, and the numbers are written in order of time.
+    Impacts whose marks coincide share a label. If an impact in ``marked_peaks`` has a label of its own, this
+    label also has the force, moment or impulse, if there is room. If ``numbered_step`` is a number k > 1,
+    only every k-th impact has a number, and the numbers are written in the order of time.
 
-    Returns words for the impacts without a number; "" if there are none.
+    Returns words for the impacts without a number; "" without such impacts.
     """
     times, high = marks_of(recording)
     tops = list(zip(times.tolist(), high.tolist(), strict=True))
@@ -273,16 +276,16 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:
-    """Return the number k if only every k-th impact gets a number; 1 if all get one.
+    """Return the number k with which every k-th impact gets a number; 1 if all impacts get a number.
 
-    k is 1, 2 or 5 times a power of ten. It is larger than 1 only if the impacts have equal distances in time
-    that are too short for all numbers.
+    k is 1, 2 or 5 times a power of ten. It exceeds 1 only if the impacts have equal distances in time
+    (REGULAR, EQUAL) that are too short for all numbers.
     """
     onsets = recording.impacts["onset"]
     gaps = np.diff(onsets)
     if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():
         return 1
-    # a text to measure: the longest number, and two spaces
+    # a text of the width that a number needs: the longest number, and two spaces
     probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")
     width = probe.get_window_extent().width
     probe.remove()

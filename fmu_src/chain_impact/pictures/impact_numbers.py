@@ -7,15 +7,15 @@ from collections.abc import Iterable, Sequence
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 MOST_LISTED = 5  # the largest number of numbers and ranges that a text at the foot lists
 # MOST_IN_LABEL: the largest number of items in a label; an item is an impact, or a range such as "1–81".
-# LISTED_OF_MANY: if there are more, the label lists so many impacts, and counts the others.
+# LISTED_OF_MANY: if there are more items, the label lists so many impacts, and counts all other impacts.
 MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
 
 
 def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
     """Return numbers of impacts as text: "1–81".
 
-    If the text would have more than ``most`` numbers and ranges, it lists only the first ``kept`` numbers and
-    counts the others: "7, 10 + 4 more".
+    If the text would have more than ``most`` items (numbers or ranges), it lists only the first ``kept`` of
+    ``numbers``, and counts the other numbers: "7, 10 + 4 more".
     """
     whole = listed(numbers)
     if whole.count(",") < most:
@@ -24,7 +24,7 @@ def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
 
 
 def listed(numbers: Iterable[int]) -> str:
-    """Return whole numbers as ascending text; LEAST_RUN or more successive ones are a range: "3, 7–9"."""
+    """Return whole numbers as text, ascending; LEAST_RUN or more successive ones are a range: "3, 7–9"."""
     runs: list[list[int]] = []
     for number in sorted(set(numbers)):
         if runs and number == runs[-1][-1] + 1:
@@ -40,7 +40,8 @@ def listed(numbers: Iterable[int]) -> str:
 def listed_or_counted(numbers: Sequence[int], count: int) -> str:
     """Return numbers of impacts as text, such as "3, 7–9".
 
-    If the text would be long, it has only their number and ``count``, the number of all impacts: "31 of 81".
+    With more than MOST_LISTED items, the text only counts them: "31 of 81", where ``count`` is the number of
+    all impacts.
     """
     text = listed(numbers)
     return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of {count}"

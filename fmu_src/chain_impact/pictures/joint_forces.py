@@ -1,4 +1,4 @@
-"""The largest forces in joints, in the picture of a motion: arrows in their pose, and their values."""
+"""The largest force in each joint, in the picture of a motion: an arrow at the joint, and the value."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from chain_impact.recording.recording import Recording
 
 # the length of the arrow for the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
-# SHORTEST_LOAD: if arrows would leave the view, all become shorter; but the arrow for the largest force keeps
-# at least this part of LONGEST_LOAD, so that an arrow near the edge may still leave the view
+# if an arrow would leave the view, all arrows become shorter; but the arrow for the largest force keeps at
+# least the part SHORTEST_LOAD of LONGEST_LOAD, so an arrow near the edge may still leave the view
 SHORTEST_LOAD = 0.4
 # POSE_WIDTH: [points] the width of the chain in the pose of the arrows; POSE_LAYER: matplotlib's order of
 # drawing (zorder) for it, above all other poses
@@ -27,10 +27,10 @@ MOST_VALUES = 3  # the largest number of joints whose forces are written
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
     """Draw the largest force in each joint as an arrow, where the joint was at that time.
 
-    Direction and position of an arrow come from the row nearest to the largest force in the joint; its length
-    shows the largest force, also if it lies between rows. The chain at the time of the largest of these
-    forces has the colour of the arrows. If an arrow would leave the view, all arrows become shorter, as far
-    as SHORTEST_LOAD allows.
+    Direction and position of an arrow are those in the row nearest to the time of the largest force in the
+    joint; the length shows the largest force, which may lie between rows. The pose of the chain at the time
+    of the largest of all these forces has the colour of the arrows. If an arrow would leave the view, all
+    arrows become shorter, as far as SHORTEST_LOAD allows. A recording without loads has no arrows.
     """
     arrows, loads = [], joint_peaks(recording)
     for peak in loads:
@@ -40,7 +40,7 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
             if size := np.hypot(*force):
                 arrows.append((*recording.points[row, peak.joint - 1], *(peak.force / size * force)))
     if arrows:
-        # the pose at the end may cover the pose to which the arrows belong
+        # ``POSE_LAYER`` is above the pose at the end, which could cover this pose
         pose = recording.pose_at(loads[0].time)
         axes.plot(*pose.T, ".-", color=LOAD, linewidth=POSE_WIDTH, zorder=POSE_LAYER)
         x, y, along, up = np.transpose(arrows)
@@ -63,10 +63,10 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
 
 
 def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
-    """Return the largest factor, at most 1, on the lengths of arrows with which all of them end in a view.
+    """Return the largest factor, at most 1, on the lengths of arrows with which all arrows end in a view.
 
-    ``places`` has the feet of the arrows, ``ways`` the vectors from there to their heads, shape (A, 2);
-    ``corners`` are the lower left and the upper right corner of the view.
+    ``places`` has the feet of the arrows, ``ways`` the vectors from the feet to the heads, both of shape
+    (A, 2) [m]; ``corners`` are the lower left and the upper right corner of the view, shape (2, 2) [m].
     """
     room = np.where(ways > 0.0, corners[1], corners[0]) - places
     parts = np.divide(room, ways, out=np.ones_like(ways), where=ways != 0.0)
@@ -74,7 +74,7 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
 
 
 def name_loads(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the values of the largest forces beside their joints, at most MOST_VALUES, if there is room."""
+    """Write the MOST_VALUES largest forces in joints beside their joints, as far as ``ink`` has room."""
     peaks = [peak for peak in joint_peaks(recording)[:MOST_VALUES] if peak.force > 0.0]
     values = [force_text(peak.force, "N") for peak in peaks]
     labels = [

@@ -1,4 +1,4 @@
-"""Labels next to positions in a picture, where they cover no mark, no other label, and at most pale lines."""
+"""Labels next to positions in a picture; they cover no mark and no other label, but perhaps pale lines."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] the usual distance from a position to its label
 # The distances between a position and its label, relative to CLOSE, in the order in which they are tried.
-# NEARBY comes first: such a label needs no leader, a line from its position to the label. Then come FAR, with
-# a leader, or UNLED if leaders are not allowed.
+# NEARBY comes first: a label at such a distance has no leader, a line from its position to the label. Then
+# comes FAR, with a leader or, if leaders are not allowed, UNLED.
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
 FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
-# DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: their order, as
-# steps away from the best direction, to both sides
+# DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: the order of
+# these directions, as steps away from the best direction, to both sides
 DIRECTIONS = 16
 TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
 COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
-# STRONG: a pixel is strong if its red, green or blue is below this number. CROSSED: [points] the length of a
-# leader that may be on strong pixels; the limits are tried in this order. OWN: [points] the first part of a
-# leader, which does not count, because the mark of the position is there.
+# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED: [points] the
+# largest length of a leader on strong pixels; the two limits are tried in this order. OWN: [points] the first
+# part of a leader, which does not count for this limit, because the mark of the position is there.
 CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
-# [points] Where no leaders are allowed, no strong pixel that is farther from a position than this may be
-# between the position and its label.
+# [points] Without leaders, no strong pixel between a position and its label may be farther from the position
+# than this.
 OWN_LINE = 4.5
 # [pixels] the distance from a strong pixel, or from another leader, at which a leader counts as crossing it
 CROSSING = 2
-BEYOND = 64.0  # [points] how far a label with leaders allowed may be beyond the right edge of its axes
+BEYOND = 64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
 PAD = 1.0  # [points] the width of the border around a label that must be free, too
 APART = 5.0  # [points] the least space between two labels in a row, so that they do not read as one
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
@@ -54,8 +54,8 @@ class Label(NamedTuple):
         text: the text of the label.
         position: the position, in data coordinates.
         away: unit vector of the best direction from the position to the label.
-        short: a short text if the full text has no room; "" for none.
-        look: properties of the text that differ from those of other labels, with matplotlib's names.
+        short: the text that is written if ``text`` has no room; "" for none.
+        look: properties of the text of this label alone, with matplotlib's names.
     """
 
     text: str
@@ -66,9 +66,9 @@ class Label(NamedTuple):
 
 
 class Ink:
-    """The pixels of a figure that are drawn on, and those that labels and leaders have taken.
+    """The pixels of a figure that are drawn, and those that labels and leaders have taken.
 
-    Pixels with the colour of a ground (of figure, axes, walls or rest) are free, so labels may stand there.
+    Pixels with the colour of a ground (of the figure, of axes, beyond walls or of a rest) count as free.
     """
 
     def __init__(self, figure: Figure) -> None:
@@ -83,8 +83,8 @@ class Ink:
         colours = parts.view(np.uint32)[..., 0]
         self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
         self._strong_counts = counted(self._strong)
-        # strong pixels and their neighbours; with the neighbours, a leader cannot pass through the white rim
-        # between a mark and a link
+        # strong pixels and their neighbours, so that a leader does not pass through the white rim between a
+        # mark and a link
         self._near_strong = widened(self._strong)
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
@@ -94,7 +94,7 @@ class Ink:
         self.apart = int(APART * figure.dpi / 72.0)
 
     def pixels(self) -> list[np.ndarray]:
-        """Return copies of the arrays that change when labels are written, for ``restore``."""
+        """Return copies of the arrays that change when a label is written; ``restore`` takes them."""
         return [self._drawn.copy(), self._strong.copy(), self._labels.copy(), self._leaders.copy()]
 
     def restore(self, pixels: list[np.ndarray]) -> None:
@@ -105,7 +105,7 @@ class Ink:
         """Return whether each box had no drawn pixel before any label was written, shape (B,).
 
         ``low`` and ``high`` are the lower left and upper right corners of the boxes in pixels, shape (B, 2).
-        With ``on_pale`` only strong pixels count as drawn, so that a box with pale pixels only was free.
+        With ``on_pale`` only strong pixels count as drawn.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int).T, np.ceil(high).astype(int).T
         counts = self._strong_counts if on_pale else self._counts
@@ -129,15 +129,15 @@ class Ink:
         *,
         on_pale: bool = False,
     ) -> bool:
-        """Take a box for a label if it is free; return whether it was free.
+        """Take a box for a label, with its leader, if both are free; return whether they were free.
 
         ``low`` and ``high`` are the lower left and the upper right corner of the box in pixels. A free box
         has no label and no drawn pixel. With ``on_pale`` only strong pixels count as drawn.
 
-        With ``position`` the label has a leader: the straight line from there to the middle of the box. The
-        box is taken only together with the leader. The leader must cross no label and no other leader. At
-        most the part COVERED of its pixels may be drawn ones, and at most ``crossed`` of them at strong
-        pixels. The first ``own`` pixels may be at other leaders and strong pixels.
+        With ``position`` the label has a leader, the straight line from ``position`` to the middle of the
+        box. A free leader crosses no label. At most the part COVERED of its pixels are drawn pixels. Behind
+        its first ``own`` pixels, it crosses no other leader, and has at most ``crossed`` pixels at strong
+        pixels (CROSSING).
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
@@ -160,7 +160,7 @@ class Ink:
 
 
 def _line_between(position: np.ndarray, end: np.ndarray, own: float) -> tuple[tuple[Any, ...], ...]:
-    """Return the pixels of a straight line as (rows, columns), and those without the first ``own`` pixels.
+    """Return the pixels of a straight line as (rows, columns), and the same without the first ``own`` pixels.
 
     The line goes from ``position`` to ``end``, each with x and y in pixels.
     """
@@ -186,8 +186,8 @@ def widened(pixels: np.ndarray) -> np.ndarray:
 def counted(pixels: np.ndarray) -> np.ndarray:
     """Return the number of true pixels below and to the left of each corner of a pixel.
 
-    The result has one row and one column more than ``pixels``. The numbers at the four corners of a box give
-    the number of true pixels in the box.
+    The result has one row and one column more than ``pixels``. From the numbers at the four corners of a box
+    follows the number of true pixels in the box.
     """
     counts = np.zeros(np.add(pixels.shape, 1), np.int32)
     pixels.cumsum(axis=0, dtype=np.int32, out=counts[1:, 1:])
@@ -201,16 +201,16 @@ def place_labels(
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
     If some labels have no room and leaders are allowed, all labels are written again, those without room
-    first. If this leaves no fewer labels without room, all are written with their short texts only. If this
-    does not help, either, the first attempt counts.
+    first. If this second attempt leaves as many labels without room, all labels are written with their short
+    texts only. If the third attempt leaves as many without room, too, the first attempt counts.
 
     Args:
-        axes: the axes inside which the labels stay.
+        axes: the axes of the labels; only with leaders, labels may stand beyond the right edge (BEYOND).
         labels: the labels to write, the most important first.
         ink: the used pixels of the figure; afterwards they include the labels.
         lines: whether leaders are allowed: a label may then be far from its position, with a line to it, and
             may cover pale lines.
-        look: properties of the text, with matplotlib's names.
+        look: properties of the text of all labels, with matplotlib's names.
     """
     steps = np.array(NEARBY + (FAR if lines else UNLED))
     probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
@@ -263,7 +263,7 @@ def place_labels(
 
 
 def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
-    """Return the box of a label at its best position: lower left and upper right corner [pixels], (2, 2).
+    """Return the box of a label at its best position: lower left and upper right corner, (2, 2) [pixels].
 
     ``half``: half of the width and of the height of the label's text [pixels].
     """
@@ -288,17 +288,17 @@ def _place(
 ) -> bool:
     """Write the first text that has a free position; return whether there is one.
 
-    For each limit in CROSSED, the texts are tried where nothing is drawn. Then, if leaders are allowed, they
-    are tried with an outline, and may cover pale lines. Each text is tried first at positions that leave the
+    For each limit in CROSSED, the texts are tried where nothing is drawn and then, if leaders are allowed,
+    with an outline, where only pale lines are drawn. Each text is tried first at positions that leave the
     best positions of later labels free, then at all positions.
 
     Args:
         axes: the axes inside which the text stays; with leaders, it may also be beyond their right edge.
-        label: the label; it has its position and the best direction from there to the text.
+        label: the label, with its position and the best direction from this position to the text.
         homes: the best boxes of the labels that are written later: two corners of each, shape (H, 2, 2).
         others: the positions of the other labels, shape (O, 2) [pixels]. Without leaders, the middle of the
-            text is nearer to its own position than to any of these.
-        sizes: the texts, the best first → half of the width and of the height of each [pixels].
+            text must be nearer to the label's position than to any of these.
+        sizes: text → half of its width and height [pixels]; the texts are tried in the order of the dict.
         ink: the used pixels of the figure.
         steps: the distances from the position that are tried, in this order, relative to CLOSE.
         look: properties of the text, with matplotlib's names.

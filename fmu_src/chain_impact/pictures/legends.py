@@ -1,4 +1,4 @@
-"""Legends above or beside axes, or at the foot of a figure; rows are as few as fit into the width."""
+"""Legends above or beside axes, or at the foot of a figure, with as few rows as fit into the width."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ MARK = "above"  # the matplotlib identifier (gid) of a legend above its axes, by
 
 
 def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
-    """Put a legend with one row above axes; ``fit_legends`` later breaks it into rows that fit.
+    """Put a legend with one row above axes; ``fit_legends`` later breaks the row into rows that fit.
 
-    ``handles`` are the artists that get an entry; by default all artists of the axes with a label.
+    ``handles`` are the artists that get an entry; by default all artists of the axes with a label. Without
+    such artists there is no legend.
     """
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
@@ -32,16 +33,17 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
 
 
 def legend_beside(axes: Axes) -> Any:
-    """Put a legend with one column to the right of axes, which keep their size, and return the legend."""
+    """Put a legend with one column at the right of axes, outside of the layout, and return the legend."""
     legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **BESIDE_AXES)
     legend.set_in_layout(False)
     return legend
 
 
 def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
-    """Put a legend for all axes at the foot of the figure, above other texts there, in few rows.
+    """Put a legend for all axes at the foot of a figure, above other texts there, in as few rows as fit.
 
-    ``handles`` are the artists that get an entry, ``options`` keywords of matplotlib's ``legend``.
+    ``handles`` are the artists that get an entry, at least one; ``options`` are keywords of matplotlib's
+    ``legend``.
     """
     low, room = foot_of(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
     legend = figure.legend(
@@ -58,9 +60,9 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break each legend above its axes into rows, as few as fit into the width of the axes.
 
-    In a narrow figure, an entry that is also in the legend of lower axes is removed, and so is a legend that
-    has no entries left. ``wanted`` are the axes with these legends, by default all axes. Returns whether the
-    size of any legend has changed.
+    In a narrow figure, an entry that is also in the legend of lower axes is removed, and so is a legend
+    without entries. ``wanted`` are the axes whose legends are broken, by default all axes, from the top to
+    the foot. Returns whether a legend has changed its size or was removed.
     """
     is_changed = False
     labels_below: set[str] = set()
@@ -98,7 +100,8 @@ def _put(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
 def _fill_rows(legend: Any, room: float) -> None:
     """Arrange the entries of a legend in rows of similar lengths that fit into ``room``, a width [pixels].
 
-    A row has no columns: with columns, one long entry would leave gaps in all rows.
+    The entries of different rows are not aligned in columns, because one long entry would leave gaps in all
+    rows.
     """
     whole = legend.get_children()[0].get_children()[-1]
     figure, entries = legend.get_figure(root=True), _entries(whole)
@@ -131,10 +134,10 @@ def _entries(box: Any) -> list[Any]:
 
 
 def _rows(widths: Sequence[float], space: float, room: float) -> list[list[int]]:
-    """Return the entries of a legend in rows, as indices; a row has as many entries as fit.
+    """Return the indices of the entries in each row of a legend; a row has as many entries as fit.
 
-    ``widths``: the width of each entry, ``space``: the space between two, ``room``: the width of a row; all
-    are in pixels.
+    ``widths``: the width of each entry; ``space``: the space between two entries; ``room``: the width of a
+    row; all are in pixels. An entry that is wider than ``room`` has a row of its own.
     """
     rows: list[list[int]] = []
     filled = np.inf

@@ -1,4 +1,4 @@
-"""Breaking of texts into lines, as few as possible and of similar lengths, at the allowed places."""
+"""Breaks texts into lines at allowed places, into as few lines as possible, of similar lengths."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from matplotlib.text import Text
 
 # pattern of a space at which a line may end: not beside =, ≤ or ±, and not before a unit
 BREAKABLE_SPACE = re.compile(r"(?<![=≤±]) (?![=≤±]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
-SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions of a run; lines end after it if possible
+SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions of a run; lines end here if possible
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
 
 
 def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> None:
     """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
 
-    A part of the text is broken only if it is longer than a line, or if whole parts need more than ``more``
-    additional lines. At the end of a line, the separator between two parts is left out.
+    A part of the text is broken only if the part is longer than a line, or if whole parts would need more
+    than ``more`` additional lines. At the end of a line, the separator between two parts is left out.
 
     Args:
         text: the text, which is changed.
@@ -57,8 +57,8 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
 def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], parts: str) -> list[str]:
     """Return lines of text, each with as many successive pieces as fit into ``room``, a width [pixels].
 
-    ``width`` returns the width of some words [pixels]; ``parts`` is the text between two parts, which does
-    not count at the end of a line.
+    ``width`` returns the width of some words [pixels]; ``parts`` is the separator between two parts, whose
+    width does not count at the end of a line.
     """
     space = width("n n") - width("nn")
     lines: list[str] = []

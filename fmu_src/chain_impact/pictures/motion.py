@@ -1,4 +1,4 @@
-"""The picture of the motion: a few strong poses, the paths of points, faint poses, and the impacts."""
+"""The panel of the motion: a few strong poses, the paths of points, faint poses, and the impacts."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from chain_impact.recording.view import ball_of
 
 # the largest number of poses between start and end that are drawn strongly; they show the fastest impacts
 MOST_STRONG_POSES = 6
-CANDIDATES = 60  # strong poses are chosen among the poses at so many of the fastest impacts
+CANDIDATES = 60  # strong poses are chosen among the poses at the CANDIDATES fastest impacts
 FAINT_POSES = 40  # the largest number of faint poses, from rows of the recording at equal distances
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
 # STRONG_APART of strong ones. The pose at the fastest impact is always kept.
@@ -54,13 +54,14 @@ MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at it
 # than this part of the area around the path is narrower; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES:
 # the largest number of points on a path from which ``density`` computes
 PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20000
-# up to this number of paths each is drawn equally strongly; more paths are the fainter the more they are
+# with more paths of points than this, each path is the fainter the more paths there are
 MOST_CLEAR_PATHS = 6
-# RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end covers it; it
-# does if no point ends farther from its start than COVERED_WITHIN, relative to the size of the motion
+# RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end covers it;
+# COVERED_WITHIN: it is covered if the distance of each point's end from its start is less than this, relative
+# to the size of the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line from a ball's centre to the link's other end, relative to other links
-SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their unit has a prefix
+SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
 RING_SIZE = 6.5  # [points] the diameter of the ring at an impact
 PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a slider sticks
@@ -71,8 +72,8 @@ RING_DISTANCE = 0.03
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
     """Draw the motion in the plane: walls, paths, faint poses, and strong poses at start, end and impacts.
 
-    ``shape`` is the height of the axes divided by their width, if known; the view fills axes of this shape.
-    ``band`` is as for ``view_of``.
+    ``shape`` is the height of the axes divided by their width, if known; ``shape`` and ``band`` are as for
+    ``view_of``.
     """
     view = view_of(recording, shape, band)
     draw_walls(axes, recording, view)
@@ -95,8 +96,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
         style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
-        # The chain at the end would cover the chain at the start. So a wider copy of the latter is drawn
-        # behind it, which is seen as a rim.
+        # a wider copy of the chain at the start is visible as a rim around the chain at the end
         if row == 0 and is_covered(recording):
             rim = {"linewidth": (3.0 + RIM_WIDTH) * thick, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
             draw_chain(axes, recording.points[row], **style | rim)
@@ -148,7 +148,7 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
 
 
 def colour_of_time(recording: Recording) -> Any:
-    """Return a function: time [s] → its colour, from the first colour at the start of the shown time on."""
+    """Return a function: time [s] → colour in TIME_COLOURS, over the shown time; constant beyond it."""
     shown = shown_time(recording)
     norm = Normalize(shown.start, shown.end if shown.end > shown.start else shown.start + 1.0, clip=True)
     return lambda time: TIME_COLOURS(norm(time))
@@ -157,9 +157,9 @@ def colour_of_time(recording: Recording) -> Any:
 def strong_times(recording: Recording) -> list[float]:
     """Return the times [s] of the strong poses between start and end, in order.
 
-    They are onsets of the fastest impacts, at most MOST_STRONG_POSES. The fastest of all always counts. Any
-    other one counts if its pose differs from those at start, at end, and at all faster impacts that count
-    (``apart``).
+    These are the onsets of at most MOST_STRONG_POSES impacts. The fastest impact is always one of these. Any
+    slower impact is chosen if its pose differs (``apart``) from the poses at start, at end, and at all faster
+    impacts that are chosen.
     """
     onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
     if not onsets:
@@ -172,7 +172,7 @@ def strong_times(recording: Recording) -> list[float]:
 
 
 def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
-    """Return the indices of the poses to keep: each differs from all earlier poses that are kept.
+    """Return the indices of the poses to keep, each of which differs from all earlier poses that are kept.
 
     ``poses`` has the positions of the points in each pose, shape (P, N+1, 2) [m]. Two poses differ if the
     mean distance of their points is at least ``least`` [m]. The first ``always`` poses are kept in any case.
@@ -186,7 +186,7 @@ def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
 
 
 def by_speed(recording: Recording) -> np.ndarray:
-    """Return the indices of the impacts, in the order of ``end_speeds``, the fastest first."""
+    """Return the rows of the impacts in the order of ``recording.end_speeds``, the fastest first."""
     return np.argsort(-recording.end_speeds, kind="stable")
 
 
@@ -199,9 +199,9 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
 
 
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
-    """Draw the paths of the points; the path of the tip, or of a ball, has the colours of time.
+    """Draw the paths of points; the path of the tip, or of a ball's centre, has the colours of time.
 
-    The other end of a ball's link has no path. ``shade`` is the function from a time to its colour.
+    The other end of a ball's link has no path. ``shade`` is the function from a time [s] to its colour.
     """
     *others, tip = recording.points.transpose(1, 0, 2)
     ball, name = ball_of(recording), "tip"
@@ -223,9 +223,8 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 def density(path: np.ndarray, size: float) -> float:
     """Return which part of the area around a path is covered by a line along the path, from 0 to 1.
 
-    The line has the width LINE_CELL; the area consists of the squares with the side AREA_CELL that the path
-    meets. Both lengths are relative to ``size`` [m]. A line that is passed several times counts once.
-    ``path`` has the shape (T, 2) [m].
+    The line consists of the squares with the side LINE_CELL that the path meets, the area of those with the
+    side AREA_CELL; both sides are relative to ``size`` [m]. ``path`` has the shape (T, 2) [m].
     """
     way = np.append(0.0, np.hypot(*np.diff(path, axis=0).T).cumsum())
     count = min(MOST_SAMPLES, 2 + int(2.0 * way[-1] / (LINE_CELL * size)))
@@ -245,11 +244,12 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
 def plot_rings(
     axes: Axes, recording: Recording, spots: Mapping[int, tuple[float, float]], size: float
 ) -> None:
-    """Draw a ring at the place of each impact; those of the impacts in ``marked_peaks`` have a colour.
+    """Draw a ring at the place of each impact; the ring of an impact in ``marked_peaks`` has PEAK_COLOUR.
 
-    The first of these has no entry in the legend if a line below the headline tells it in this colour.
+    The first impact in ``marked_peaks`` has no entry in the legend if a line below the headline tells it
+    (``tells_peak``).
 
-    ``spots`` maps rows of impacts to positions in the axes; ``size`` is the diameter of a ring [points].
+    ``spots``: row of an impact → position in the axes; ``size``: the diameter of a ring [points].
     """
     look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none", "linestyle": ""}
     most = [peak for peak in marked_peaks(recording) if peak.row in spots]
@@ -264,7 +264,7 @@ def plot_rings(
 
 
 def draw_sticking(axes: Axes, recording: Recording) -> None:
-    """Draw a square at each contact, joint or slider that sticks at the end."""
+    """Draw a square at each contact, joint or slider that sticks at the end of the recording."""
     last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
     positions = []
     for phase in last[last["mode"] == STICKS]:
@@ -280,10 +280,10 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 
 
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of the impacts beyond the walls, beside their rings, where ``ink`` is free.
+    """Write the numbers of the impacts beside their rings, beyond the walls, where ``ink`` is free.
 
-    The fastest impacts come first, and last the largest forces in joints, if known. Returns a text
-    with the numbers that had no room, or with the count of these numbers; "" if all have room.
+    The fastest impacts come first; the largest forces in joints (``name_loads``) come last. Returns a text
+    with the numbers without room, or with the count of these numbers; "" if all numbers have room.
     """
     hits_at, labels = rings(axes, recording), []
     for spot, hits in hits_at.items():
@@ -300,11 +300,11 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
 def _label_place(
     recording: Recording, impact: np.void, spot: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the position from which an impact's label is placed, and the unit vector towards the label.
+    """Return the position for an impact's label, and the unit vector from this position to the label.
 
     The position is ``spot``, the place of the impact's ring, and the vector points into the wall. At a stop
-    of a joint, the vector is across the link. At a stop of a slider, it is along the mark of the stop, and
-    the position is at the end of this mark.
+    of a joint, the vector is across the link. At a stop of a slider, the position is the end of the stop's
+    mark, and the vector is along this mark.
     """
     if recording.is_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
@@ -322,7 +322,7 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
     """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
     A ring is at the ``spot`` of its fastest impact. A slower impact at the same wall or stop belongs to this
-    ring if its spot is closer to it than RING_DISTANCE × the larger side of the view.
+    ring if the distance of its spot from the ring is less than RING_DISTANCE × the larger side of the view.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}

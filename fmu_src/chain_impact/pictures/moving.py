@@ -1,4 +1,4 @@
-"""Walls and a base that move: drawn strongly at single times, faintly in between, with a trace."""
+"""Moving walls and a moving base: drawn strongly at single times, faintly in between, with a trace."""
 
 from __future__ import annotations
 
@@ -16,21 +16,22 @@ from chain_impact.recording.view import pin_mark
 
 FAINT_WALLS = 8  # the number of faint positions of a moving wall, at equal distances in time
 FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows with equally spaced indices
-TRACE_GAP = 0.04  # the distance of the traced point from the end of a wall, relative to its visible length
+# the distance of the traced point from an end of a wall's visible part, relative to the length of this part
+TRACE_GAP = 0.04
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
-    """Draw walls and a base that move, with a trace of a point of each in the colours of time.
+    """Draw moving walls and a moving base, each with the trace of a point in the colours of time.
 
     Walls are drawn at start, end and ``times`` [s] in the colours of time, the base at start and end; both
-    are drawn faintly in between. ``shade`` is the function from a time to its colour.
+    are drawn faintly in between. ``shade`` is the function from a time [s] to its colour.
     """
     (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
-        """Return the visible part of the wall ``name`` at each of some times: its two ends, or no point.
+        """Return the two ends of the visible part of the wall ``name`` at each of some times [s].
 
-        A part is visible if it bounds the room of the chain inside the view.
+        Visible is the part that bounds the room of the chain in the view; without one there is no end.
         """
         rooms = (recording.walls_at(time) for time in times)
         return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
@@ -53,7 +54,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
 def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
     """Draw the ground mark of a moving base at start and end, faintly in between, and the base's trace.
 
-    A base that stays within the size of its mark has one mark, because more marks would cover each other.
+    If the base moves less than the size of its mark, there is one mark, because more would cover each other.
     """
     bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
     line_style: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
@@ -72,7 +73,7 @@ def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) ->
     """Return the path of a point on a moving wall, shape (T, 2) [m].
 
     ``lines`` are the visible parts of the wall at the start and at the end. The point is near an end of the
-    first of them that is not empty: the end that is farther from the chain. If both parts are empty, the path
+    first part that is not empty: the end that is farther from the chain. If both parts are empty, the path
     is empty, too.
     """
     wall, moved = recording.walls[name], recording.moved_walls[name]
@@ -87,7 +88,7 @@ def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) ->
 
 
 def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> None:
-    """Draw a path in the colours of time."""
+    """Draw a path, shape (T, 2) [m], in the colours of time; an empty path is not drawn."""
     if len(path) > 1:
         middles = 0.5 * (time[1:] + time[:-1])
         pieces = list(np.stack([path[:-1], path[1:]], axis=1))
@@ -95,7 +96,7 @@ def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> N
 
 
 def _moved(lines: Sequence[np.ndarray], ways: np.ndarray) -> list[np.ndarray]:
-    """Return copies of all lines, moved by each displacement in ``ways``, shape (W, 2) [m]."""
+    """Return a copy of each line for each displacement in ``ways``, shape (W, 2) [m], moved by it."""
     return [line + way for way in ways for line in lines]
 
 

@@ -1,4 +1,4 @@
-"""Long names of points: the panels of a picture have short names, and its foot has the full names."""
+"""Names of points: the panels of a picture shorten long names, and the foot has the full names."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def short(name: str) -> str:
 
 
 def what_touches(recording: Recording, impact: np.void) -> str:
-    """Return words for what touches in an impact, as ``Recording.toucher``; the point of a ball is "ball"."""
+    """Return words for what touches in an impact: "ball" for the point of a ball, else ``toucher``."""
     is_ball = ball_of(recording) == impact["point"] and not recording.is_stop(impact["wall"])
     return "ball" if is_ball else recording.toucher(impact)
 
@@ -40,9 +40,9 @@ def brief_hit(recording: Recording, impact: np.void) -> str:
 
 
 def full_names(recording: Recording) -> str:
-    """Return, as text, the numbers and full names of the points whose names the panels shorten.
+    """Return the numbers and full names of the points whose names the panels shorten, as text; or "".
 
-    The panels name the points with impacts at walls, or with phases of dry friction there. They shorten a
+    The panels name the points with impacts at walls or with phases of dry friction at walls, and shorten a
     name that is longer than LONGEST_NAME.
     """
     shown = {*recording.impacts["point"][~recording.at_stops].tolist()}

@@ -1,4 +1,4 @@
-"""The panel with the force of one impact over time: its peak and its duration."""
+"""The panel with the force of one impact over time, its peak, and the duration of the contact."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed
 from chain_impact.variables.impact_units import unit_at
 
-PEAK = 0.95  # a force counts as having reached its peak at this part of its largest value
+PEAK = 0.95  # a force counts as at its peak from PEAK × its largest value on
 # the least time for which a long contact is shown, relative to the time until the peak force
 AFTER_PEAK = 4.0
-# A contact is long if it lasts more than MUCH_LONGER times as long as its impact. Then only the impact is
-# shown; ``shown_contact`` tells how long it takes.
+# A contact is long if it lasts more than MUCH_LONGER × the time that ``shown_contact`` finds for its impact;
+# only this time is then shown.
 MUCH_LONGER = 2.0
 # If a run cannot be repeated, the force of a contact is drawn from the recording's rows within the contact,
-# but only if there are at least LEAST_ROWS of them.
+# if there are at least LEAST_ROWS such rows.
 LEAST_ROWS = 20
 OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
 
@@ -31,10 +31,10 @@ OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
 def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float:
     """Return the time after the onset [s] for which a contact is shown; 0 for an impulse.
 
-    This is the duration of the contact or, if it is long (MUCH_LONGER), the time of its impact: the longer of
-    LONGEST_IMPACT times penetration / impact speed, and AFTER_PEAK times the time until the peak force.
+    This is the duration of the contact or, if the contact is long (MUCH_LONGER), the time of its impact: the
+    longer one of LONGEST_IMPACT × penetration / impact speed and AFTER_PEAK × the time until the peak force.
 
-    ``time`` [s] and ``force`` are those of the contact, shape (S,).
+    ``impact`` is a row of ``impacts``; ``time`` [s] and ``force`` are those of the contact, shape (S,).
     """
     if not len(time):
         return 0.0
@@ -51,12 +51,12 @@ def is_alone(recording: Recording) -> bool:
 
 
 def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray] | None:
-    """Return the impact with the largest force: its row, and its times [s] and forces, each of shape (S,).
+    """Return row, times [s] and forces of the hardest impact; times and forces have the shape (S,).
 
-    It is the largest force at a wall or at a stop of a slider or, if there is none, the largest moment at a
-    stop of a joint.
-    They come from a repeated run or, if it cannot be repeated, from at least LEAST_ROWS rows. The result is
-    None if they are not known, or if there are only impulses.
+    The hardest impact is that with the largest force at a wall or at a stop of a slider or, without such a
+    force, with the largest moment at a stop of a joint [N·m]. Times and forces come from a repeated run or,
+    if the run cannot be repeated, from at least LEAST_ROWS rows. The result is None if the forces are not
+    known, or if there are only impulses.
     """
     hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.words), None)
     if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
@@ -98,7 +98,10 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
 def curve_of(
     recording: Recording, course: tuple[int, np.ndarray, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, str]:
-    """Return times after the onset and forces of ``course`` in the axes' units, and the force's unit."""
+    """Return times after the onset and forces in the units of the axes, and the unit of the forces.
+
+    ``course`` is a result of ``course_of_hardest``.
+    """
     row, time, force = course
     impact = recording.impacts[row]
     factor, _ = prefixed(shown_contact(impact, time, force), "s")
@@ -107,7 +110,7 @@ def curve_of(
 
 
 def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the peak at the curve of ``draw_one_impact``; the result, the impacts without a number, is ""."""
+    """Write the peak force at the curve of ``draw_one_impact``, and return "" (see ``overview.NUMBERS``)."""
     if found := course_of_hardest(recording):
         along, up, _ = curve_of(recording, found)
         top, peak = int(up.argmax()), recording.impacts["peak_force"][found[0]]
