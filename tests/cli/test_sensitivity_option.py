@@ -118,6 +118,14 @@ def test_rank_orders_all_parameters_and_draws_bars(run, here):
     assert run("simulate", "a.fmu", "--rank", "peak_force")[0] == 2
 
 
+def test_a_ranking_by_the_force_in_joints_needs_no_key_of_the_scene(run):
+    command = ("simulate", "pinned_arm", "--stop-time", "0.55", "--rank", "joint_force", "--sensitivity")
+    code, said, errors = run(*command, "link[*].mass")
+    assert (code, errors) == (0, "")
+    assert said == run(*command, "link[*].mass", "--set", "outputs.loads=true")[1]
+    assert "link[2].mass" in said
+
+
 def test_rank_tells_which_effects_a_run_with_the_new_value_refutes(run):
     said = run("simulate", "four_link_box", "--stop-time", "0.52", "--rank", "peak_force")[1]
     assert "confirm 16 of " in said

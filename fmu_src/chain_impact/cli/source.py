@@ -27,6 +27,7 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import record_scene, value_of, with_settings
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
+from chain_impact.variables.indices import JOINT_FORCE
 
 LEAST_ROWS = 1000  # for a picture of its motion, a scene is simulated again if it has fewer rows
 TOLERANCE = "solver.tolerance"
@@ -95,11 +96,13 @@ class Source:
     def ranking(self, what: str, parameters: Sequence[str]) -> Ranking:
         """Return the ranking of ``parameters``, by default of all, by the change of the quantity ``what``.
 
-        The scene is simulated with rows at the start and the end only, because the ranking needs no others.
+        The scene is simulated with rows at the start and the end only, because the ranking needs no others,
+        and with the forces in joints if the ranking is by the largest of them.
         """
         if self.is_fmu:
             raise UsageError(f"--rank: {self.name} is an FMU; must be a scene")
         scene = self.scene()
+        scene = scene.with_values({"outputs.loads": True}) if what == JOINT_FORCE else scene
         rows = {"simulation.step_size": scene.simulation.stop_time}
         with progress() as advance:
             result = record_scene(scene, rows, advance, parameters or ["*"])
