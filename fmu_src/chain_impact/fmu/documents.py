@@ -59,7 +59,7 @@ def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
 
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
     if license_text is None:
-        raise BuildError("the license of chain-impact is not installed with it: install the package anew")
+        raise BuildError("chain-impact is installed without its license: install the package again")
     return {
         "documentation/index.html": page(prepared, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),

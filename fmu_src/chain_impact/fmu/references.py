@@ -125,7 +125,7 @@ def reference(prepared: PreparedScene) -> Reference:
 
 
 def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
-    """Return the reference results at the communication points ``times``, equally spaced from 0 [s]."""
+    """Return the reference results at ``times``, equally spaced from 0 [s], as far as they are reliable."""
     ends = {f"point[{k}].{axis}" for k in (0, prepared.sizes.links) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, prepared.sizes.links)}
     # outputs of the whole chain: energies and numbers of impacts, which depend on every part of the motion

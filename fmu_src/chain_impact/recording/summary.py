@@ -46,7 +46,7 @@ FIVE_DIGITS, MILLION = 1e4, 1e6
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Yield two lines, if the energies are known: the energies at the end of the run, and their balance.
+    """Yield two lines, if the energies are known: the energies at start and end of the run; their balance.
 
     The balance checks the energy only; it does not bound errors of the motion. In free flight, positions may
     be wrong by the tolerance although the energy is constant up to round-off.

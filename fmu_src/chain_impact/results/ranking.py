@@ -301,7 +301,7 @@ class Ranking:
 
 
 def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
-    """Return the change in the run with the new value as text; "none" if this run lacks the quantity."""
+    """Return the change in the run with the new value as text; "none" if no run has the quantity."""
     return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
 
 

@@ -149,7 +149,7 @@ class Result(Pictured):
     def _has_all(self) -> bool:
         """Whether ``outputs`` has all outputs, in the fields of ``output_dtype``.
 
-        Otherwise it has only the outputs that were named in ``simulate(output=…)``.
+        Otherwise ``outputs`` has only those that were named in ``simulate(output=…)``, a field for each.
         """
         return "point_position" in (self.outputs.dtype.names or ())
 
