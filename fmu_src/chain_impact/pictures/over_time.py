@@ -38,11 +38,11 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
-# The curve of an energy is dashed if it differs from an earlier curve by at most ALIKE, relative to the range
-# of all curves, in at least the part MOSTLY of all rows; the curve of the total energy does not count.
+# The curve of an energy is dashed if, in at least the part MOSTLY of all rows, it differs from an earlier
+# curve by at most ALIKE, relative to the range of all curves. The curve of the total energy does not count.
 ALIKE, MOSTLY = 0.03, 0.8
-# The zero of the potential energy is moved if the range of all energies then becomes smaller than this,
-# relative to the range with the usual zero.
+# the zero of the potential energy is moved if the range of all energies (``range_of``) is then smaller than
+# this, relative to the range with the usual zero
 CLOSER = 0.8
 ENERGY_PARTS = {"friction": BROWN}
 """Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``."""
@@ -59,8 +59,8 @@ ENERGIES = {
 """Name of an energy → its colour in all pictures."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
 VISIBLE_ELASTIC = 0.01
-# Energies whose values are all less than this, relative to the largest value of any energy, look like one
-# line at 0; if more than MOST_GREY do, they are drawn as a band.
+# Energies whose |values| are all less than this, relative to the largest |value| of any energy, look like one
+# line at 0; more than MOST_GREY such energies are drawn as a band.
 TINY = 0.05
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 # the height of a bar that shows sticking, and of a name above its bars, relative to the distance of two rows
@@ -72,7 +72,7 @@ TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to t
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
-    """Draw a bar with the colour that the panel of motion has for each time, above the label of the axis."""
+    """Draw a bar with the colour of each time in the panel of the motion, above the label of the time."""
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, shown.start + 1e-9)
     axes.set_axes_locator(_slim)
@@ -85,16 +85,16 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
 
 def _slim(axes: Any, _: Any) -> Bbox:
-    """Return the box of the bar's axes, with their upper edge, their width and the height CLOCK_HEIGHT."""
+    """Return the box of the axes of ``draw_clock``: upper edge and width stay, the height is CLOCK_HEIGHT."""
     figure, place = axes.get_figure(root=True), axes.get_position(original=True)
     assert figure is not None
     return Bbox([[place.x0, place.y1 - CLOCK_HEIGHT / figure.get_figheight()], [place.x1, place.y1]])
 
 
 def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
-    """Give axes the label and the limits of the shown time.
+    """Give the x axis the label and the limits of the shown time.
 
-    The label also has words on a rest that is shaded or cut; without a rest it has the ``note``.
+    The label also has words on a rest that is shaded or cut off; without a rest, the label has the ``note``.
     """
     shown = shown_time(recording)
     margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
@@ -105,14 +105,14 @@ def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
 
 
 def name_time(axes: Axes, end: float) -> str:
-    """Return the name of a time axis up to ``end`` [s], with its unit, and give its numbers this unit."""
+    """Return the name of an x axis of time up to ``end`` [s], with the unit that the numbers get here."""
     factor, unit = time_unit(end)
     scale_numbers(axes.xaxis, factor)
     return f"time [{unit}]"
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
-    """Draw the energies over time, with lines at impacts."""
+    """Draw the energies over time, with lines at impacts; small energies (``tiny_curves``) as a band."""
     mark_impacts(axes, recording)
     time, curves = recording.detailed_energies[0], energy_curves(recording)
     tiny = tiny_curves(curves)
@@ -131,7 +131,7 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 
     The values are those of ``recording.detailed_energies``, but ``without_gap`` may have added a number [J]
     to the potential and the total energy. If so, the labels of these two energies tell the number. The curve
-    of the total energy is wide and behind the others. Another curve is dashed if it would hide an earlier
+    of the total energy is wide and behind other curves. Another curve is dashed if it would hide an earlier
     curve, or if its energy is in ENERGY_PARTS.
     """
     shown, offset = shown_energies(recording)
@@ -149,8 +149,8 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 def shown_energies(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
     """Return the energies of a picture, and the number [J] added to the potential and total energies.
 
-    The number is that of ``without_gap``. Elastic, supplied and partial energies that are always 0 are left
-    out.
+    The number is that of ``without_gap``. Elastic energy, supplied energy, and energies in ENERGY_PARTS are
+    left out if they are always 0. Each energy has the shape (T,) [J].
     """
     time, energies = recording.detailed_energies
     known = {name: energies.get(name, np.zeros(len(time))) for name in ENERGIES}
@@ -161,7 +161,8 @@ def shown_energies(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
 def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int]:
     """Return the indices of the energy curves that are so small (TINY) that they look like one line at 0.
 
-    If there are at most MOST_GREY such curves, the list is empty. Energies in ENERGY_PARTS do not count.
+    If there are at most MOST_GREY such curves, the list is empty. Energies in ENERGY_PARTS do not count as
+    small.
     """
     sizes = [float(np.abs(values).max(initial=0.0)) for values, _ in curves]
     parts = {PART_LABEL.format(name) for name in ENERGY_PARTS}
@@ -173,9 +174,9 @@ def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int
 def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:
     """Return energies for a picture, and the number [J] that is added to the potential and total energies.
 
-    The zero of the potential energy is arbitrary, so its curve may lie far from the others. If this gap would
-    take much of the axis, the number moves the least potential energy near 0; the number has two significant
-    digits. Otherwise the number is 0, and the energies stay as they are.
+    The zero of the potential energy is arbitrary, so the curve of this energy may lie far from other curves.
+    If the gap would take much of the axis (CLOSER), the number moves the least potential energy near 0; the
+    number has two significant digits. Otherwise the number is 0, and no energy changes.
     """
     potential = energies.get("potential", np.zeros(1))
     least = float(potential.min())
@@ -204,7 +205,8 @@ def offset_text(offset: float) -> str:
 def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
     """Return the properties of the curve of the energy ``name``, with matplotlib's names.
 
-    ``offset`` is the number [J] from ``without_gap``, which the labels of potential and total energy tell.
+    ``offset`` is the number [J] from ``without_gap``, which the labels of potential and total energy tell
+    unless it is 0.
     """
     is_total, label = name == "total", name
     if offset and name in ("potential", "total"):
@@ -218,7 +220,7 @@ def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
 
 
 def part_look(name: str, offset: float = 0.0) -> dict[str, Any]:
-    """Return ``energy_look``; an energy in ENERGY_PARTS gets dashes, and the label of a part of another."""
+    """Return ``energy_look``, but with dashes and PART_LABEL for an energy in ENERGY_PARTS."""
     part = {"label": PART_LABEL.format(name), "linestyle": "--"} if name in ENERGY_PARTS else {}
     return energy_look(name, offset) | part
 
@@ -230,10 +232,9 @@ def over_all_time(axes: Axes, recording: Recording) -> None:
 
 
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
-    """Draw phases of dry friction: bars where a contact, joint or slider sticks, lines where it slides.
+    """Draw phases of dry friction: a bar while a contact, joint or slider sticks, a line while it slides.
 
-    Of these contacts, joints and sliders, only the MOST_ROWS are drawn whose phases have the largest sum of
-    durations.
+    Each contact, joint or slider has a row; only the first MOST_ROWS of ``rubbing_places`` are drawn.
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
@@ -259,7 +260,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
 
 
 def phase_lengths(recording: Recording) -> np.ndarray:
-    """Return the duration of each phase of dry friction, shape (F,) [s]."""
+    """Return the duration of each phase of dry friction up to the end of the recording, shape (F,) [s]."""
     phases = recording.stick_slip
     ends = np.where(np.isnan(phases["end"]), recording.time[-1], phases["end"])
     return np.asarray(ends - phases["start"])
@@ -268,7 +269,7 @@ def phase_lengths(recording: Recording) -> np.ndarray:
 def rubbing_places(recording: Recording) -> list[str]:
     """Return words for each contact, joint or slider with phases of dry friction.
 
-    The first has the largest sum of the durations of all its phases, of sticking and of sliding.
+    The order is by the sum of the durations of all phases, of sticking and of sliding, the largest sum first.
     """
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
@@ -290,7 +291,7 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
 
 
 def impact_lines(recording: Recording, start: float, end: float, more: str = "") -> str:
-    """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" if there are none.
+    """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" without such lines.
 
     The words end with ``more``.
     """

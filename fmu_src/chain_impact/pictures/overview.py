@@ -44,10 +44,9 @@ def draw_place(axes: Axes, recording: Recording) -> None:
 
 
 def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of impacts into the panel of a motion in the plane.
+    """Write the numbers of impacts into the panel of a motion; return the numbers without room as text.
 
-    Returns the numbers without room as text. If the motion is drawn over time, only the panel of impacts has
-    numbers.
+    If the motion is drawn over time, its panel has no numbers, and "" is returned.
     """
     return "" if is_over_time(recording, "motion") else number_rings(axes, recording, ink)
 
@@ -61,27 +60,27 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
 }
 """The panels of a picture: name → function that draws the panel."""
 NUMBERS = {"motion": number_places, "impact": number_one_impact, "impacts": number_impacts}
-"""Name of a panel → function that writes the numbers of impacts into it, after the layout is final.
+"""Name of a panel → function that writes the numbers of impacts into the panel, after the layout is final.
 
-The functions return the numbers without room, as text. In the panel "impact", the function writes the peak,
-and returns "".
+Each function returns the numbers without room, as text. The function of the panel "impact" writes the peak
+force, and returns "".
 """
-# LISTED_HEIGHT: the largest height of all texts at the foot together, if one of them names impacts; relative
-# to the height of the figure
+# the largest height of all texts at the foot together, if one of these texts names impacts, relative to the
+# height of the figure
 LISTED_HEIGHT = 0.25
-# how often, at most, the panels are arranged again because the text at the foot takes room from them
+# how often, at most, the panels are arranged again because the text at the foot takes room from the panels
 FEET = 3
 PANEL_WORDS = {"motion": "motion", "impacts": "panel of impacts"}
-"""Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
+"""Name of a panel → word for the panel in the sentence of ``number_all``."""
 
 
 @styled()
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
-    """Draw the panels named ``panels`` on an empty figure; without names, all panels with data.
+    """Draw the panels named ``panels`` on an empty figure; without names, those of ``panels_to_draw``.
 
-    A motion in the plane is to the left of the panels over time. If the motion is broad or the figure narrow,
-    it is above these panels. In a narrow figure, the legend of a slim motion is at the side of the motion,
-    unless a panel is there. If the title is "", a summary of the run is the headline; None means no headline.
+    A motion in the plane is to the left of the panels over time or, if the motion is broad or the figure
+    narrow, above these panels. In a narrow figure, the legend of a slim motion is beside the motion, unless a
+    panel is there. If the title is "", a summary of the run is the headline; None means no headline.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -127,13 +126,13 @@ def number_and_list(
 ) -> None:
     """Write the numbers of impacts into all panels; a text at the foot lists the numbers without room.
 
-    This text makes the panels smaller, so that fewer numbers may have room. Therefore all numbers are then
-    written again. ``panel_axes``: name of a panel → its axes; ``motion``: the axes of a motion that has the
-    same scale along x and y, or None.
+    The text makes the panels smaller, so that fewer numbers may have room; all numbers are then written
+    again. ``panel_axes``: name of a panel → its axes; ``motion``: the axes of a motion that has equal scales
+    along x and y, or None.
     """
     engine, foot = figure.get_layout_engine(), None
     room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None
-    # without a layout engine all artists stay at their positions while labels are put between them
+    # without a layout engine, nothing moves while labels are placed
     figure.set_layout_engine("none")
     missing = number_all(figure, panel_axes, recording)
     for _ in range(FEET if missing else 0):
@@ -156,9 +155,9 @@ def number_and_list(
 
 
 def number_all(figure: Figure, panel_axes: dict[str, Axes], recording: Recording) -> str:
-    """Write the numbers of impacts into all panels that have numbers.
+    """Write the numbers of impacts into all panels in NUMBERS.
 
-    Returns a sentence on the numbers without room; "" if there are none.
+    Returns a sentence on the numbers without room; "" if all numbers have room.
     """
     ink, parts = Ink(figure), []
     for name, write in NUMBERS.items():
@@ -168,7 +167,7 @@ def number_all(figure: Figure, panel_axes: dict[str, Axes], recording: Recording
 
 
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
-    """Draw some panels into axes that a user gives: one axes, or one for each panel.
+    """Draw some panels into axes that a user gives, one for each panel; see ``panels_to_draw``.
 
     Raises:
         ValueError: when a panel does not exist, or the numbers of axes and panels differ.
@@ -192,8 +191,9 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
 def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
     """Return the names of the panels to draw, in the order of PANELS.
 
-    They are ``panels`` or, if this is empty, all panels for which the recording has data. Then a single
-    impact has the panel "impact" if its force over time is known, else "impacts".
+    These are ``panels`` or, if ``panels`` is empty, all panels for which the recording has data: of "impact"
+    and "impacts" only "impact" if the recording has a single impact, whose force over time is known, else
+    "impacts".
 
     Raises:
         ValueError: when a panel does not exist.
@@ -218,7 +218,7 @@ def usual_size(
 ) -> tuple[float, float]:
     """Return the usual width and height of a figure with some panels [inches].
 
-    If ``size`` is given, the width is that of ``size``, with the usual height for it.
+    With ``size``, the height is the usual one for the width of ``size`` (``size_for``).
 
     Raises:
         ValueError: when a panel does not exist.

@@ -10,9 +10,9 @@ from chain_impact.pictures.style import SHADE, faint
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
-CUT_REST = 0.4  # rests at start and end are cut if they take together at least this part of the whole time
-# The parts of cut rests that are still shown, relative to the time with motion: BEFORE of the rest before the
-# motion, AFTER of the rest after it.
+CUT_REST = 0.4  # rests at start and end are cut if together they take at least this part of the whole time
+# The shown times of cut rests, relative to the time between these rests: BEFORE of the rest at the start,
+# AFTER of the rest at the end.
 BEFORE, AFTER = 0.1, 0.25
 
 
@@ -34,7 +34,7 @@ class Shown(NamedTuple):
 
 
 def shown_time(recording: Recording) -> Shown:
-    """Return the time that a picture shows, without most of a long rest at the start or the end."""
+    """Return the time that a picture shows, without most of long rests at start and end (CUT_REST)."""
     resting = rests(recording)
     first, last = (float(recording.time[row]) for row in (0, -1))
     start, end = first, last

@@ -17,23 +17,22 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen, size_of
 from chain_impact.scene.half_planes import HalfPlane
 
-# VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall, if the
-# caller does not say it. Both are relative to the longer side of the view without margins. √2 BAND must be
-# less than NEAR of recording/view.py: then the margins alone do not reach a wall that is left out because it
-# is farther away than NEAR. If the view is larger, because of near walls or a wider band, it may reach such a
-# wall; ``view_of`` then adds this wall.
+# VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall by
+# default. Both are relative to the longer side of the view without margins. √2 BAND must be less than NEAR of
+# recording/view.py: then the margins alone do not reach a wall that is left out because it is farther away
+# than NEAR. A view that is larger, because of near walls or a wider band, may reach such a wall; ``view_of``
+# then adds this wall.
 VIEW_MARGIN, BAND = 0.04, 0.14
 # the view is not extended to a position of a moving wall that is farther from the motion than this, relative
 # to the size of the motion
 FARTHEST = 1.0
 # FLATTEST: a motion whose height, relative to its width, is less than this has a scale of its own along y;
-# FLAT_MARGIN: the margin above and below it, relative to its height
+# FLAT_MARGIN: the margin above and below such a motion, relative to its height
 FLATTEST, FLAT_MARGIN = 0.03, 0.25
 # the least ratio of the shorter to the longer side of a view whose shape is not given; a flat motion has less
 SLIMMEST = 0.3
-GROWN = np.array([1.1, 1.2])  # the largest factors by which width and height of the view grow to fill axes
-# a wall counts as parallel to the x axis or y axis if a component of its unit normal is larger than this, in
-# absolute value
+GROWN = np.array([1.1, 1.2])  # the largest factors on width and height with which the view grows to fill axes
+# a wall counts as parallel to the x axis or the y axis if a |component| of its unit normal exceeds this
 STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
 # most this number
@@ -55,9 +54,9 @@ class View(NamedTuple):
 
 
 def is_flat(recording: Recording) -> bool:
-    """Return whether a motion is so flat that it is a line in a picture with equal scales along x and y.
+    """Return whether a motion would look like a line in a picture with equal scales along x and y (FLATTEST).
 
-    A motion with a pinned base, a slider or outlines of links is never flat.
+    A motion with a pinned base, a slider or outlines of links, or without a height, is never flat.
     """
     if recording.pinned or recording.rail or recording.outlines:
         return False
@@ -69,8 +68,8 @@ def is_flat(recording: Recording) -> bool:
 def seen_size(recording: Recording) -> float:
     """Return the size [m] with which distances between poses are compared.
 
-    It is the height of a motion that ``is_flat``, because this is drawn enlarged, and ``size_of`` of any
-    other motion.
+    The size of a motion that ``is_flat`` is the height of its points, because y is drawn enlarged; the size
+    of any other motion is ``size_of``.
     """
     return float(np.ptp(recording.points[..., 1])) if is_flat(recording) else size_of(recording)
 
@@ -78,11 +77,11 @@ def seen_size(recording: Recording) -> float:
 def view_of(recording: Recording, shape: float | None = None, band: float = BAND) -> View:
     """Return the view of a motion in the plane: the motion, with a margin, and the walls near it.
 
-    A wall that is never near the motion is left out. A wall that comes near is in view at its start and at
-    both extreme positions, but not at a position farther away than FARTHEST. ``shape`` is the wanted height
-    of the view divided by its width. The view has another shape if it would be much larger than the motion,
-    or if walls on both sides leave no room to extend it. ``band`` is how far the view reaches beyond a wall,
-    relative to the longer side of the view without margins.
+    A wall that is never near the motion is left out. Of any other wall, the view contains the position at the
+    start and both extreme positions, except positions farther away than FARTHEST. ``shape`` is the wanted
+    height of the view divided by its width. The view has another shape if it would otherwise grow by more
+    than GROWN, or if walls on both sides leave no room to extend it. ``band`` is how far the view reaches
+    beyond a wall, relative to the longer side of the view without margins.
     """
     places = {
         (name, end): wall
@@ -118,8 +117,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
             met[at] = wall
             along = int(np.abs(normal).argmax())
             # Only the enlarged view reaches this wall. If the wall is parallel to an edge of the view, the
-            # view is cut to end at most ``band`` × ``width`` beyond it; ``width`` is the longer side that the
-            # view had before margins.
+            # view is cut to end at most ``band`` × ``width`` beyond the wall.
             if abs(normal[along]) > STRAIGHT:
                 inwards = max(0.0, beyond - band * width)
                 view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * inwards
@@ -130,7 +128,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
 
 
 def drawn_places(recording: Recording) -> np.ndarray:
-    """Return the positions of points, a carriage's corners and the ends of discs, shape (T, M, 2) [m]."""
+    """Return the positions of points, corners of a carriage, and DISC_ENDS of discs, shape (T, M, 2) [m]."""
     places, points = places_of(recording), recording.all_points
     rims = [
         points[:, [point]] + radius * DISC_ENDS
@@ -156,9 +154,9 @@ def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
 def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
     """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
 
-    ``view`` is by default the result of ``view_of``. The lines of moving walls and a moving base are not
-    drawn here but in ``draw_moving``. The room is white where the chain may be at all times, and pale grey
-    where it may be only at some times.
+    ``view`` is by default the result of ``view_of``. The lines of moving walls, and a moving base, are drawn
+    by ``draw_moving``. The ground is white where the chain may be at all times, and AT_TIMES_COLOUR where the
+    chain may be only at some times.
     """
     corners, near = view or view_of(recording)
     moving = moving_walls(recording, near)
@@ -187,7 +185,7 @@ def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
 
 
 def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
-    """Draw the ground mark of a pinned base from ``lines``, a result of ``pin_mark``; return its artists."""
+    """Draw the ground mark of a pinned base, the ``lines`` of ``pin_mark``; return the artists."""
     line_style: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
     if not lines:
         return []
@@ -199,13 +197,13 @@ def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
 def draw_room(
     axes: Axes, view: np.ndarray, near: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
 ) -> list[Artist]:
-    """Draw the room between some walls in white and the area beyond in grey, and set the axes' limits.
+    """Draw the room between some walls in white, the area beyond in grey, and lines of walls; set the limits.
 
     Args:
         axes: the axes to draw into.
         view: lower left and upper right corner of the axes' view, shape (2, 2) [m].
-        near: the walls.
-        lines: the walls that get a line; by default all walls.
+        near: the walls that bound the room.
+        lines: the walls in ``near`` that get a line; by default all.
 
     Returns:
         The artists.
@@ -224,7 +222,7 @@ def draw_room(
 def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
     """Return the two ends of the part of a wall that bounds the room between ``walls`` in a view [m].
 
-    The shape is (2, 2); it is (0, 2) if no part of the wall bounds this room.
+    The shape is (2, 2), or (0, 2) if no part of the wall bounds this room. ``wall`` is one of ``walls``.
     """
     corners = _corners(walls, view)
     gaps = corners @ np.array(wall.normal) - wall.offset

@@ -13,15 +13,15 @@ from matplotlib.transforms import blended_transform_factory
 
 LONGEST_BAR = 1 / 6  # the largest length of the bar, relative to the width of the view
 FACTORS = (5, 2, 1)  # a round length is one of these numbers times a power of ten
-LENGTH_EXCESS = 1e-12  # a round length may exceed the largest allowed one by this part, which is round-off
-SMALL_LENGTH = 0.01  # [m] the length of a bar below which its number is in millimetres
+LENGTH_EXCESS = 1e-12  # a round length may exceed the largest allowed length by this part, as round-off
+SMALL_LENGTH = 0.01  # [m] the number at a shorter bar is in millimetres
 
 
 def round_length(most: float) -> float:
     """Return the largest round length that is at most ``most`` [m]."""
     power = 10.0 ** math.floor(math.log10(most))
-    # The logarithm of a number just below a power of ten may be rounded up. Then ``power`` exceeds ``most``
-    # by round-off, which LENGTH_EXCESS allows.
+    # the logarithm of a number just below a power of ten may be rounded up, so that ``power`` exceeds
+    # ``most`` by round-off; LENGTH_EXCESS allows this
     return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + LENGTH_EXCESS))
 
 
@@ -40,8 +40,8 @@ def placed_below(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
 def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
     """Draw a bar of a round length, with this length as text, below axes; return the artists.
 
-    The bar ends at the right edge of the axes.
-    ``height`` is the position of the bar, relative to the height of the figure.
+    The bar ends at the right edge of the axes. ``height`` is the height of the bar above the foot of the
+    figure, relative to the height of the figure.
     """
     figure, place, text_look = placed_below(axes, colour)
     left, right = axes.get_xlim()

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 Size = Sequence[float | None]
-"""Width and height of a figure [inches]; a height of None is the height that the contents need."""
+"""Width and height of a figure [inches]; the height None means the height that the contents need."""
 # [inch] the least and the largest width and height of a figure; a larger size is probably in other units, and
 # would fill the memory with pixels
 LEAST_SIZE, LARGEST_SIZE = 2.0, 60.0
@@ -14,11 +14,11 @@ MM = 25.4  # the number of millimetres in an inch
 
 
 def figure_size(size: Size) -> tuple[float, float | None]:
-    """Return the width and the height of a figure [inches]; the height may be None.
+    """Return ``size`` as the width and the height of a figure [inches]; the height may be None.
 
     Raises:
-        ValueError: when the size is not a pair, or a side is not a number from LEAST_SIZE to LARGEST_SIZE;
-            only the height may be None.
+        ValueError: when the size is not a pair, or a side is not a number from LEAST_SIZE to LARGEST_SIZE,
+            except a height of None.
     """
     try:
         width, height = (None if side is None else float(side) for side in size)

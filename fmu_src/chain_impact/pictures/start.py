@@ -1,4 +1,4 @@
-"""Pictures of a chain at its start: the drawing in an FMU's documentation, and the icon of an FMU."""
+"""Pictures of a chain at the start: the drawing in an FMU's documentation, and the icon of an FMU."""
 
 from __future__ import annotations
 
@@ -26,13 +26,14 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
 DRAWING_SIZE, ICON_SIZE = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of the drawing, and of the icon
-# [inch] the width and height that stay free, for both sides together: in the drawing and in the icon
+# [inch] the free width at left and right together, and also the free height at both edges together: in the
+# drawing and in the icon
 DRAWING_MARGIN, ICON_MARGIN = 1.4, 0.3
 # [points] three lengths: of an arrow, of the radius of the arc of an angle, and of the line from which an
 # angle is measured
 ARROW, ARC, REFERENCE = 30.0, 18.0, 32.0
-# the largest number of links with which all points and angles get labels; with more links only some points
-# and the first angle get a label
+# the largest number of links with which all points and angles have labels; with more links, only some points
+# and the first angle have a label
 LABELLED = 8
 SIGNS = (
     "This is the start. Link i ends at point i. Angles, angular velocities and torques are positive "
@@ -44,7 +45,7 @@ SIGNS = (
 
 @contextmanager
 def repeatable() -> Iterator[None]:
-    """Let equal scenes give equal pictures in a ``with`` block, whatever matplotlib's settings are."""
+    """Let a ``with`` block draw equal pictures of equal scenes, whatever matplotlib's settings are."""
     own = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
     with matplotlib.style.context("default"), matplotlib.rc_context(own):
         yield
@@ -52,7 +53,7 @@ def repeatable() -> Iterator[None]:
 
 @repeatable()
 def drawing(scene: Scene) -> str:
-    """Return a drawing of the chain at its start as SVG: points, angles, walls and positive directions."""
+    """Return a drawing of the chain at the start as SVG: points, angles, walls and positive directions."""
     axes, joints, unit = _chain(scene, DRAWING_SIZE, DRAWING_MARGIN, linewidth=5.0, markersize=8.0)
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     for name, plane in scene.walls_at_start.items():
@@ -84,7 +85,7 @@ def drawing(scene: Scene) -> str:
 
 @repeatable()
 def icon(scene: Scene) -> bytes:
-    """Return a small picture of the chain at its start with the walls, as PNG."""
+    """Return a small picture of the chain at the start, with the walls, as PNG."""
     axes, *_ = _chain(scene, ICON_SIZE, ICON_MARGIN, linewidth=4.0, markersize=6.0)
     stream = io.BytesIO()
     axes.figure.savefig(stream, format="png", dpi=100, metadata={"Software": None})
@@ -94,14 +95,14 @@ def icon(scene: Scene) -> bytes:
 def _chain(
     scene: Scene, size: tuple[float, float], border: float, **style: float
 ) -> tuple[Any, np.ndarray, float]:
-    """Draw the walls, and the chain at its start, into a new figure.
+    """Draw the walls, and the chain at the start, into a new figure.
 
     The view contains the chain and, of each wall, the point that is nearest to the middle of the chain.
-    ``size``: width and height of the figure [inches]; ``border``: how much of both stays free, at the two
-    sides together [inches].
+    ``size``: width and height of the figure [inches]; ``border``: how much of the width, and of the height,
+    stays free at both sides together [inches]; ``style``: linewidth and markersize of the chain [points].
 
-    Returns the axes, the positions of the points 0…N [m], and the length in the drawing [m] of a typographic
-    point (1/72 inch).
+    Returns the axes, the positions of the points 0…N, shape (N + 1, 2) [m], and the length in the scene [m]
+    that is drawn as a typographic point (1/72 inch).
     """
     points = np.array([disc[:2] for disc in scene.start.values()])
     joints, sites = np.split(points, [len(scene.chain.links) + 1])
@@ -132,10 +133,10 @@ def _foot(plane: HalfPlane, point: np.ndarray) -> np.ndarray:
 
 
 def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
-    """Draw the line and the name of a wall, and arrows with ``letters`` along its normal and along its line.
+    """Draw the line and the name of a wall, and arrows with ``letters`` along its normal and its tangent.
 
-    With one letter, only the normal has an arrow. The arrows are away from the middle of the wall, where the
-    chain may be.
+    With one letter, only the normal has an arrow. The arrows stand beside the middle of the wall, because the
+    chain may be at the middle.
     """
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     foot, normal = _foot(plane, 0.5 * (low + high)), np.array(plane.normal)
@@ -154,26 +155,25 @@ def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: fl
     """Draw the arc of a link's angle from the x axis, at the link's joint, within −180° to 180°.
 
     ``joint``: position of the joint [m]; ``text``: name and value of the angle; ``angle``: the angle [rad];
-    ``unit``: the size of a typographic point [m].
+    ``unit``: the length in the scene [m] that is drawn as a typographic point.
     """
     x, y = joint
     turned = math.degrees(math.remainder(angle, math.tau))
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
     axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
-    # [points] The text is below the line from which the angle is measured if the angle is positive, and the
-    # link therefore above this line; otherwise it is above the line.
+    # [points] the text is on the other side of the line from which the angle is measured than the link
     below = -9.0 if turned > 0.0 else 6.0
     _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE, below), ha="left")
 
 
 def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float]) -> None:
-    """Draw an arrow from a point [m] in a direction, a unit vector, with a letter at the arrow's tip."""
+    """Draw an arrow from a point [m] along a unit vector, with a letter at the arrow's tip."""
     _text(axes, letter, start, ARROW * np.array(direction), arrowprops={"arrowstyle": "<-", "shrinkB": 0.0})
 
 
 def _text(axes: Axes, text: str, point: np.ndarray, offset: Iterable[float], **given: Any) -> None:
-    """Draw a text next to a point [m]; ``offset`` is its distance from there in typographic points."""
+    """Draw a text at the distance ``offset``, x and y in typographic points, from a point [m]."""
     x, y = offset
     style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", "zorder": 6}
     axes.annotate(text, (point[0], point[1]), (x, y), annotation_clip=False, **(style | given))

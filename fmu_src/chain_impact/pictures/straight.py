@@ -15,21 +15,21 @@ from chain_impact.pictures.style import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
 
-BENT = 0.01  # the largest width of a ball's path that counts as a line, relative to the length of the path
+BENT = 0.01  # the largest width of a ball's path that counts as a line, relative to its extent along the line
 # BALL_MARGIN: the margin at both ends of the axis of positions; WALL_BAND: the visible width of the area
 # beyond a wall; both relative to the range of the ball and the walls
 BALL_MARGIN, WALL_BAND = 0.06, 0.14
 BALL_OPACITY = 0.25  # the opacity, from 0 to 1, of the disc of the ball around its centre
-# The size of the mark of an impact, if there are many impacts, is RING_PART times the width of the axes
-# divided by the number of marks. It is at least SMALLEST_RING [points].
+# The size of a ring at an impact [points] is RING_PART times the width of the axes divided by the number of
+# rings, but at least SMALLEST_RING and at most RING_SIZE.
 SMALLEST_RING, RING_PART = 3.0, 0.7
 
 
 def line_of_motion(recording: Recording) -> int | None:
     """Return the axis along which a ball moves, 0 for x and 1 for y; None for any other motion.
 
-    Along this axis, the way of the ball is longer than its radius; across the axis, it hardly moves. All
-    walls near the ball are perpendicular to the axis.
+    Along this axis, the path of the ball is longer than the ball's radius; across the axis, the ball hardly
+    moves (BENT). All walls in view are perpendicular to the axis.
     """
     ball = ball_of(recording)
     if ball is None:
@@ -75,9 +75,9 @@ def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
 
 
 def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray]) -> None:
-    """Draw a ring at each impact with a wall in ``surfaces``: at the onset, on the surface of this wall.
+    """Draw a ring at each impact with a wall in ``surfaces``, the result of ``wall_surfaces``.
 
-    ``surfaces`` is a result of ``wall_surfaces``.
+    The ring is at the onset of the impact, on the surface of the wall.
     """
     hits = [(row["onset"], surfaces.get(recording.wall_names[row["wall"]])) for row in recording.impacts]
     spots = {
@@ -101,9 +101,8 @@ def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
     for name in view_of(recording).walls:
         wall = recording.walls[name]
         offset = wall.offset + recording.moved_walls.get(name, still)
-        # The surface of the wall is the line of all p with n·p = offset, for the wall's normal n. The result
-        # is the coordinate along the axis of the p beside the ball: its coordinate across the axis is the
-        # ball's.
+        # The surface of the wall with the normal n is the line of all p with n·p = offset. The result is the
+        # coordinate along the axis of that p whose coordinate across the axis equals the ball's.
         beside = wall.normal[1 - along] * recording.points[:, ball, 1 - along]
         surfaces[name] = (offset - beside) / wall.normal[along]
     return surfaces

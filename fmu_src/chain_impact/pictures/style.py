@@ -1,4 +1,4 @@
-"""The style of all pictures: fonts, colours that colour-blind readers can distinguish, the headline."""
+"""The style of all pictures: fonts, colours that colour-blind readers can distinguish, headline and foot."""
 
 from __future__ import annotations
 
@@ -34,17 +34,18 @@ LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.
 
-The first four are of Okabe and Ito, Color Universal Design (2008). Their other colours, except black, are too
-pale for lines on white; the last two are dark, so that colour-blind readers can tell them from the others.
+The first four are from Okabe and Ito, Color Universal Design (2008); the other colours there, except black,
+are too pale for lines on white. The last two are dark, so that colour-blind readers can tell them from the
+first four.
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
-"""The greys: of curves in the background, of a grid's lines, and of text and outlines."""
+"""Greys: GREY of curves in the background, PALE of a grid's lines, INK of text and outlines."""
 OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
-"""The colours of the ground: beyond walls, and where the chain may be only at some times."""
+"""The colours of the ground beyond walls, and where the chain may be only at some times."""
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
 """The colours of areas on which labels may stand: the ground inside and beyond walls."""
-# Parts of the text's colour in a mixture with the ground. SHADE: for a time in which nothing moves; LINE: for
-# the line at an impact.
+# Parts of the text's colour in mixtures with the ground (``faint``). SHADE: for a time in which nothing
+# moves; LINE: for the line at an impact.
 SHADE, LINE = 0.05, 0.1
 # the colour map viridis without its end, which is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
@@ -80,7 +81,7 @@ COLOURS: Any = {
 }
 """Settings with which every picture is drawn: black on white, whatever the user's style is.
 
-If the user's style is dark, ``suit_figure`` then changes the colours.
+If the user's style is dark, ``suit_figure`` changes the colours afterwards.
 """
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The groups of matplotlib's settings, such as ``font``, whose values a figure stores until it is drawn."""
@@ -91,8 +92,8 @@ LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the 
 # [inch] GAP: space below the headline, and below the conditions; LINE_GAP: between the lines in colours
 GAP, LINE_GAP = 0.09, 0.02
 MOST_HEAD = 0.33  # conditions are left out if they and the headline are higher than this part of the figure
-# the largest height of the texts at the foot, relative to the height of the figure. MOST_FOOT: if the height
-# of the figure is given; FREE_FOOT: if the contents determine it
+# The largest height of all texts at the foot, relative to the height of the figure. MOST_FOOT: if the user
+# gives the height of the figure; FREE_FOOT: if the contents determine this height.
 MOST_FOOT, FREE_FOOT = 0.15, 0.25
 LEAST_LOAD = 0.1  # [N, N·m, N·s] a force, moment or impulse below this has a unit with a prefix, such as mN
 LEAST_TICKS = 3  # the least number of ticks on an axis
@@ -105,9 +106,8 @@ COUNT_STEPS = (1, 2, 5, 10)
 def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
     """Draw in the style of all pictures; the function is a context manager and a decorator.
 
-    A setting of the style applies if the user has not changed it. ``colours`` are settings that apply in any
-    case. A user's axes with a light ground are drawn with empty ``colours``, and so keep the colours of the
-    user's style.
+    A setting in STYLE applies unless the user has changed this setting. The settings in ``colours`` apply in
+    any case; with empty ``colours``, the colours of the user's style stay.
     """
     kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
     with mpl.rc_context(kept | colours):
@@ -138,12 +138,12 @@ class StyledFigure(Figure):
             }
 
     def draw(self, renderer: Any) -> None:
-        """Draw with the settings with which the figure was arranged, which determine fonts and ticks."""
+        """Draw with the settings (DRAWING) with which the figure was made, as they determine its layout."""
         with mpl.rc_context(self.settings):
             super().draw(renderer)
 
     def savefig(self, *args: Any, **options: Any) -> None:
-        """Write a file with fonts that journals accept."""
+        """Write a file with the settings (DRAWING) with which the figure was made, such as fonts."""
         with mpl.rc_context(self.settings):
             super().savefig(*args, **options)
 
@@ -155,7 +155,7 @@ class StyledFigure(Figure):
 
 
 def suit_figure(figure: Figure) -> None:
-    """Change the colours of a figure, which are for a white ground, if the style in use is dark."""
+    """Change the colours of a figure from those for a white ground, if the style in use is dark."""
     ground = Ground.of_style()
     if ground is None:
         return
@@ -166,9 +166,9 @@ def suit_figure(figure: Figure) -> None:
 
 
 def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
-    """Return a mixture of the colour of the text, with the part ``fraction``, and of the axes' ground.
+    """Return a mixture of the colour of the text, with the part ``fraction``, and the axes' ground.
 
-    It suits dark styles, too.
+    Both are the colours in use, so the mixture suits dark styles, too.
     """
     ground, text = (np.array(to_rgb(colour)) for colour in (axes.get_facecolor(), mpl.rcParams["text.color"]))
     red, green, blue = (ground + fraction * (text - ground)).tolist()
@@ -176,18 +176,18 @@ def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
 
 
 def is_full(axes: Axes) -> bool:
-    """Return whether axes belong to a figure of at least the usual width."""
+    """Return whether axes belong to a figure of at least the usual width FULL, or to no figure."""
     figure = axes.get_figure(root=True)
     return figure is None or figure.get_figwidth() >= FULL
 
 
 def is_narrow(figure: Figure) -> bool:
-    """Return whether a figure is too narrow for two columns of axes."""
+    """Return whether a figure is too narrow for two columns of axes (WIDE)."""
     return bool(figure.get_figwidth() < WIDE)
 
 
 def give_ticks(*axes: Axes) -> None:
-    """Give each linear axis of some axes at least LEAST_TICKS numbers, unless its ticks are set by hand."""
+    """Give the x and y axis of ``axes`` LEAST_TICKS ticks at least, if linear with matplotlib's own ticks."""
     for panel in axes:
         for axis in (panel.xaxis, panel.yaxis):
             if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
@@ -195,7 +195,7 @@ def give_ticks(*axes: Axes) -> None:
 
 
 def scale_numbers(axis: Axis, factor: float) -> None:
-    """Write the values at the ticks of an axis times ``factor``; the axis label has the unit for this."""
+    """Write the values at the ticks of an axis times ``factor``; the caller writes the unit for this."""
     if factor != 1.0:
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.10g}".replace("-", "−")))
 
@@ -203,11 +203,10 @@ def scale_numbers(axis: Axis, factor: float) -> None:
 def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[str, str]) -> None:
     """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
 
-    ``lines`` are texts with their colours, which stand between message and conditions: on the largest force,
-    in the colour of its marks, and on the largest force in a joint.
+    ``lines`` are pairs of a text and its colour; they stand between message and conditions.
 
-    Lines are broken at the edge of the figure; the font has the same size in all figures. In a narrow figure
-    the conditions stand at the foot. If the figure is too low for the conditions, they are left out.
+    All texts are broken at the edge of the figure; the font has the same size in all figures. In a narrow
+    figure the conditions stand at the foot. Conditions without room (MOST_HEAD, ``write_foot``) are left out.
     """
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
@@ -251,11 +250,11 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
 
 
 def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
-    """Write a text at the foot of a figure, above the texts that are there already.
+    """Write a text at the foot of a figure, above earlier texts there; return matplotlib's object for it.
 
-    Return matplotlib's object for the text; if the text has no room, leave it out and return None. All texts
-    at the foot together may take the part ``most`` of the figure's height. Its default is FREE_FOOT if the
-    contents determine the height, else MOST_FOOT.
+    A text without room is left out, and None is returned. All texts at the foot together may take the part
+    ``most`` of the figure's height; the default of ``most`` is FREE_FOOT if the contents determine the
+    height, else MOST_FOOT.
     """
     if most is None:
         most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
@@ -273,13 +272,13 @@ def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | N
 
 
 def foot_of(figure: Figure) -> float:
-    """Return the height of the texts at the foot, relative to the height of the figure."""
+    """Return the height that is reserved for texts at the foot, relative to the height of the figure."""
     engine = figure.get_layout_engine()
     return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
 
 
 def reserve(figure: Figure, top: float, bottom: float) -> None:
-    """Keep the parts ``top`` and ``bottom`` of a figure's height free of axes, at its top and bottom."""
+    """Keep the parts ``top`` and ``bottom`` of a figure's height free of axes, if it has a layout engine."""
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, low, width, height = engine.get()["rect"]
@@ -289,7 +288,7 @@ def reserve(figure: Figure, top: float, bottom: float) -> None:
 
 
 def words_of(figure: Figure) -> dict[str, str]:
-    """Return the metadata of a picture's file: the headline, and all texts except the numbers at ticks."""
+    """Return the metadata of a picture's file: the headline, and all other texts except numbers at ticks."""
     title = figure.get_suptitle()
     texts = [text.get_text().replace("\n", " ") for text in figure.texts if text.get_text() != title]
     for axes in figure.axes:
@@ -310,7 +309,9 @@ def filled_figure(fill: Callable[[Figure], None], size: tuple[float, float] | No
 
 
 def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
-    """Write the figure that ``make`` returns into a file; the suffix determines the kind.
+    """Write the figure that ``make`` returns into a file, in colours that suit the style in use.
+
+    The suffix of the path determines the kind of the file.
 
     Raises:
         OSError: when the file cannot be written.
@@ -329,7 +330,7 @@ def load_unit(largest: float, unit: str) -> tuple[float, str]:
 
 
 def force_text(value: float, unit: str) -> str:
-    """Return a positive quantity as text in the unit of ``load_unit``, with three digits: "12.3 kN"."""
+    """Return a value > 0 as text in the unit of ``load_unit``, with three significant digits: "12.3 kN"."""
     if value < 1.0 and load_unit(value, unit)[1] == unit:
         return f"{value:.3g} {unit}"
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)

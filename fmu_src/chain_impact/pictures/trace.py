@@ -6,20 +6,19 @@ import numpy as np
 
 from chain_impact.recording.recording import Recording
 
-PIECE = 0.004  # the approximate length of a straight piece of the curve, relative to the view's smaller side
+PIECE = 0.004  # approximate length of the straight pieces of the curve, relative to the view's smaller side
 MOST_PARTS = 32  # the largest number of straight pieces between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the path of the tip as times and positions of points on a smooth curve.
 
-    The points include the position in each row. If two successive rows have distant positions, there are more
-    points of the curve between them. Across an impact there are none, so the path is straight there.
+    The points include the position in each row. If two successive rows have positions farther apart than
+    PIECE × ``size``, there are points of the curve between them, except across an impact (``_broken``).
 
     Args:
         recording: the recording to show.
-        size: the smaller side of the view [m]; positions are distant if they are farther apart than PIECE
-            times this.
+        size: the smaller side of the view [m].
 
     Returns:
         The times, shape (S,) [s], and the positions, shape (S, 2) [m].
@@ -31,8 +30,8 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     row = np.repeat(np.arange(len(steps)), parts)
     s = ((np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row])[:, None]
     h = steps[row, None]
-    # p is the position by Hermite interpolation from a row, with index 0, to the next row, with index 1, a
-    # time h later; s is the fraction of h, and v are the velocities:
+    # p is the position by Hermite interpolation between a row, with the index 0, and the next row, with the
+    # index 1, a time h later; s is the fraction of h, v₀ and v₁ are the velocities:
     # p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁)
     start, end = tip[row], tip[row + 1]
     before = (1.0 - s) ** 2 * ((1.0 + 2.0 * s) * start + s * h * speeds[row])
@@ -42,11 +41,11 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def _speeds(recording: Recording) -> np.ndarray:
-    """Return the velocity of the tip, shape (T, 2) [m/s].
+    """Return the velocity of the tip in each row, shape (T, 2) [m/s].
 
-    If the recording lacks a component of the velocity, both components are computed from the positions. They
-    are the slopes of the parabola through each row and its two neighbours. In the first and the last row,
-    they are the slopes of the line to the only neighbour.
+    If the recording lacks a component of the velocity, both components follow from the positions: as the
+    slope of the parabola through a row and its two neighbours or, in the first and the last row, as the slope
+    of the line to the only neighbour.
     """
     last = recording.points.shape[1] - 1
     known = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]
@@ -59,9 +58,9 @@ def _speeds(recording: Recording) -> np.ndarray:
 def _broken(recording: Recording) -> np.ndarray:
     """Return, for each pair of successive rows, whether the path between them is straight, shape (T − 1,).
 
-    The path is straight across an impact, because the velocity jumps there. Velocities that are computed from
-    positions are also wrong in the rows before and after an impact. The path is then also straight in the
-    intervals before and after the one with the impact.
+    The path is straight across the onset of an impact, because the velocity changes fast there. If velocities
+    are computed from positions, they are also wrong in the rows before and after an onset; then the path is
+    also straight between the neighbouring pairs of rows.
     """
     at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)
