@@ -141,9 +141,9 @@ def find_crossing(d):
 
 
 def check_interval(d, a, b):
-    """Return SPLIT if a suspect needs a shorter interval than (a, b], else CROSSES if any has an event there.
+    """Return SPLIT if any suspect needs a shorter interval than (a, b], else CROSSES or QUIET.
 
-    The result is QUIET if no suspect can have an event.
+    CROSSES: a suspect has an event in the interval; QUIET: no suspect has an event there.
     """
     verdict = QUIET
     for k in range(d.search.suspect_count):
@@ -268,8 +268,8 @@ def find_root(d, c, a, b):
             break
         guess = theta - value / slope
         if abs(guess - theta) <= 0.25 * resolution:
-            # the guess is close enough; if it is an end of the interval, ``next_guess`` would approach it by
-            # halving only
+            # the guess is close enough; if the guess is an end of the interval, ``next_guess`` would approach
+            # this end by halving only
             break
         theta = next_guess(low, high, guess, tries)
         locate_at(d, theta)
@@ -282,7 +282,7 @@ def find_root(d, c, a, b):
 def bound_curvature(d):
     """Set a bound on |φ″| of every suspect over the last step; φ is the clearance or penetration.
 
-    The bound follows from one on the acceleration of point k along the normal n: |n·a_0| + Σ_{i≤k} L_i (|α_i|
+    The bound follows from a bound on point k's acceleration along the normal n: |n·a_0| + Σ_{i≤k} L_i (|α_i|
     + ω_i²), with the acceleration a_0 of the base and the lengths L_i of the links. For a point that rests on
     a stiff wall this bound is far too large. After an implicit step, which integrates the clearances of such
     points, ``bound_curvatures`` sets smaller bounds.
@@ -336,8 +336,8 @@ def motion_bounds(d, c, along_x, along_y):
     the bounds are complete: they follow from the motion of the joint's angle. s is the step's integration
     variable.
 
-    ``along_x`` and ``along_y`` belong to the components x and y of the base's velocity. Each is a pair: the
-    bound of the component's absolute value, and the bound of that of its derivative in s.
+    ``along_x`` and ``along_y`` belong to the components x and y of the base's velocity. Each is a pair of
+    bounds: on the absolute value of the component, and on that of the component's derivative in s.
     """
     if at_joint_stop(d, c):
         link = d.candidate.point[c] - 1

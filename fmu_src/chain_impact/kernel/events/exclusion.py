@@ -19,7 +19,7 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, lengt
 # estimate of the interpolant's error is not valid, and the step is searched.
 SMALL_TURN = 1.0
 # In ``stays_positive``, the least Bernstein coefficient of a clearance or penetration must exceed the limit
-# by this part of the range of all its coefficients. Without the margin, round-off or a wrong estimate of the
+# by this part of the range of all coefficients. Without the margin, round-off or a wrong estimate of the
 # interpolant's error could exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
 # The impact speed v₀ is latched at the onset of the contact. If the rate δ̇ of the penetration later exceeds
@@ -27,8 +27,8 @@ BERNSTEIN_MARGIN = 0.05
 # δ̇, so v₀ stays. With the ratio 2, the force of a Hunt–Crossley law with the damping factor λ is at most
 # about 1 + 2λ times the elastic part of the force.
 RELATCH_RATIO = 2.0
-# If the rate of the penetration exceeds NEARLY_FAST times the limit at an end of a step, it may exceed the
-# limit inside the step, and the step is sampled. The limit is RELATCH_RATIO times the impact speed.
+# If the rate of the penetration exceeds NEARLY_FAST times the limit at an end of a step, the rate may exceed
+# the limit inside the step, and the step is sampled. The limit is RELATCH_RATIO times the impact speed.
 NEARLY_FAST = 0.75
 
 
@@ -87,12 +87,12 @@ def excludes_events(d):
     clear, apart = turn < SMALL_TURN, error + allowed_position_error(d)
     for c in range(d.candidates):
         # The loop has no branches, so that the compiler can use vector instructions: both conditions are
-        # evaluated for all candidates. The second one is true for every contact: contacts with a force are
-        # tested below, and held points have no crossings.
+        # evaluated for all candidates. The second condition is true for every contact: contacts with a force
+        # are tested below, and held points have no crossings.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
-        # `allowed_position_error` is not added: the errors of a penetration are far smaller than those of a
-        # position
+        # `allowed_position_error` is not added: the errors of a penetration are far smaller than the errors
+        # of a position
         c = d.touch.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
     if not clear:
@@ -299,7 +299,7 @@ def set_clearance(d, c, u, slope):
 
 
 def begin_next_interval(d):
-    """Begin the next interval where the last one ends: copy φ and φ′ of all candidates to its start."""
+    """Copy φ and φ′ of all candidates from the end of an interval to the start of the next interval."""
     for c in range(d.candidates):
         d.search.phi_start[c] = d.search.phi_end[c]
         d.search.phi_start_rate[c] = d.search.phi_end_rate[c]

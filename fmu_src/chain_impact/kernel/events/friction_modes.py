@@ -87,7 +87,7 @@ def update_modes(d, jumped):
 def reinit_modes(d, jumped):
     """Choose the modes anew (``update_modes``), after parameters, inputs or the state have been set.
 
-    If the scene has dry friction, the last step is then reset to zero length.
+    If the scene has, or has had until now, dry friction, the last step is then reset to zero length.
 
     Args:
         d: the instance.
@@ -222,7 +222,7 @@ def slide_at_limits(d):
 
 
 def count_inconsistent(d):
-    """Return the number of undecided elements whose mode is not consistent with the forces."""
+    """Return the number of elements with friction for which ``is_inconsistent`` is true."""
     wrong = 0
     for i in range(d.friction.count):
         wrong += is_inconsistent(d, d.element.index[i])

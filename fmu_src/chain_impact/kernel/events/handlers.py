@@ -99,8 +99,8 @@ def apply_events(d):
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
-        # The forces decide whether elements stick. They are computed again for the end of the step, because
-        # the stored forces may belong to another time, at which outputs were computed.
+        # The forces decide whether elements stick. All forces are computed again for the end of the step,
+        # because the stored forces may belong to another time, at which outputs were computed.
         rate_from_points(d, d.step.state_end, d.scratch.rate)
         count_evaluations(d, 1)
     had_forces = touch.compliant_count > 0

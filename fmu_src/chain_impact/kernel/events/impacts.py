@@ -183,7 +183,7 @@ def join_near_contacts(d):
 
 
 def apply_impulses(d):
-    """Apply the impulses of an impact to the velocities; count the energy that they dissipate and supply."""
+    """Apply the impulses of an impact to the velocities; count lost energy and the work of moving walls."""
     lost, moved = find_impulses(d, 1.0)
     if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
         # a NEIGHBOUR that moves away from its wall would add energy, or a wedged point cannot rebound: the
@@ -241,9 +241,10 @@ def lacks_rebound(d):
 
 
 def end_rebounding_contacts(d):
-    """End the contacts whose points separate with a speed above LEAST_REBOUND_SPEED and round-off.
+    """End the contacts whose points separate after the impulses, with a speed above a limit.
 
-    Candidates marked NEIGHBOUR that got no impulse become inactive, too, without an entry in the log.
+    The limit follows from LEAST_REBOUND_SPEED and LEAST_RISE. Candidates marked NEIGHBOUR that got no impulse
+    become inactive, too, without an entry in the log.
     """
     free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
     fall = set_start_to_accelerations(d, d.step.state_end, d.scratch.rate)
@@ -338,7 +339,7 @@ def end_unstopped_contacts(d):
 def release_gap(d, c, far):
     """Return the clearance [m] that the point of candidate c gets when its wall releases it.
 
-    ``far`` [m] is the result of ``largest_coordinate``. At a joint's stop the size of its angles
+    ``far`` [m] is the result of ``largest_coordinate``. At a joint's stop the size of the joint's angles
     (``coordinates_size``) is used in place of ``far``, because the round-off of angles does not grow with the
     distance from the origin.
     """

@@ -9,8 +9,8 @@
 
 δ is the penetration, v₀ the impact speed in the law, s = ±1 the direction of sliding, t·v the tangential
 speed relative to the belt, F_n the normal force, F_t the friction force, and µ_s the coefficient of static
-friction. The stages and the ends of a step show which of these events must be searched for. An event that is
-found late causes only a small error of energy.
+friction. The stages and ends of a step show which events must be searched for; if inputs turn fast, RELEASE
+and changes of friction modes always are. An event that is found late causes only a small error of energy.
 
 KINK: the force of a contact has a kink where it is cut off at 0 or, for a law that damps on approach only, at
 δ̇ = 0. A step across a kink would lose its order. So a step uses the force of one side of the kink, continued
@@ -21,9 +21,9 @@ is still inside the wall moves as in flight until it leaves or the wall pushes a
 The torque or force of a drive has a kink where it reaches its limit or falls below the limit. The mode of the
 drive stays the same until the end of the step.
 
-RELATCH: v₀ is latched at the onset of the contact. It is latched again if δ̇ becomes much larger than v₀, in
-a second impact or, after a very slow onset, by gravity. Otherwise the force would grow without bound, as it
-contains λ δ̇/v₀, with the damping factor λ.
+RELATCH: v₀ is latched at the onset of the contact. v₀ is raised if δ̇ becomes much larger than v₀, in a
+second impact or, after a very slow onset, by gravity. Otherwise the force, which contains λ δ̇/v₀ with the
+damping factor λ, would grow without bound.
 """
 
 from chain_impact.kernel.chain.drives import along_drive, mode_margin
@@ -292,7 +292,7 @@ def mode_may_end(d, e):
 
 
 def mark_changes(d, element, theta):
-    """Mark ``element``, whose mode ends at θ of the step, and every element whose mode ends with it."""
+    """Mark ``element``, whose mode ends at θ of the step, and every other element whose mode ends at θ."""
     for i in range(d.friction.count):
         e = d.element.index[i]
         if e == element or element_margin(d, e, theta) < 0.0:

@@ -45,7 +45,7 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_a
 
 # The largest depth in the wall, relative to the longest link, at which an onset may be located. Onsets are
 # located up to round-off, about 1e-15. A deeper onset is an error of the step, and would add energy: 1e-11 J
-# for a depth of 1e-9 m and a stiffness of 1e12 N/m^1.5. The step is rejected.
+# for a depth of 1e-9 m and a stiffness of 1e12 N/m^1.5. A step with such an onset is rejected.
 DEEPEST_ONSET = 1e-9
 # A crossing before this fraction θ of a step must agree with the Taylor polynomial of second order at the
 # start of the step, whose relative error there is 1e-9; the interpolant of a stiff step can have larger
@@ -97,8 +97,8 @@ def find_event(d):
     # Without an event, the clearances at the end of the step are known now. After an event the stored ones
     # are wrong, but not used: an event breaks the sequence of steps.
     remember_clearances(d, VALUES)
-    # The state of a regularized step has the time since the start of the step. Nothing controls its error
-    # within the step: an event before the start is an error of the step.
+    # The state of a regularized step contains the time since the step's start. Nothing controls the error of
+    # this time within the step: an event before the start is an error of the step.
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
         reject_step(d, SPOILED)
     return theta

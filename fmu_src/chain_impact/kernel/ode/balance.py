@@ -83,9 +83,9 @@ STEP_CHANGE = 3.0
 WINDOW_CHANGE = 100.0
 # [s] the length of a window of time for WINDOW_CHANGE; equal to COST_WINDOW (cost.py)
 WINDOW = 1.0
-# The limit of the energy that the errors of all steps together add; beyond it, steps that add energy are
-# rejected. It is relative to the available energy: the largest energy so far that motion, springs, walls and
-# heat can have had.
+# The limit of the energy that the errors of all steps together add, relative to the available energy: the
+# largest energy so far that motion, springs, walls and heat can have had. Beyond this limit, steps that add
+# energy are rejected.
 ENERGY_GAIN = 0.1
 # The energy that a step may still add after ENERGY_GAIN has been reached, so that round-off does not stop the
 # run; relative to the available energy, as ENERGY_GAIN is. If such additions reach ENERGY_GAIN again, the run
@@ -99,7 +99,7 @@ ENERGY_LOSS, LOSS_TIME = STEP_CHANGE, 10.0
 # the next size; a smaller loss has no effect.
 NOTABLE_LOSS = 0.1
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
-# guess: at a loose tolerance it can be as long as half a turn of a link, with a correct end by chance.
+# guess: at a loose tolerance a link may make half a turn in the step, which then has a correct end by chance.
 LOOSE_TOLERANCE = 1e-4
 # [rad] If a link turns more than LONG_TURN in a step whose dense output exists, the dense output is checked
 # in the middle of the step.
@@ -143,7 +143,7 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time at the end of the last step: WINDOW_CHANGE limits the energy change in it."""
+    """Begin a window of time at the end of the last step; WINDOW_CHANGE limits the change in a window."""
     balance = d.balance
     balance.reference = balance.at_end
     # `least_allowed` is the part of a step's allowed change that does not depend on the state
@@ -248,9 +248,9 @@ def store_energy(d, present, available):
 
 
 def largest_available_energy(d, y, potential):
-    """Return the available energy [J]: the most that motion, springs, walls and heat can have had up to y.
+    """Return the available energy [J]: the most that motion, springs, walls and heat can have had so far.
 
-    y is the present state, ``potential`` its potential energy [J].
+    The present state y counts, too; ``potential`` is the potential energy [J] in y.
     """
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
@@ -314,8 +314,8 @@ def interpolates(d):
 def dissipates_evenly(d, middle):
     """Return whether ``middle`` lies between the dissipated energies at both ends of the last step.
 
-    ``middle`` [J] is the dissipated energy in the middle of the step. It may lie outside by MIDDLE_CHANGE ×
-    STEP_CHANGE × the tolerance × the scale that control.py has for errors of the dissipated energy.
+    ``middle`` [J] is the dissipated energy in the middle of the step; up to MIDDLE_CHANGE × STEP_CHANGE × the
+    tolerance × the scale that control.py has for this energy, ``middle`` may also lie outside.
     """
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.chain.energy_scale + abs(end) + impact_energy(d)

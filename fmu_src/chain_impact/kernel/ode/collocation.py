@@ -82,7 +82,7 @@ EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # solution 0.7, complex ones 2.5 times as much; estimate and projection take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 FORCELESS_PART = 1e-3  # a contact that ends within this part of a step has hardly any force left
-DECAY_TIMES = 3.0  # size of a step, in decay times of its fast motion, if this is as large as the tolerance
+DECAY_TIMES = 3.0  # size of a step, in decay times of its fast motion, if this motion equals the tolerance
 
 
 def _coefficients():
@@ -148,7 +148,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 
 
 def prepare(d, h):
-    """Prepare a step; return its size [s]: h, or less if ends of contacts or a fast motion require it."""
+    """Prepare a step; return its size [s]: h, or less because of an end of a contact or a fast motion."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)
@@ -225,7 +225,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Predict the stages by a polynomial through nodes of the last step; its degree depends on h [s]."""
+    """Predict the stages by a polynomial through nodes of the last step; h [s] determines the degree."""
     implicit = d.implicit
     span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0
@@ -302,9 +302,9 @@ def error_estimate(d, h, size):
     if first == math.inf:
         return math.inf
     if any_constraint(d):
-        # A projection onto the constraints leaves a fast motion of stiff joints at the start of the step. It
-        # decays within the step, but would dominate the error estimate of a step of any length. A second
-        # solution of the system removes this motion from the estimate.
+        # A projection onto the constraints leaves a fast motion of stiff joints at the start of the step.
+        # This motion decays within the step, but would dominate the error estimate of a step of any length. A
+        # second solution of the system removes this motion from the estimate.
         solve_real(d, shift, implicit.parts[0])
         count_other_cost(d, 1)
         for j in range(dissipated_at(d.links)):

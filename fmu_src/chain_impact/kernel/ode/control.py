@@ -74,7 +74,7 @@ ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 # SPOILED     an event cannot be located, forces are not found, or the energy is wrong
 # RUNS_BACK   a regularized step goes too far beyond the contact's end, or its time does not increase
 # LATE        Newton's iteration would need too many iterations
-# DIVERGED    the last correction by Newton's iteration exceeds the one before
+# DIVERGED    a correction by Newton's iteration exceeds the correction before, or is far too large
 ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
 # The size after a step that was rejected for one of the outcomes from SPOILED on is computed as if the step
 # had this error, relative to the tolerance; index: the outcome. After SPOILED the next try is about a seventh
@@ -93,7 +93,7 @@ FIRST_TURN = 2.8
 # proportional to a fractional power of time, so the order of the error is lower than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 # [m, rad, m/s, rad/s] A coordinate or rate of a smaller absolute value belongs to a chain at rest and is set
-# to 0. Otherwise it would decay until its square is a denormal number, with which some processors are slow.
+# to 0. Otherwise the number would decay until its square is denormal, with which some processors are slow.
 FADED_SIZE = 1e-100
 
 
@@ -134,7 +134,7 @@ def propose_size(d, size):
 
 
 def limit_next_size(d, size):
-    """Reduce the proposed size of the next step to ``size``, if it is larger."""
+    """Reduce the proposed size of the next step to at most ``size``."""
     propose_size(d, min(d.step.next_size, size))
 
 
@@ -195,8 +195,8 @@ def size_at_onset_beside(d, c):
 def contact_time_scale(d, c):
     """Return the time scale [s] of the contact force of candidate c after the onset.
 
-    Without damping this time is δ*/v₀, the expected penetration divided by the impact speed; with damping it
-    is shorter. The size of the first step of the contact is proportional to this time.
+    Without damping this time is δ*/v₀, the expected penetration divided by the impact speed; damping makes it
+    shorter. The size of the first step of the contact is proportional to this time.
     """
     ratio, exponent = damping_over_elastic(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + ratio, -exponent)
@@ -206,9 +206,9 @@ def contact_time_scale(d, c):
 # up to this value. With more than some hundredths, a point that comes to rest would bounce again.
 LARGEST_ERROR = 0.01
 # POSITION_ROUND_OFF: the round-off of a position, relative to the larger of two lengths: the largest
-# coordinate, and the largest angle times the longest link. POSITION_ROUND_OFF_AT_REST replaces it for
-# contacts that have lasted longer than AGE_AT_REST/ω, with the contact's frequency ω: there, a single step
-# with more round-off than usual would excite a motion that short steps keep alive.
+# coordinate, and the largest angle times the longest link. For contacts that have lasted longer than
+# AGE_AT_REST/ω, with the contact's frequency ω, POSITION_ROUND_OFF_AT_REST is used: there, a single step with
+# more round-off than usual would excite a motion that short steps keep alive.
 POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
 
 
@@ -217,11 +217,11 @@ def set_scales(d, y, scale, contacts):
 
     The scale of an angle is 1 rad, and that of a position is the length of the longest link, whatever their
     values are. The scale of a velocity component is its absolute value plus one longest link per second; that
-    of an angular velocity is its absolute value plus 1 rad/s. The scale of the dissipated energy is its value
-    plus `chain.energy_scale` and ``impact_energy``; that of the supplied energy is formed likewise. The
-    supplied energy has a scale, and is controlled, only if motions of base, walls or belts are prescribed:
-    its power then changes with these motions, however slow the chain is. The power of other inputs depends
-    only on components that are controlled.
+    of an angular velocity is its absolute value plus 1 rad/s. The scale of the dissipated or supplied energy
+    is its absolute value plus `chain.energy_scale` and ``impact_energy``. The supplied energy has a scale,
+    and is controlled, only if motions of base, walls or belts are prescribed: the supplied power then changes
+    with these motions, however slow the chain is. The power of other inputs depends only on components that
+    are controlled.
 
     The scales of the clearances of the first ``contacts`` active contacts (``penetration_scale``) are stored
     from the index of u on, where z of extended.py has the clearances. The points must be located for y.

@@ -68,7 +68,7 @@ def change_within(step, theta, j):
 
 @has_dual_rule
 def fraction(d, time):
-    """Return the fraction θ of the last step at a time [s]."""
+    """Return the fraction θ of the last step at a ``time`` [s]."""
     elapsed = time - d.step.start
     if d.step.regularized < 0:
         return elapsed / d.step.size
@@ -90,7 +90,7 @@ def regularized_fraction(d, elapsed):
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
-    # Newton's method for θ, in an interval that contains it. The slope is dt/dθ = h p, with the step size h
+    # Newton's method for θ, in an interval that contains θ. The slope is dt/dθ = h p, with the step size h
     # and p = ``time_rate``. Where u ≥ 0, time increases with θ; where u < 0, the contact has ended, and θ is
     # too large.
     low, high, theta = 0.0, 1.0, 0.5

@@ -120,8 +120,8 @@ FAST_SINE = 0.35
 # Number of evaluations of the right-hand side in a step: stages 1 to 11. Stage 0 is known, and ``find_rate``
 # (last_step.py) counts the evaluation at the end of the step.
 STEP_EVALUATIONS = END_STAGE - 1
-# the cost of the dense output, as a number of evaluations of the right-hand side: one more than its stages 13
-# to 15, for its other operations
+# the cost of the dense output, as a number of evaluations of the right-hand side: stages 13 to 15, and one
+# more for the other operations
 DENSE_EVALUATIONS = STAGES - END_STAGE
 
 
@@ -160,8 +160,8 @@ def combination(row):
 def combinations(first_row, second_row):
     """Return a function for the sums h Σ_j row[j] k_j of two rows, which reads each stage k_j only once.
 
-    The function takes (stages, h, first, second). It writes the sum of ``first_row`` to ``first``, and the
-    sum of ``second_row`` to ``second``.
+    The returned function takes (stages, h, first, second); it writes the sum of ``first_row`` to ``first``,
+    and the sum of ``second_row`` to ``second``.
     """
     names = tuple(sorted({*first_row, *second_row}))
     row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (first_row, second_row))
@@ -182,8 +182,8 @@ def combinations(first_row, second_row):
 def _stage(i, accepted):
     """Return a function (d, h) that computes stage i of a step of size h: the state there, and its rate.
 
-    ``accepted`` is false for the tried step, which starts at ``step.state_end``. It is true for the last
-    step, which started at ``step.state``; the dense output needs further stages of this step.
+    ``accepted`` is false for the tried step, which starts at ``step.state_end``, and true for the last step,
+    which started at ``step.state``; the dense output needs further stages of the last step.
     """
     combine = combination(A[i])
 
@@ -227,7 +227,7 @@ def toward_ends(d, h):
     """Return the size [s] of the next step, which runs in time; h [s] is the size that the errors allow.
 
     If a contact with a force law is predicted to end soon, the step either passes the first such end or
-    covers at most half of the time until then.
+    covers at most half of the time until then (``size_up_to_end``).
     """
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     left = math.inf

@@ -170,9 +170,10 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set the slopes, by position and speed, of the forces of contacts with a force law and drives at z.
+    """Set the slopes of the forces of drives, and of contacts with a force law, at the extended state z.
 
-    z is an extended state. The function also stores the present link vectors, for the linear systems.
+    These are derivatives by position and by speed. The function also stores the present link vectors, for the
+    linear systems.
     """
     implicit, link = d.implicit, d.scratch.link
     for i in range(d.links):
@@ -289,8 +290,8 @@ def solve_complex(d, s, pair, x, y, size):
 
 # The largest allowed difference between the clearance that follows from the coordinates at the end of a step
 # and the integrated clearance, relative to the penetration, or to the expected penetration if this is larger.
-# With a larger limit the dense output of the state could have an error of this size; a smaller limit shortens
-# steps in which links turn on a stiff wall.
+# With a larger limit the dense output of the state could have an error as large as this limit; a smaller
+# limit shortens steps in which links turn on a stiff wall.
 CLEARANCE_MISMATCH = 0.03
 
 

@@ -18,7 +18,7 @@ from chain_impact.kernel.rows.geometry import along, any_sticking, tangent_row
 
 
 def store_friction_forces(d, stage):
-    """Store the forces of dry friction at a ``stage`` of an implicit step; its rate was just evaluated."""
+    """Store the present forces of dry friction as those at a ``stage`` of an implicit step."""
     for k in range(d.friction.count):
         e = d.element.index[k]
         d.implicit.friction[stage, e] = d.element.force[e]
@@ -41,7 +41,7 @@ def correct_friction_energy(d, h):
 def power_of_correction(d, m):
     """Return the power [W] of sliding friction at stage m along the speeds that the last iteration added.
 
-    It is negative if friction dissipates more along the corrected speeds than along the uncorrected ones.
+    The power is negative if friction dissipates more along the corrected than along the uncorrected speeds.
 
     The friction forces are those of the evaluated rate. The dissipated energy contains the work of these
     forces along the uncorrected speeds, so the same forces must be used to take this work back. At rest the
@@ -56,9 +56,9 @@ def power_of_correction(d, m):
 def uncounted_work(d):
     """Return the work [J] of dry friction along the part of the tried step that is not counted yet.
 
-    In an implicit step, this part is the motion from the last stage to the projected end of the step. In an
-    explicit step, it is the change of the end by round-off and by the projection. The points must be located
-    at the projected end. The work is negative if friction dissipates energy.
+    In an implicit step, this part is the motion from the last stage to the projected end of the step; in an
+    explicit step, the change of the end by round-off and by the projection. The points must be located at the
+    projected end. The work is negative if friction dissipates energy.
     """
     change, y, z = d.scratch.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):
@@ -98,9 +98,10 @@ def work_along(d, change):
 def work_of_sliding(d, change, force):
     """Return the work [J] that sliding friction does on the chain in a ``change`` of the coordinates.
 
-    It is negative if friction dissipates energy. ``force`` has the friction force of every element, but those
-    of sticking elements are not used. If ``change`` is a velocity, the result is a power [W]. The points must
-    be located. The function also sets ``scratch.motion``, the motion of all places in this change.
+    The work is negative if friction dissipates energy. ``force`` has the friction force of every element; the
+    forces of sticking elements are not used. If ``change`` is a velocity, the result is a power [W]. The
+    points must be located. The function also sets ``scratch.motion``, the motion of all places in this
+    change.
     """
     work = 0.0
     move_points(d, d.scratch.link, change, d.scratch.motion)

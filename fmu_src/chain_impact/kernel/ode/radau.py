@@ -158,7 +158,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
     Returns:
         Three functions (d, h, size) for a step of size h [s]; ``size`` is the length of z. The first sets the
         right-hand sides of an iteration, the second corrects the stages in ``implicit.stages`` by the
-        solutions. The third iterates, and returns whether the iteration has converged; if not, it ends early.
+        solutions. The third iterates, and returns whether the iteration has converged.
     """
 
     def find_residuals(d, h, size):

@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import SETTABLE
 
-# absolute value of a rate above which ``reciprocal`` returns 1/rate: for a smaller rate 1/rate may overflow
+# largest absolute value of a rate for which ``reciprocal`` returns 0, because 1/rate may overflow
 LEAST_RATE = 1e-300
 DIRECTIONS = 4  # number of directions in one tangent instance; more directions need more instances
 
@@ -76,7 +76,7 @@ def dual_with_slope(number, slope, argument):
 
 
 def reciprocal(rate):
-    """Return 1/rate for a real number, or 0 if 1/rate would overflow.
+    """Return 1/rate for a real number, or 0 if the absolute value of the rate is at most LEAST_RATE.
 
     With the result 0, an event time with the derivatives −φ′/φ̇ gets derivatives of zero.
     """
@@ -99,7 +99,7 @@ def has_slope(number):
 
 
 def block(d, number):
-    """Return tangent instance ``number`` of the primal instance d; the first one has the number 0."""
+    """Return tangent instance ``number``, counted from 0, of the primal instance d."""
     return d.tangent_instances[number]
 
 

@@ -21,8 +21,8 @@ from chain_impact.kernel.tangent.trust import copy_reason, is_trusted
 def for_all(act):
     """Return a function of d that calls ``act`` (d, t) for each tangent instance t of the instance d.
 
-    If the derivatives of some tangent instances have ended, all tangent instances then get the earliest time
-    at which any has ended, with its reason.
+    If derivatives have ended in some tangent instances, those in all instances then end at the earliest of
+    these times, with the reason that belongs to this time.
     """
 
     def act_on_all(d):

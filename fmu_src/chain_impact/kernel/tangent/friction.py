@@ -68,7 +68,7 @@ def delay_of_change(t):
     """Return the delay [s] of the mode changes that end the last step, a dual number of value 0.
 
     The points must be located at the end of the step. If several modes end there, the result belongs to one
-    of them; ``check_changes`` compares it with the others.
+    of these ends; ``check_changes`` compares this delay with those of the other ends.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -248,9 +248,9 @@ def stays_at_rest(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """Return the largest derivative, in size, of any component of the ``vectors`` of all places.
+    """Return the largest |derivative| of any component of the ``vectors`` of all places, in a ``direction``.
 
-    ``direction`` is the index of the derivatives: of the parameter or input to which they belong.
+    The direction, counted from 0, is a parameter or input.
     """
     most = 0.0
     for k in range(len(vectors.x)):
@@ -259,9 +259,9 @@ def largest_slope(vectors, direction):
 
 
 def largest_displacement(t, direction):
-    """Return the largest derivative of any place's coordinate, divided by the length of the longest link.
+    """Return the largest |derivative| of any place's coordinate, divided by the length of the longest link.
 
-    ``direction`` is the index of the derivatives: of the parameter or input to which they belong.
+    The derivatives are those in a ``direction``, as for ``largest_slope``.
     """
     return largest_slope(t.scratch.position, direction) / value(t.chain.longest_link)
 
@@ -289,7 +289,7 @@ def choose_modes(t):
 
 
 def any_begins_to_stick(t):
-    """Return whether any element begins to stick at this event after it has slid."""
+    """Return whether any element that has slid up to now begins to stick at this event."""
     for i in range(t.friction.stuck_count):
         before = t.element.before[t.element.stuck[i]]
         if before not in (STICKS, NO_FRICTION):
@@ -346,7 +346,7 @@ def contact_resistance(t):
 def check_coefficients(t):
     """Mark the parameters that change the friction of a contact, a joint or the slider if this friction is 0.
 
-    The motion has only one-sided derivatives with respect to them (``check_coefficient``).
+    The motion has only one-sided derivatives with respect to such parameters (``check_coefficient``).
     """
     if t.elements == 0:
         return

@@ -180,7 +180,7 @@ def make_implicit(d, t, h):
     copy_stages(d, t, size)
     copy_jacobian_data(d, t)
     factorize_real(t, h * REAL_EIGENVALUE)
-    # if the derivatives have already ended, they are not needed, and not iterated
+    # derivatives that have already ended are not iterated
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
@@ -282,7 +282,7 @@ def speed_by_friction(d, t, direction):
 
 
 def replay(d, t):
-    """Repeat the last step of d in t, with dual numbers, including the events at its start."""
+    """Repeat in t, with dual numbers, the events at the start of d's last step, and then this step."""
     copy_modes(d, t)
     limit_ends_step, segment_ends_step = ends_at_limit(t), ends_with_segment(t)
     apply_pending_events(t)
