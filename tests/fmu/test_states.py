@@ -101,7 +101,7 @@ def test_a_refused_start_leaves_the_state_as_it_was(fmu):
     """The start is refused for a point inside a wall, and for infinite energy."""
     for values, said in (
         ({"initial.y": -1.0}, "a contact point starts beyond a wall"),
-        ({"initial.vx": 1e160}, "the state or its energy is no longer finite"),
+        ({"initial.vx": 1e160}, "the state or its energy is not finite"),
     ):
         instance = Instance(fmu)
         instance.fmu.setupExperiment(startTime=0.0)

@@ -218,13 +218,13 @@ def test_a_communication_step_is_bounded_however_long_it_is():
 
 
 def test_a_start_with_infinite_energy_is_refused():
-    with pytest.raises(SimulationError, match="or its energy is no longer finite"):
+    with pytest.raises(SimulationError, match="or its energy is not finite"):
         simulate(with_values(rod(0.0, 1.0), {("initial", "velocity"): (1e160, 0.0)}))
 
 
 def test_a_start_that_overflows_is_refused():
     scene = rod(0.0, 1.0, spin=1e200)
-    with pytest.raises(SimulationError, match="no longer finite") as caught:
+    with pytest.raises(SimulationError, match="is not finite") as caught:
         simulate(scene)
     assert caught.value.result is None
     assert caught.value.time == 0.0

@@ -160,7 +160,7 @@ def free_rate_from_inputs(d, y, rate):
 
 
 def free_rate_from_loads(d, y, dissipated, rate):
-    """Set rate = f(y) with the stored loads at all places, and without the forces of constraints.
+    """Set rate = f(y) with the stored loads at all places and the present inputs, but without constraints.
 
     ``dissipated`` is the power [W] that contacts and sliding friction dissipate.
     """

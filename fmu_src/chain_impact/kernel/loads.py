@@ -87,7 +87,7 @@ def link_momenta(d, x, y):
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
-    """Set x and y to the force f_i [N] in each joint, for the accelerated points.
+    """Set x and y to the force f_i [N] in each joint, on its outer link, for the accelerated points.
 
     ``contact_force`` has the normal force [N] of each candidate, and ``friction_force`` the friction force
     [N] of each element.
@@ -102,7 +102,7 @@ def joint_forces(d, contact_force, friction_force, x, y):
 
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
-    """Subtract the force or impulse of candidate c's wall from the entry of x and y of the link it acts on.
+    """Subtract the force or impulse of candidate c's wall from the entry in x and y of the loaded link.
 
     ``along_normal`` and ``along_tangent`` have the two components for each candidate. Stops are ignored:
     those of a joint act between links, those of the slider on its carriage.

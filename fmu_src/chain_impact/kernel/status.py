@@ -38,8 +38,7 @@ STATUS_TEXT = {
     OK: "no fault",
     STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time: loosen "
     "solver.tolerance, or lower contact.stiffness or stop.stiffness",
-    NOT_FINITE: "the state or its energy is no longer finite: initial values, parameters or "
-    "inputs are too large",
+    NOT_FINITE: "the state or its energy is not finite: initial values, parameters or inputs are too large",
     EVENT_STORM: "too many contacts begin and end in too short a time: for points at walls, raise "
     "contact.minimum_impact_speed or lower contact.restitution; for joints at stops, raise "
     "stop.minimum_impact_speed or lower stop.restitution; for walls that move, leave more room between them; "

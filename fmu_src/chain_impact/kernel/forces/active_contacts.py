@@ -65,7 +65,7 @@ def apply_contact(d, c, gap, gap_rate):
 
 
 def store_force(d, c, force):
-    """Store the ``force`` [N] of candidate c in ``touch.force``."""
+    """Store the ``force`` [N] of candidate c, > 0 for a push along the normal, in ``touch.force``."""
     d.touch.force[c] = force
 
 
