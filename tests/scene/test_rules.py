@@ -9,7 +9,7 @@ from chain_impact.scene.key_rules import keys
 from chain_impact.scene.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULES, STOP_KEYS, Rule
 from chain_impact.scene.rules import holds, names_in, number_in, tree
 from chain_impact.scene.scene import scene_keys
-from chain_impact.scene.signal import Signal
+from chain_impact.scene.signal_keys import Signal
 from chain_impact.scene.tables import Contact, Initial, Material, Simulation, Solver, Stops
 from tests.scene.rule_cases import CASES, VALUES
 

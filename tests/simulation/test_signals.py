@@ -1,7 +1,7 @@
 """Signals of a scene: motions against the same functions in Python, derivatives against differences."""
 
 # Tests: kernel/chain/signals.py, kernel/events/segments.py
-# Tests: scene/signal_values.py, variables/signal_filling.py
+# Tests: scene/signal_polynomials.py, variables/signal_filling.py
 
 import math
 
@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline, PPoly
 from chain_impact import Chain, SceneError, simulate
 from chain_impact.kernel.chain.signals import rate_in_limited_drives, rate_of_signals, travel_of_sines
 from chain_impact.scene.scene import parse_scene
-from chain_impact.scene.signal_values import spline_of_position, value_at_start
+from chain_impact.scene.signal_polynomials import spline_of_position, value_at_start
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.signal_arm import ARM, HEIGHT, PUSH, TABLE, TARGET, TIMES, TORQUE, with_table

@@ -14,7 +14,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, with_values
-from chain_impact.scene.signals import driven_by
+from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS

@@ -15,10 +15,10 @@ import numpy as np
 
 from chain_impact.scene.names import AXES, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError
-from chain_impact.scene.signal import Samples, Signal
 from chain_impact.scene.signal_checks import check_table
-from chain_impact.scene.signal_values import is_motion, table_of, values_of
-from chain_impact.scene.signals import family
+from chain_impact.scene.signal_inputs import family
+from chain_impact.scene.signal_keys import Samples, Signal
+from chain_impact.scene.signal_polynomials import is_motion, table_of, values_of
 from chain_impact.scene.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
 

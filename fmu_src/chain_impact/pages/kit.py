@@ -31,7 +31,7 @@ from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules import Tree, tree
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signals import driven_alone, family
+from chain_impact.scene.signal_inputs import driven_alone, family
 from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of

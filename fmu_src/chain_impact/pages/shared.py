@@ -30,10 +30,10 @@ from chain_impact.scene import angles, bodies, chain_tables, names, reading, sim
 from chain_impact.scene.contents import PARALLEL
 from chain_impact.scene.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULES, Rule
 from chain_impact.scene.rules import tree
-from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
-from chain_impact.scene.signal_values import NUMBERS
-from chain_impact.scene.signals import TARGET_RATE
+from chain_impact.scene.signal_inputs import TARGET_RATE
+from chain_impact.scene.signal_keys import FORMS, SHAPES
+from chain_impact.scene.signal_polynomials import NUMBERS
 from chain_impact.scene.tables import STEP_ROUND_OFF
 from chain_impact.variables import indices
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS

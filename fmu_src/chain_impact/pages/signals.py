@@ -9,8 +9,8 @@ import numpy as np
 
 from chain_impact.pages.encoding import encoded
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_values import table_of
-from chain_impact.scene.signals import driven_by
+from chain_impact.scene.signal_inputs import driven_by
+from chain_impact.scene.signal_polynomials import table_of
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.names import INPUTS_OF, input_asked, input_key
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.signals import driven_alone
+from chain_impact.scene.signal_inputs import driven_alone
 from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.table_file import read_table, samples_of
 

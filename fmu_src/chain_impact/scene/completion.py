@@ -10,7 +10,7 @@ from chain_impact.scene.contents import AnyScene
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.reading import no_wall, refusal, refused, value_text
 from chain_impact.scene.shapes import with_shapes
-from chain_impact.scene.signals import with_signals
+from chain_impact.scene.signal_inputs import with_signals
 from chain_impact.scene.tables import Material
 
 ANGLES = ("initial", "angles")

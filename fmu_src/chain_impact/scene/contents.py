@@ -17,8 +17,8 @@ from chain_impact.scene.chain_tables import ChainTable
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.key_rules import NO_KEY, quantity
 from chain_impact.scene.names import STOPS, DataPath, point_label
-from chain_impact.scene.signal import Signal
-from chain_impact.scene.signal_values import value_at_start
+from chain_impact.scene.signal_keys import Signal
+from chain_impact.scene.signal_polynomials import value_at_start
 from chain_impact.scene.tables import (
     MODEL_NAME,
     XML_TEXT,

@@ -22,7 +22,7 @@ from chain_impact.scene.default_rules import OFF
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import INPUTS_OF, DataPath
 from chain_impact.scene.rules import holds, members_in, number_in, of_members, value_at, value_within
-from chain_impact.scene.signals import driven_by
+from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.scene.tables import Contact
 
 ALWAYS = "always"

@@ -1,9 +1,9 @@
 """The scene: the content of a scene file, read from TOML into frozen dataclasses and checked.
 
-The fields of the dataclasses in contents.py, tables.py, chain_tables.py and signal.py define all keys of a
-scene. The metadata of a field have unit, description, range and default; the validation, the scene reference
-in the docs and the parameters of the FMU follow from these metadata. All values are in SI units, angles in
-radians.
+The fields of the dataclasses in contents.py, tables.py, chain_tables.py and signal_keys.py define all keys of
+a scene. The metadata of a field have unit, description, range and default; the validation, the scene
+reference in the docs and the parameters of the FMU follow from these metadata. All values are in SI units,
+angles in radians.
 """
 
 import functools

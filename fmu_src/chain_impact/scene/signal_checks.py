@@ -1,4 +1,4 @@
-"""Checks of signals (signals.py), which refuse a signal that cannot drive its inputs."""
+"""Checks of signals, which refuse a signal that cannot drive its inputs."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal, refused, value_text
 from chain_impact.scene.refusals import SIGNAL_RULES
 from chain_impact.scene.rules import holds
-from chain_impact.scene.signal import Samples, Signal, unit_of
-from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
-from chain_impact.scene.signals import driven_alone, family
+from chain_impact.scene.signal_inputs import driven_alone, family
+from chain_impact.scene.signal_keys import Samples, Signal, unit_of
+from chain_impact.scene.signal_polynomials import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.unit_text import unit_text
 
 # [1] the smallest speed, relative to the largest speed of a sine, at which the sine counts as moving at its

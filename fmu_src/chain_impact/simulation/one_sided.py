@@ -11,8 +11,8 @@ import numpy as np
 
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.scene.kernel_view import signals_view
-from chain_impact.scene.signal_values import is_motion
-from chain_impact.scene.signals import Driven
+from chain_impact.scene.signal_inputs import Driven
+from chain_impact.scene.signal_polynomials import is_motion
 
 SAME = 1e-9
 """[1] two values count as equal if they differ by at most this, relative to their size"""

@@ -19,7 +19,7 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.facts import ALWAYS
 from chain_impact.scene.key_rules import Derived, keys
 from chain_impact.scene.names import AT, AXES, ENTRY_AT, LINK_AT, DataPath, name_of
-from chain_impact.scene.signal import Signal
+from chain_impact.scene.signal_keys import Signal
 from chain_impact.scene.tables import (
     Box,
     Contact,

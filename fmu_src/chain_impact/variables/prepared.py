@@ -17,7 +17,7 @@ from chain_impact.kernel.record.counts import Counts
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signals import driven_by
+from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.variables.cache import common_of, in_common
 from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (

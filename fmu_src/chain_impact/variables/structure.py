@@ -10,7 +10,7 @@ from typing import Any
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.scene.facts import LISTS, SceneFacts
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signals import Driven, driven_by
+from chain_impact.scene.signal_inputs import Driven, driven_by
 from chain_impact.variables.owners import Owner, known_of, owners_of
 
 

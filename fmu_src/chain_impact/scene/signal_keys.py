@@ -46,7 +46,7 @@ FORMS = {
 }
 """Name of a form → the form, in the order of the kernel's numbers of forms.
 
-A ramp with the shape "trapezoid" needs another number of polynomials: see ``knots_of`` (signal_values.py).
+For a ramp with the shape "trapezoid", ``knots_of`` (signal_polynomials.py) has the number of polynomials.
 """
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")

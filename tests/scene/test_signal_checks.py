@@ -1,6 +1,6 @@
 """Refused signals of a scene and their messages; a driven input is no longer an input."""
 
-# Tests: scene/signal.py, scene/signal_checks.py
+# Tests: scene/signal_keys.py
 
 import math
 import re
