@@ -1,5 +1,5 @@
-"""Makes the kernel (the compiled solver): a shared library, which needs neither Python nor numba.
+"""Makes kernels: shared libraries with the compiled solver, which need neither Python nor numba.
 
 Other folders of the package get kernels from library.py, which finds a ready kernel or one in the cache, or
-compiles one.
+else compiles one.
 """

@@ -13,23 +13,20 @@ SAMPLES = (
     *(tuple(number + (k == n) for k, number in enumerate(_FIRST)) for n in range(len(_FIRST))),
     tuple(2 * number + k % 3 for k, number in enumerate(_FIRST)),
 )
-"""The counts of example records: a first one, one for each count with this count larger by 1, and a last one.
-The values of an affine function for all records but the last give its constant and slopes; the value for the
-last one checks them."""
+"""The counts of example records: of a first record; then, for each count, of a record with this count larger
+by 1; and of a last record. The values of an affine function for all records but the last give its constant
+and its slopes, the value for the last record checks these."""
 
 
 class Affine(NamedTuple):
-    """The affine function ``constant`` + Σ ``slopes``[k] · count k.
-
-    The counts are in the order of ``COUNTS``.
-    """
+    """The affine function ``constant`` + Σ ``slopes``[k] · count k; counts are in the order of ``COUNTS``."""
 
     constant: int
     slopes: tuple[int, ...]
 
 
 def affine(numbers: Sequence[int]) -> Affine:
-    """Return the affine function of the counts that has the given values for the records of ``SAMPLES``.
+    """Return the affine function of the counts that has the values ``numbers`` for the counts ``SAMPLES``.
 
     Raises:
         ValueError: when no affine function of the counts has these values.

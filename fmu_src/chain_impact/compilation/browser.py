@@ -13,12 +13,13 @@ from chain_impact.compilation import compilers
 from chain_impact.compilation.errors import BuildError
 from chain_impact.laws.law_syntax import LawError
 
+# the names of two files in the cache: the module, and the compiled kernel from which it is linked
 MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"
 EXPORTS = ("initialize", "log_contacts", "trajectory", "__heap_base")
 """What pages use of the module besides its memory (pages/browser/solver/kernel.js)."""
 STACK = 1 << 20  # [byte] size of the module's stack, of which the kernel uses a few thousand bytes
-# The target is WebAssembly with addresses of 32 bits, because zig has no headers for 64 bits. A vector
-# (-msimd128) holds two doubles, as in the code for x86 processors.
+# The target is WebAssembly with addresses of 32 bits, because zig has no headers for addresses of 64 bits.
+# With -msimd128 a vector holds two doubles, as in the code for x86 processors.
 TARGET = ("-target", "wasm32-wasi", "-msimd128", "-nostdlib", "-nostartfiles", "-s", "-fvisibility=hidden")
 ONE = (
     "acos",
@@ -45,11 +46,11 @@ _MISSING = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
 
 
 def compile_kernel(module: str, compiled: Path) -> None:
-    """Compile the kernel, from LLVM's language, to an object file for ``link``.
+    """Compile the lowered kernel to an object file for ``link``.
 
     Args:
         module: the text of the kernel in LLVM's language, as lower.py writes it.
-        compiled: the path of the object file to write; temporary files are written beside it.
+        compiled: the object file to write; temporary files are in the same folder.
 
     Raises:
         BuildError: when the compiler fails.
@@ -65,10 +66,10 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
     Args:
         compiled: the object file that ``compile_kernel`` has written.
         output: the module to write; temporary files are in the same folder.
-        law: the file with a user's law in LLVM's language, or None.
+        law: the file with a user's law in LLVM's language; None for no law.
 
     Raises:
-        LawError: when the law calls a function that the module does not have.
+        LawError: when the law calls a function that neither the module nor IMPORTED has.
         BuildError: when the compiler fails.
     """
     linker = ["-Wl,--no-entry", f"-Wl,-z,stack-size={STACK}", *(f"-Wl,--export={name}" for name in EXPORTS)]
@@ -84,9 +85,9 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
 
 
 def _write_imports(output: Path) -> Path:
-    """Write a C file of functions that call the functions of the same names in the browser's ``Math``.
+    """Write a C file with a function for each of IMPORTED, which calls that of the browser's ``Math``.
 
-    The linker keeps only those that the law calls.
+    The linker keeps only the functions that the law calls. The file is in the folder of ``output``.
     """
     text = ""
     for name, arguments in IMPORTED.items():

@@ -1,4 +1,8 @@
-"""Code for numba in place of the Python code of functions that find, copy or clear parts of a record."""
+"""Code for numba in place of the Python code of functions that find, copy or clear parts of a record.
+
+The functions named _type_of_… tell numba the type of a function's result; the functions after them write the
+LLVM code of the function.
+"""
 
 from __future__ import annotations
 
@@ -71,9 +75,9 @@ def _input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
 def _chosen(
     builder: ir.IRBuilder, number: ir.Value, makers: Sequence[Callable[[], list[ir.Value]]]
 ) -> list[ir.Value]:
-    """Return the values that ``makers[number]`` makes, or those of ``makers[0]`` if there is no such maker.
+    """Return the LLVM values that ``makers[number]`` makes; those of ``makers[0]`` for a number out of range.
 
-    ``number`` is known only when the code runs, so the function writes a switch.
+    ``number`` is known only when the code runs, so the code of all makers is written into a switch.
     """
     blocks = [builder.append_basic_block() for _ in makers]
     end = builder.append_basic_block()
@@ -96,7 +100,7 @@ def _chosen(
 def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types.Type) -> None:
     """Give numba the code of a function of (instance, k) that returns the field ``paths[k]`` as an array.
 
-    All these fields have numbers of the type ``kind``.
+    The array has one dimension, without a copy of the numbers, which are of the type ``kind`` in all fields.
     """
 
     @type_callable(function)
@@ -123,9 +127,10 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
 
 
 def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
-    """Give numba the code of a function of (instance, k) that returns ``bounds[k]`` for the instance.
+    """Give numba the code of a function of (instance, k) that returns the bound ``bounds[k]``.
 
-    It is the least or the largest value that field k may have, an affine function of the instance's counts.
+    A bound is the least or the largest value that field k may have; it is an affine function of the counts of
+    the instance.
     """
 
     @type_callable(function)
@@ -239,18 +244,17 @@ def _type_of_copy_values(_context: Any) -> Any:
 @type_callable(duals.copy_given)
 def _type_of_copy_given(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
-        # numba asks for the type of the result twice: first with the type of the argument ``when``, then with
-        # its constant value. Only the second call is answered, because the code depends on the value.
+        # numba asks for the type of the result twice: first with the type of ``when``, then with the constant
+        # value of ``when``. Only the second call gets a result, because the code depends on the value.
         return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
 
     return typer
 
 
 def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Return whether the types are those of a part of an instance and of the same part of a tangent instance.
+    """Return whether ``source`` is a part of an instance and ``target`` the same part of a tangent instance.
 
-    ``source`` must be the type of the part of the instance, ``target`` that of the part of the tangent
-    instance.
+    Both are types.
     """
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False
@@ -274,10 +278,10 @@ def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: 
 def _copy_fields(
     context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
 ) -> None:
-    """Copy the values of fields to a tangent instance, whose derivatives stay.
+    """Write code that copies the values of fields to a tangent instance, whose derivatives stay.
 
-    ``instances`` are the addresses of an instance and of the tangent instance; ``wanted`` says which fields
-    are copied.
+    ``instances`` are the addresses of an instance and of the tangent instance. ``wanted`` is a function from
+    the path of a field to whether the field is copied.
     """
     source, target = instances
     for path, field in TABLES["instance"].items():
@@ -298,7 +302,7 @@ def _words_of(
 ) -> tuple[ir.Value, ir.Value]:
     """Return the address of a field's first value, and the number of words of 8 bytes from value to value.
 
-    A dual number takes several words, of which the first is its value.
+    The values are numbers of the type ``word``. A dual number takes several words; the first is its value.
     """
     words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
     address = builder.bitcast(address_of(context, builder, instance, field), word.as_pointer())

@@ -1,8 +1,8 @@
 """The cache of compiled kernels: a folder for each state of the sources and compilers.
 
-One process makes a file while other processes that need it wait. A file appears under its name only when it
-is complete, together with its checksum: if it is cut or damaged later, it is made again. Nothing is read from
-a folder to which other users can write (folders.py).
+While one process makes a file, other processes that need the file wait. A file gets its name only when it is
+complete, and its checksum is stored: if the file is cut or damaged later, it is made again. Nothing is read
+from a folder to which other users can write (folders.py).
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.progress import log
 from chain_impact.system import removal
 
-# [s] a folder of the cache for other sources or compilers, or of another version of the linker, is removed
-# after this time without use
+# [s] time without use after which a folder for other sources or compilers, or of another version of the
+# linker, is removed
 UNUSED = 30 * 24 * 3600.0
-# the name of the linker's own cache folder begins with this text; the version of the linker follows
+# the beginning of the name of the folder for the linker's own cache; the version of the linker follows
 LINKER = "chain-impact-zig-"
-# regular expression for the folders of the cache: of some state of sources and compilers, or of a linker
+# matches the names of folders of the cache: of any state of sources and compilers, or of any linker
 _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
-PATIENCE = 1.0  # [s] after this time of waiting, a message says that another process is making the kernel
+PATIENCE = 1.0  # [s] a process that waits longer for another one, which makes a kernel, logs a message
 
 
 def cache_folder() -> Path:
@@ -54,13 +54,17 @@ def _digest(compilers: tuple[str, ...]) -> str:
 
 
 def linker_folder() -> Path:
-    """Return the folder in which the installed version of the linker keeps its own cache."""
+    """Return the folder for the linker's own cache, with the version of the linker in its name.
+
+    Raises:
+        BuildError: when nothing can be stored in the cache.
+    """
     return writable(base_folder()) / f"{LINKER}{_version('ziglang')}"
 
 
 @functools.cache
 def _version(compiler: str) -> str:
-    """Return the version of a compiler: the installed one or, if there is none, the required one."""
+    """Return the version of a compiler: the installed one or, if it is not installed, the required one."""
     try:
         return version(compiler)
     except PackageNotFoundError:
@@ -68,7 +72,7 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """Return the path of a complete file or folder of the cache; None if the cache does not have it.
+    """Return the path of the complete file or folder ``name`` of the cache; None if the cache has none.
 
     The result is None, too, if other users can write to the cache, because they could have changed the file.
     """
@@ -81,7 +85,7 @@ def find(name: str) -> Path | None:
 
 
 def _is_whole(path: Path) -> bool:
-    """Return whether a path is a folder, or a file that still has the checksum in its mark."""
+    """Return whether a path is that of a folder, or of a file with the checksum that its mark holds."""
     try:
         return path.is_dir() or _mark(path).read_bytes() == _checksum(path)
     except OSError:
@@ -89,7 +93,7 @@ def _is_whole(path: Path) -> bool:
 
 
 def _mark(file: Path) -> Path:
-    """Return the path of a file's mark: another file, which holds the file's checksum."""
+    """Return the path of the mark of a file: another file in the same folder, with the file's checksum."""
     return file.with_name(f".{file.name}.crc32")
 
 
@@ -98,12 +102,12 @@ def _checksum(file: Path) -> bytes:
 
 
 def holds(file: Path) -> bool:
-    """Return whether a file is in the cache; clearing the cache removes such a file."""
+    """Return whether a file is in the folder of the cache, so that ``clear`` may remove it."""
     return base_folder() in file.parents
 
 
 def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
-    """Return the file or folder with a name in the cache folder; make it if it does not exist.
+    """Return the path of the file or folder ``name`` of the cache; make it if the cache has none.
 
     Args:
         name: the name of the file or folder.
@@ -133,9 +137,10 @@ def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold a lock file; the operating system releases the lock if the process is killed.
+    """Context manager that holds the lock file ``path``, after waiting for other processes that hold it.
 
-    A process that must wait longer than PATIENCE logs a message.
+    The operating system releases the lock if the process is killed. A process that waits longer than PATIENCE
+    logs a message.
     """
     from filelock import FileLock, Timeout
 
@@ -153,12 +158,12 @@ def _locked(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _scratch(folder: Path, name: str) -> Iterator[Path]:
-    """Give a temporary folder, inside ``folder``, in which the file ``name`` can be made; then remove it.
+    """Context manager that yields a temporary folder in ``folder`` for making ``name``, and then removes it.
 
     Temporary folders for the same name, which killed processes have left, are removed first.
 
     Raises:
-        BuildError: when another process has removed the temporary folder.
+        BuildError: when another process removes the temporary folder during the ``with`` block.
     """
     prefix = f".{name}-"
     for left in folder.glob(prefix + "*"):
@@ -173,9 +178,9 @@ def _scratch(folder: Path, name: str) -> Iterator[Path]:
 
 
 def _prune(present: Path) -> None:
-    """Remove folders of the cache that are unused for UNUSED.
+    """Remove the folders of the cache that have not been used for the time UNUSED.
 
-    The folders ``present`` and that of the installed version of the linker stay.
+    The folder ``present`` and the folder of the installed version of the linker stay.
     """
     for folder in present.parent.iterdir():
         with suppress(FileNotFoundError):  # another process may remove old folders at the same time
@@ -192,7 +197,7 @@ class Entry:
         path: the folder.
         size: the size of all files in the folder [byte].
         used: the time of the last use [s since 1970].
-        files: the names of the finished files; none for a folder of a linker.
+        files: the sorted names of the finished files; none for a folder of a linker.
     """
 
     path: Path
@@ -202,7 +207,7 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """Return the folders of the cache: one for each state of sources and compilers or version of the linker.
+    """Return the folders of the cache: for each state of sources and compilers, and version of the linker.
 
     The list is empty if there is no cache, or if other users can write to it.
     """
@@ -212,7 +217,7 @@ def entries() -> list[Entry]:
 
 
 def clear() -> int:
-    """Remove all folders of the cache, and return the number of removed bytes."""
+    """Remove all folders that ``entries`` returns; return the number of removed bytes."""
     removed = entries()
     for entry in removed:
         with removal():

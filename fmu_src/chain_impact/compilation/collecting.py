@@ -1,4 +1,4 @@
-"""Makes numba only lower functions: numba translates each function to LLVM's language once, and does no more.
+"""Makes numba only lower functions: translate each function to LLVM's language once, and do no more.
 
 Unchanged, numba would also optimise each function, link all called functions to it, optimise the result and
 make machine code. For a kernel of hundreds of functions this takes a minute, and nothing uses the results:
@@ -22,9 +22,9 @@ from numba.np import arrayobj
 IDLE = frozenset(
     {"inline_closure_likes", "inline_inlinables", "inline_overloads", "nopython_rewrites", "with_lifting"}
 )
-"""Names of numba's passes that are left out for the kernel. They look for features that it does not use:
-closures, expressions of whole arrays, functions that numba inlines, ``with``. They would take a tenth of the
-time of lowering, and without them the lowered kernel has the same bytes."""
+"""Names of numba's passes that are left out for the kernel. These passes look for features that the kernel
+does not use: closures, expressions of whole arrays, functions that numba inlines, ``with``. The passes would
+take a tenth of the time of lowering, and without them the lowered kernel has the same bytes."""
 
 USUAL_REGISTERS, PUT_BACK = "usual_registers", "put_registers_back"
 """The C functions (registers.c) that a guarded function of the kernel calls first and last."""
@@ -32,16 +32,16 @@ WORD = ir.IntType(64)
 
 
 class Library(codegen.JITCodeLibrary):
-    """Replaces the library in which numba keeps a function's code: it is not optimised or compiled."""
+    """Replaces numba's library for the code of a function; the code is neither optimised nor compiled."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
         self.modules: list[llvm.ModuleRef] = []
 
     def add_ir_module(self, module: ir.Module) -> None:
-        """Add a module of code, and make its public functions weak (``weak_odr``).
+        """Add a module of code, and make the public functions in it weak (``weak_odr``).
 
-        The linker keeps weak functions even if no module calls them yet.
+        When modules are joined, LLVM keeps weak functions even if no module calls them yet.
         """
         for symbol in module.functions:
             if not symbol.is_declaration and symbol.linkage in ("", "external", "common"):
@@ -49,15 +49,16 @@ class Library(codegen.JITCodeLibrary):
         self.modules.append(llvm.parse_assembly(cgutils.normalize_ir_text(str(module))))
 
     def finalize(self) -> None:
-        """Mark the library as complete; numba would also add the code of called functions.
+        """Mark the library as complete.
 
-        ``with_dependencies`` finds the libraries of these functions later.
+        numba's own method would also add the code of called functions; ``with_dependencies`` finds the
+        libraries of these functions later.
         """
         self._raise_if_finalized()
         self._finalized = True
 
     def get_pointer_to_function(self, _name: str) -> int:
-        """Return 0 for the address of a compiled function: nothing is compiled or called in this process."""
+        """Return 0 in place of a function's address: in this process no function is compiled or called."""
         self._ensure_finalized()
         return 0
 
@@ -75,13 +76,13 @@ class Library(codegen.JITCodeLibrary):
 
 
 class Convention(callconv.MinimalCallConv):
-    """How functions call each other: a function stores its result at an address, and returns a code.
+    """How lowered functions call each other: a function stores its result at an address, and returns a code.
 
-    The code is 0, or an error where Python would raise an exception.
+    The code is 0, or the code of an error where Python would raise an exception.
     """
 
     def decorate_function(self, fn: Any, args: Any, fe_argtypes: Any, noalias: bool = False) -> None:
-        """Tell LLVM two facts about the pointer to the result, so that LLVM can optimise more.
+        """Tell LLVM two facts about the pointer to the result, the first argument, for better code.
 
         No other pointer points to the result, and the function keeps no copy of the pointer.
         """
@@ -90,7 +91,7 @@ class Convention(callconv.MinimalCallConv):
             fn.args[0].add_attribute(attribute)
 
     def return_user_exc(self, builder: ir.IRBuilder, *_: Any, **__: Any) -> None:
-        """Make a function return the same error code for every exception, in place of numba's data on it."""
+        """Make a function return the same error code for every exception, without numba's data on it."""
         self._return_errcode_raw(builder, callconv.RETCODE_USEREXC)
 
 
@@ -98,10 +99,10 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
     """Make numba, in this process, only lower functions to LLVM's language.
 
     Args:
-        any_python: whether the functions may use all of Python that numba supports, as a user's law does;
-            else only what the kernel uses.
-        guarded: whether the C functions set the floating-point registers (registers.c); functions that only
-            the kernel calls need not.
+        any_python: whether the functions may use all of Python that numba supports, as a user's law may; if
+            False, they may use only the features that the kernel uses.
+        guarded: whether the C functions set the floating-point registers (registers.c); this is not needed
+            for functions that only the kernel calls.
     """
     codegen.JITCPUCodegen._library_class = Library
     codegen.JITCPUCodegen.set_env = _nothing
@@ -119,18 +120,18 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
 
 
 def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) -> Any:
-    """Return an index without the check for a negative one, which in Python counts from an array's end.
+    """Return ``index`` as an integer of the machine, in place of numba's code for negative indices.
 
-    The kernel has no negative indices.
+    The kernel has no negative indices, which in Python count from the end of an array.
     """
     return context.cast(builder, index, kind, types.intp)
 
 
 def _entry_point(context: Any, library: Library, description: Any, *_: Any, guarded: bool, **__: Any) -> None:
-    """Make the C function for a lowered function: it returns the result itself, or 0 after an exception.
+    """Make the C function for a lowered function, which returns the result itself, or 0 after an error code.
 
-    If it is ``guarded``, it computes with the usual settings of the floating-point registers, whatever its
-    caller has set.
+    A ``guarded`` function computes with the usual settings of the floating-point registers, and then restores
+    the settings of its caller.
     """
     module = context.create_module("entry point")
     result, arguments = description.restype, description.argtypes
@@ -162,7 +163,7 @@ def _external(module: ir.Module, result: ir.Type, name: str, *arguments: ir.Type
 def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
     """Return a function that runs one pass of numba, unless the name of the pass is in ``leave_out``.
 
-    numba's own function also measures times and repeats the analysis of the compiled function.
+    Unlike numba's own function, it neither measures times nor repeats the analysis of the compiled function.
     """
 
     def run(manager: Any, _index: int, step: Any, state: Any) -> None:
@@ -174,9 +175,9 @@ def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
 
 
 def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method that computes each result only once, because numba asks for it thousands of times.
+    """Return a method that computes each result of ``method`` once, because numba asks thousands of times.
 
-    ``key`` is a function of the arguments: calls with equal keys have the same result.
+    ``key`` is a function of the arguments; calls with equal keys have the same result.
     """
     results: dict[Any, Any] = {}
 
@@ -190,7 +191,7 @@ def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable
 
 
 def _nothing(*_: Any) -> None:
-    """Do nothing, in place of numba's function that stores the address of a Python object in the code.
+    """Do nothing, in place of numba's method ``set_env``, which stores a Python object for compiled code.
 
-    Only code that runs in this process would need the address.
+    Only code that runs in this process would need the object.
     """

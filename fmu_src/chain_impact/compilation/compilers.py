@@ -1,9 +1,9 @@
 """The two programs that make a library: numba's front end, which writes LLVM code, and zig's C compiler.
 
-numba lowers the kernel once (lower.py), without sizes; a prelude of LLVM code adds the sizes. zig compiles
-the kernel and links it with the C interface of native FMUs (c_interface/), which is the same for every scene,
-and with the functions that the kernel declares but does not define: the hooks (kernel/hooks.py), which
-carry derivatives or do nothing, and a user's contact law or a substitute.
+numba lowers the kernel once (lower.py), without sizes; ``complete`` adds a prelude, LLVM code with the sizes.
+zig compiles the kernel, and links it with the C interface of native FMUs (c_interface/), which is the same
+for every scene, and with the functions that the kernel declares but does not define: the hooks
+(kernel/hooks.py), which carry derivatives or do nothing, and a user's contact law or a substitute.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from chain_impact.laws.law_syntax import LawError
 from chain_impact.system import HOST, PLATFORMS, X86
 
 PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest x86 processor on which the code runs
-BAD_LAW = 3  # exit code of lower.py for a faulty law, whose fault is then on standard error
+BAD_LAW = 3  # exit code of lower.py for a law with a fault; the last line on standard error tells the fault
 KERNEL, DERIVATIVES = "kernel", "derivatives"
-"""The two parts of a kernel, which are lowered and compiled separately: the kernel itself, and the
-functions that replace those of kernel/hooks.py and carry derivatives. As the kind of a library, KERNEL
-means a library of the first part, without derivatives; DERIVATIVES means a library of both parts."""
+"""The two parts of a kernel, which are lowered and compiled separately: the kernel itself, and the functions
+that replace those of kernel/hooks.py and carry derivatives. As the kind of a library, KERNEL means a library
+of the first part, without derivatives; DERIVATIVES means a library of both parts."""
 # No fused multiply-add: ARM's instruction rounds once, the two instructions of x86 round twice, so results
 # would differ in their bits. No loop strength reduction: without it linking takes less time, and kernels are
 # no slower.
@@ -39,40 +39,41 @@ FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr"
 # DERIVATIVES keeps the usual limit: with the larger limit it would be no faster, and would take longer to
 # compile.
 INLINE_MORE = ("-mllvm", "-inline-threshold=500")
-# No vectors of operations outside loops: they make runs of one link up to a tenth slower, but runs of two
-# links a tenth faster. So only the kernel for one link has this flag.
+# Vector instructions outside loops make runs of one link up to a tenth slower, but runs of two links a tenth
+# faster. So only the kernel for one link is compiled without them.
 SCALAR = ("-fno-slp-vectorize",)
-# Functions of numba that lowered code calls only to free memory. The kernel allocates no memory, so they are
-# never called, and a kernel is linked with empty substitutes.
+# Functions of numba that lowered code calls only to free memory. The kernel allocates no memory, so it never
+# calls these functions, and is linked with empty substitutes.
 PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
 INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
-# A program that runs lower.py with the sources of this package. PYTHONPATH cannot name them: where pip builds
-# a wheel, it hides the folder of an editable installation.
+# A Python program that runs lower.py from the folder of this package, its first argument. PYTHONPATH cannot
+# name this folder: where pip builds a wheel, pip hides the folder of an editable installation.
 LOWER = """import runpy, sys
 sys.path.insert(0, sys.argv.pop(1))
 runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sys=True)"""
-# The parts of the C runtime that Windows has since version 10. Without this list zig would first build its
-# own parts, which takes a minute. Functions that Windows lacks are in zig's compiler-rt and in
+# The parts of the C runtime that Windows has since version 10. Without this list, zig would first build parts
+# of its own, which takes a minute. Functions that Windows lacks are in zig's compiler-rt and in
 # c_interface/common/windows.c.
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
 GENERAL = 0
-"""Stands in place of a number of links, for the kernel that can run every scene: with any number of links and
-with all rare features, such as moving walls, points of links, a slider, or signals. Other kernels lack the
-rare features, and so lose no time with them."""
+"""The number that stands in place of a number of links for the kernel that can run every scene: with any
+number of links and all rare features, such as moving walls, points of links, a slider, or signals. Kernels
+without the rare features lose no time with them."""
 _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
 """The names of the LLVM functions that return the counts and flags at the start of a record, in the record's
 order."""
 _FEW = _SIZES[COUNTS.index("channels") :]
-"""The last names in _SIZES: those of the functions that return counts and flags of rare features. Only
-kernels for GENERAL or for one scene have rare features; in all others these functions return 0."""
+"""The last names in _SIZES: those of the functions that return counts and flags of rare features. In kernels
+for a number of links, or for any number (None), these functions return 0."""
 Sizes = int | tuple[int, ...] | None
-"""The scenes that a kernel can run: those with a number of links; None: any number; GENERAL: any number, with
-all features; a tuple of all counts and flags at the start of a record: scenes with exactly these."""
+"""The scenes that a kernel can run: a number of links, or None for any number, without rare features; GENERAL
+for all scenes; a tuple of all counts and flags at the start of a record for the scenes with exactly these."""
+# C code of a function that does nothing, for its name
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
-# LLVM code of a function that reads a count from the record. LLVM is told that the count does not change
-# while the kernel runs, and is less than 2²⁰.
+# LLVM code of a function that reads a count or flag from the record. LLVM is told that the number does not
+# change while the kernel runs, and is at least 0 and less than 2²⁰.
 HELD = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   %place = getelementptr i64, ptr %instance, i64 {word}
   %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 1048576}}
@@ -84,9 +85,9 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
 }}
 """
 OpenFunctions = dict[str, tuple[str, tuple[str, ...], int]]
-"""C functions that a kernel calls but does not contain: name → LLVM's types of its result and of its
-arguments, and the number that a substitute returns. A function without a result returns a pointer ("ptr"), as
-numba declares it."""
+"""Name of a C function that a kernel calls but does not contain → LLVM's types of the result and of the
+arguments, and the number that a substitute returns. A function without a result is declared by numba as one
+that returns a pointer ("ptr")."""
 LAW: OpenFunctions = {
     "user_law_present": ("i64", (), 0),
     "user_law_force": ("double", ("double",) * 7, 0),
@@ -99,8 +100,8 @@ HOOKS: OpenFunctions = {
 REGISTERS = """declare hidden i64 @usual_registers()
 declare hidden void @put_registers_back(i64)
 """
-# The functions of REGISTERS for WebAssembly do nothing: it has no registers for settings of floating-point
-# arithmetic, and always computes with the usual settings.
+# The functions of REGISTERS for WebAssembly, which do nothing: WebAssembly has no registers with settings of
+# floating-point arithmetic, and always computes with the usual settings.
 NO_REGISTERS = """define internal i64 @usual_registers() alwaysinline {
   ret i64 0
 }
@@ -119,16 +120,16 @@ _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
-    """Return the text of a lowered part of a kernel with functions added that it only declares.
+    """Return the text of a lowered part of a kernel, with functions that the part only declares.
 
-    Two groups are added: functions that return the counts and flags at the start of a record, each as a
-    constant or read from the record, and the functions that set the registers. The functions of LAW and HOOKS
-    are not added, only made hidden, so that calls of them are faster.
+    Added are the functions that return the counts and flags at the start of a record, each as a constant or
+    read from the record, and the text ``registers``. The functions of LAW and HOOKS are not added, but made
+    hidden, so that calls of them are faster.
 
     Args:
         module: the text of the part in LLVM's language, as lower.py writes it.
         sizes: the scenes that the kernel can run; they decide which counts are constants.
-        registers: LLVM code for the functions of registers.c: declarations, or functions that do nothing.
+        registers: LLVM code for the functions of registers.c: REGISTERS or NO_REGISTERS.
     """
     if isinstance(sizes, tuple):
         fixed = dict(zip(_SIZES, sizes, strict=True))
@@ -138,25 +139,25 @@ def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
         CONSTANT.format(name=name, number=fixed[name]) if name in fixed else HELD.format(name=name, word=word)
         for word, name in enumerate(_SIZES)
     )
-    # A hidden function is private to a library, so it is called directly, not through a table of addresses.
+    # a hidden function is private to a library, so a call of it is direct, not through a table of addresses
     hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)
     return _DECLARED_ABOVE.sub("", hidden) + prelude + registers
 
 
 def lower(module: Path, what: str, law: Path | None = None) -> None:
-    """Write a part of a kernel in LLVM's language, in a process of its own.
+    """Lower a part of a kernel to LLVM's language, in a process of its own.
 
     Args:
         module: the file to write.
         what: KERNEL, DERIVATIVES, or "law".
-        law: the file of the user's law, if ``what`` is "law".
+        law: the file of the user's law if ``what`` is "law", else None.
 
     Raises:
         LawError: when the law cannot be compiled.
-        BuildError: when numba fails, or the sources have changed while it ran.
+        BuildError: when numba fails, or the sources have changed while the process ran.
     """
-    # Without these settings numba would use this machine's processor, and write code in the order of hashes,
-    # which Python changes in each run: the code would differ between machines and between runs.
+    # Without these settings, numba would write code for this machine's processor, in the order of hashes,
+    # which differ in each run of Python: the code would differ between machines and between runs.
     settings = {
         "NUMBA_CPU_NAME": PLATFORMS[HOST].cpu.replace("_", "-"),
         "NUMBA_CPU_FEATURES": "",
@@ -170,14 +171,14 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
 
 
 def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: Sizes) -> None:
-    """Compile a lowered part of a kernel, KERNEL or DERIVATIVES.
+    """Compile a lowered part of a kernel to an object file.
 
     Args:
-        module: the part in LLVM's language, as lower.py writes it.
-        compiled: the file to write; temporary files are in the same folder.
+        module: the text of the part in LLVM's language, as lower.py writes it.
+        compiled: the object file to write; temporary files are in the same folder.
         platform: a key of ``PLATFORMS``.
         what: KERNEL or DERIVATIVES.
-        sizes: the scenes that the kernel can run; the counts that all of them share become constants.
+        sizes: the scenes that the kernel can run; counts that are equal in all of them become constants.
 
     Raises:
         BuildError: when the compiler fails.
@@ -191,7 +192,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
 
 
 def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
-    """Return the compiler's flags with which a part of a kernel for these scenes runs fastest."""
+    """Return the compiler's flags with which the part ``what`` of a kernel for ``sizes`` runs fastest."""
     if what == DERIVATIVES:
         return ()
     links = sizes[0] if isinstance(sizes, tuple) else sizes
@@ -209,7 +210,7 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
         law: the file with a user's law in LLVM's intermediate language, or None.
 
     Raises:
-        LawError: when the law calls a function that only numba provides.
+        LawError: when the law calls a function of numba, which a kernel does not have.
         BuildError: when the compiler fails.
     """
     prepare_zig(platform)
@@ -224,14 +225,14 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
 
 
 def zig_is_prepared(platform: str) -> bool:
-    """Return whether zig has built the libraries that it needs for links for a platform."""
+    """Return whether zig has built the libraries that it needs to link for a platform."""
     return (linker_folder() / f"prepared-{platform}").exists()
 
 
 def prepare_zig(platform: str) -> None:
-    """Let zig build the libraries that it needs for links for a platform, unless it has built them.
+    """Let zig build the libraries that it needs to link for a platform, unless it has built them.
 
-    After that, links only read these libraries, so several can run at once.
+    After that, linking only reads these libraries, so several processes can link at the same time.
     """
     if zig_is_prepared(platform):
         return
@@ -249,32 +250,33 @@ def prepare_zig(platform: str) -> None:
 
 
 def interface_sources() -> list[Path]:
-    """Return the source files of the C interface of FMUs."""
+    """Return the sorted C files of the interface of FMUs, without headers."""
     return sorted(INTERFACE.rglob("*.c"))
 
 
 def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
-    """Compile those inputs that are sources, and link all inputs to a shared library."""
+    """Compile those inputs that are sources, and link all inputs to a shared library for a platform."""
     target = PLATFORMS[platform].target
     options = ["-shared", "-s"]
     if "linux" in target:
-        # a call must find its function inside the library, not in another library of the process; a missing
-        # function is an error
+        # a call must find its function in this library, not in another library of the process; a function
+        # that is missing is an error
         options += ["-Wl,-Bsymbolic", "-Wl,-z,defs"]
     # without this option the library would contain the name of the folder in which it was made
     if "macos" in target:
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
-    # Start files are left out, because nothing calls them, and so is zig's runtime, because zig would first
-    # have to build it; only a library for Windows needs the runtime.
+    # Start files are left out, because nothing calls them. zig's runtime is left out, too, because zig would
+    # first have to build it; only a library for Windows needs this runtime.
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
     _zig(platform, library, *inputs, flags=options, libraries=libraries)
 
 
 def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
-    """Write a C file with substitutes for functions that a kernel lacks; return the files to link beside it.
+    """Write a C file with substitutes for functions that a kernel lacks; return the files to link with it.
 
-    Without ``derivatives`` the C file has the functions of HOOKS. Without a ``law`` it has those of LAW; with
-    one, only ``user_law_present``, which returns 1. The files to link are the law, if any, and the C file.
+    Without ``derivatives``, the C file has the functions of HOOKS. Without a ``law``, it has those of LAW;
+    with a law, it has only ``user_law_present``, which then returns 1. The files to link are the law, if
+    there is one, and the C file, which is in the folder of ``library``.
     """
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
     text = "".join(map(STUB.format, PYTHON_SYMBOLS))
@@ -289,7 +291,7 @@ def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) 
 def _zig(
     platform: str, output: Path, *inputs: Path, flags: Iterable[str], libraries: Iterable[str] = ()
 ) -> None:
-    """Run zig's C compiler for a platform, with the flags of all kernels."""
+    """Run zig's C compiler for a platform, with FLAGS and ``flags``, to make ``output`` of ``inputs``."""
     options = ["cc", "-target", PLATFORMS[platform].target, f"-mcpu={PLATFORMS[platform].cpu}", *FLAGS]
     options += ["-fvisibility=hidden", *flags]
     paths = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", output, *inputs))
@@ -297,7 +299,7 @@ def _zig(
 
 
 def run_zig(arguments: Iterable[str], output: Path) -> None:
-    """Run zig with a cache that no other program uses; temporary files are in the folder of the output.
+    """Run zig with a cache that no other program uses; temporary files are in the folder of ``output``.
 
     Raises:
         BuildError: when zig fails.
@@ -318,7 +320,7 @@ def _from_windows() -> list[str]:
 def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
     """Run Python without the user's settings of numba, and without modules from the present folder.
 
-    ``settings`` are additional environment variables.
+    ``arguments`` are those of Python, ``settings`` additional environment variables.
     """
     kept = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     with TemporaryDirectory() as nowhere:

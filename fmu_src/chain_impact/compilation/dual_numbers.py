@@ -1,9 +1,9 @@
 """Dual numbers as a numba type: a value with its derivatives in several directions.
 
-A function of the kernel that is compiled for dual numbers gives exact derivatives with its values: the chain
-rule carries them through each operation. The values are the same, bit for bit, as without derivatives.
-Comparisons use only the values. The derivatives of one number form a vector, so that the processor computes
-several derivatives at once.
+A function of the kernel that is compiled for dual numbers gives exact derivatives with its values: each
+operation also computes the derivatives of its result by the chain rule. The values are the same, bit for bit,
+as without derivatives. Comparisons use only the values. The derivatives of one number form a vector, so that
+the processor computes several derivatives at once.
 
 Source: W. K. Clifford 1873, Preliminary sketch of biquaternions, Proc London Math Soc 4:381; for derivatives
 A. Griewank and A. Walther 2008, Evaluating Derivatives, SIAM, chapter 3.
@@ -37,14 +37,14 @@ class Dual(types.Type):
         super().__init__(name=f"dual{DIRECTIONS}")
 
     def can_convert_from(self, _context: Any, other: types.Type) -> Conversion | None:
-        """Return how numba converts another type to this type; None if it is no type of numbers.
+        """Return how numba converts the type ``other`` to this type; None if ``other`` is no type of numbers.
 
         The derivatives of a converted number are 0.
         """
         return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
 
     def unify(self, _context: Any, other: types.Type) -> types.Type | None:
-        """Return this type for a variable that has both types of values.
+        """Return the type of a variable that has values of this type and of the type ``other``: this type.
 
         The result is None if ``other`` is no type of numbers.
         """
@@ -77,7 +77,7 @@ def _parts(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
 
 
 def _all(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
-    """Return a vector each entry of which is ``number``."""
+    """Return a vector of DIRECTIONS entries, each of which is ``number``."""
     vector = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
     places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
     return builder.shuffle_vector(vector, ir.Constant(VECTOR, ir.Undefined), places)
@@ -104,10 +104,10 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
 
 
 def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:
-    """Declare to numba that a function takes dual numbers, and returns a value of the type ``result``.
+    """Declare to numba that a function takes at least one dual number, and returns the type ``result``.
 
-    If only some arguments are dual, ordinary numbers among the others are converted to the type ``number``;
-    None: they are not converted.
+    The other arguments are ordinary numbers, which numba converts to the type ``number`` or, if this is None,
+    does not convert.
     """
 
     class _Template(AbstractTemplate):
@@ -131,9 +131,9 @@ Code = Callable[..., ir.Value]
 
 
 def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
-    """Give a function its code for arguments of the types ``kinds``.
+    """Give numba the code of ``function`` for arguments of the types ``kinds``.
 
-    ``code(context, builder, *arguments)`` is a function that writes the code.
+    ``code(context, builder, *arguments)`` writes this code, and returns the LLVM value of the result.
     """
 
     def lowered(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
@@ -143,7 +143,7 @@ def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
 
 
 def _of_numbers(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
-    """Return the value of ``function`` for ordinary numbers, computed by numba's own code."""
+    """Return the LLVM value of ``function`` for ordinary ``numbers``, by numba's own code."""
     typed = context.typing_context.resolve_function_type(function, (float64,) * len(numbers), {})
     return context.get_function(function, typed)(builder, numbers)
 
@@ -160,7 +160,7 @@ _ONE = ir.Constant(ir.DoubleType(), 1.0)
 
 
 def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
-    """Return the codes of a sum, difference or product: of two duals, dual and float, float and dual.
+    """Return the codes of a sum, difference or product for the types ``_KINDS`` of its operands a and b.
 
     ``operation`` is the name of LLVM's instruction for the values. ``slopes(a, b)`` returns the derivatives
     of the result with respect to a and to b.
@@ -259,7 +259,7 @@ for _function, _relation in ((max, ">"), (min, "<")):
 
 
 def _chain(function: Any, slope: Code) -> None:
-    """Give a function f of one number its code for a dual number: value f(a), derivatives f′(a) a′.
+    """Give numba the code of a function f for a dual number a: value f(a), derivatives f′(a) a′.
 
     ``slope(context, builder, a, f(a))`` writes the code of f′(a).
     """
@@ -274,9 +274,10 @@ def _chain(function: Any, slope: Code) -> None:
 
 
 def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Value) -> ir.Value:
-    """Return the derivative ½/√a of a root; 0 at a = 0, where ½/√a is infinite.
+    """Return the derivative ½/√a of a root √a; 0 where √a is not above 0, such as at a = 0.
 
-    The kernel takes the root of a clearance that stays 0: with ½/√a this root would have the derivative NaN.
+    The kernel takes the root of a clearance that stays 0, so its derivatives are 0, too; with the factor
+    ½/√a, which is infinite, the derivatives of the root would be NaN.
     """
     slope = builder.fdiv(ir.Constant(root.type, 0.5), root)
     zero = ir.Constant(root.type, 0.0)
@@ -316,7 +317,7 @@ def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.
     slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
     zero = ir.Constant(length.type, 0.0)
     inverse = builder.fdiv(_ONE, length)
-    # at length 0 the derivative is set to 0, as for the square root (``_root_slope``)
+    # at length 0 the derivatives are set to 0, as for the square root (``_root_slope``)
     inverse = builder.select(builder.fcmp_ordered(">", length, zero), inverse, zero)
     return _made(builder, length, _times(builder, inverse, slopes))
 

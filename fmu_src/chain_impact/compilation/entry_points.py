@@ -1,8 +1,8 @@
 """The C functions of a kernel in numba's types; signatures.py has their signatures.
 
-In a kernel that carries derivatives, they also advance the tangent instances, records of dual numbers after
-the instance in memory: the kernel calls hooks, C functions that are linked to it (kernel/hooks.py,
-kernel/tangent/entry.py).
+In a kernel that carries derivatives, these functions also advance the tangent instances, records of dual
+numbers after the instance in memory: they call hooks, C functions that are linked to the kernel
+(kernel/hooks.py, kernel/tangent/entry.py).
 """
 
 from __future__ import annotations
@@ -29,24 +29,27 @@ _TYPES = {
     **{"double*": types.CPointer(float64), "int64*": types.CPointer(int64)},
 }
 Entries = dict[str, tuple[Any, Callable[..., Any]]]
-"""C functions: name → (signature in numba's types, Python function)."""
+"""Name of a C function → (its signature in numba's types, the Python function that numba lowers)."""
 
 
 def log_contacts(d):
-    """End the last step at the communication point; log the contacts active there, after the ended ones."""
+    """Add the contacts that last at the communication point to the list of contacts, after the ended ones.
+
+    Before this, the last step of the solver is ended at the communication point. Return 0.
+    """
     update_to_output_time(d)
     return 0
 
 
 def record_words(d):
-    """Return the number of words of 8 bytes of an instance's record and of the tangent instances after it."""
+    """Return the number of words of 8 bytes of an instance and of the tangent instances after it."""
     return len(as_words(d)) + hooks.words_behind(d)
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # noqa: PLR0917
-    """Advance to each of the times [s], and fill a row with the numbers of the record in ``spans``.
+    """Advance to each of the times [s], and fill a row for each with the numbers of the record in ``spans``.
 
-    Return how many rows are filled; kernel/entry.py describes the arguments.
+    Return the number of filled rows; kernel/entry.py describes the arguments.
     """
     wanted, filled = matrix(spans, span_count, 2), matrix(rows, count, columns)
     return entry.trajectory(d, as_words(d), vector(times, count), wanted, filled, of_state)
@@ -57,8 +60,9 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 ):
     """Run from the start once for each row of parameters, and fill a row of outputs at the end of each run.
 
-    With ``continuing`` 1 the first run is continued. Return the number of complete runs, fewer than ``runs``
-    if the time of a call is over. kernel/entry.py describes the arguments.
+    If ``continuing`` is 1, the first of these runs goes on from the present state. Return the number of
+    complete runs, which is below ``runs`` if the time for a call is over. kernel/entry.py describes the
+    arguments.
     """
     return entry.run_each(
         d,
@@ -73,12 +77,12 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 
 
 def hook_entries() -> Entries:
-    """Return the functions that replace those of kernel/hooks.py and carry derivatives, as C functions."""
+    """Return the C functions that replace those of kernel/hooks.py, and carry derivatives."""
     return {hook.__name__: (kind, _HOOKS[hook]) for hook, kind in HOOK_SIGNATURES.items()}
 
 
 def entry_points() -> Entries:
-    """Return the C functions of the kernel."""
+    """Return the C functions of the kernel, in the order of SIGNATURES."""
     functions: dict[str, Callable[..., Any]] = {
         "initialize": initialize,
         "advance_to": entry.advance_to,

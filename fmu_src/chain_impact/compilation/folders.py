@@ -40,7 +40,7 @@ def base_folder() -> Path:
 
 
 def trusted(base: Path) -> bool:
-    """Return whether the cache's folder exists, and no other user can write to it.
+    """Return whether the cache's folder ``base`` exists, and no other user can write to it.
 
     Another user could put a harmful kernel there.
     """
@@ -52,7 +52,7 @@ def trusted(base: Path) -> bool:
 
 @functools.cache
 def writable(base: Path) -> Path:
-    """Return the cache's folder after making it, if it does not exist.
+    """Return the cache's folder ``base``, which is made if it does not exist.
 
     Raises:
         BuildError: when nothing can be stored in the folder, or other users can write there.
@@ -68,13 +68,13 @@ def writable(base: Path) -> Path:
 
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Context that replaces an error by a BuildError if it means that ``folder`` cannot be written.
+    """Context manager in which errors that mean that ``folder`` cannot be written become a BuildError.
 
-    The BuildError explains this in one sentence. The error that it replaces comes from the operating system,
-    or from a compiler while the disk is full.
+    Its message is one sentence. It replaces an error of the operating system, or one of a compiler while the
+    disk is full.
 
     Raises:
-        BuildError: with the sentence; or a compiler's own error, unchanged, if the disk is not full.
+        BuildError: with this sentence; or the compiler's own error, unchanged, if the disk is not full.
         OSError: unchanged, if the error has another cause or concerns another folder.
     """
     try:
@@ -92,12 +92,11 @@ def explained(folder: Path) -> Iterator[None]:
 
 
 def _concerns(named: Any, folder: Path) -> bool:
-    """Return whether an operating system's error concerns a folder.
+    """Return whether an error of the operating system that names ``named`` concerns a folder.
 
-    It does if it names no path, or a path inside or above the folder.
+    It does if ``named`` is no path, or a path inside or above the folder.
     """
-    # An error may have no path, or the number of an open file in place of a path. Its file may then be in the
-    # folder, so the error counts as one that concerns the folder.
+    # an error may name no path, or the number of an open file; this file may be in the folder
     if not isinstance(named, str | bytes | os.PathLike):
         return True
     path = Path(os.fsdecode(named)).absolute()

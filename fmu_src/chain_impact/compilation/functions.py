@@ -21,14 +21,14 @@ from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.rules import RULES
 
-# error_model="numpy": a division by zero gives inf, not an exception, so the compiled kernel needs nothing
-# from Python; the step control rejects a step with inf. Strict IEEE arithmetic (no fastmath) gives equal bits
-# on every machine. No array of the kernel owns its memory, so numba need not count references to memory
-# (_nrt).
+# error_model="numpy": a division by zero gives inf or NaN, not an exception, so the compiled kernel needs
+# nothing from Python; the step control rejects a step with inf or NaN. Strict IEEE arithmetic (no fastmath)
+# gives equal bits on every machine. No array of the kernel owns its memory, so numba need not count
+# references (_nrt).
 OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 MODULES = {f"{chain_impact.kernel.__name__}."}
-"""Names of packages and modules, each with a dot at its end: numba compiles their functions when another
-function calls them."""
+"""Names of packages and modules, each with a dot at the end. A function of these is compiled when another
+function calls it."""
 LAW_PRESENT, LAW_FORCE = "user_law_present", "user_law_force"
 _TYPES = {"ptr": INSTANCE, "double": float64, "i64": int64}
 HOOK_SIGNATURES: dict[FunctionType, Any] = {
@@ -45,7 +45,8 @@ EXTERNAL: dict[Any, types.Type] = {
 }
 _RULES: dict[Any, Any] = RULES
 _COMPLEX: dict[Any, Any] = COMPLEX_RULES
-# functions whose Python code numba does not compile: dual_numbers.py and built_in.py give it other code
+# functions of the kernel whose Python code numba does not compile: dual_numbers.py and built_in.py have their
+# code
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.with_slope, duals.dual_with_slope, duals.has_slope),
     *built_in.FUNCTIONS,
@@ -54,14 +55,15 @@ BUILT_IN: set[Any] = {
 
 @cache
 def compiled(function: FunctionType) -> Any:
-    """Return the function in the form that numba compiles when another function calls it."""
+    """Return numba's object for a function, which numba compiles when another function calls it."""
     return njit(forceinline=getattr(function, "inlined", False), **OPTIONS)(function)
 
 
 class Function(types.Dispatcher):
-    """numba's type for a function of the kernel.
+    """numba's type for a function of the kernel or of a law.
 
-    For dual or complex arguments, the function that RULES or COMPLEX_RULES names is called in place of it.
+    For dual or complex arguments, a call goes to the function that RULES or COMPLEX_RULES has in place of
+    this function, if there is one.
     """
 
     def __init__(self, function: FunctionType) -> None:
@@ -69,31 +71,31 @@ class Function(types.Dispatcher):
         super().__init__(compiled(function))
 
     def _for(self, arguments: Any) -> types.Dispatcher:
-        """Return the compiled function for arguments of some types: the function itself, or its replacement.
+        """Return the type of the function that is called for arguments of these types.
 
-        Replacements for complex numbers are in ``COMPLEX_RULES``, and come first; those for dual numbers are
-        in ``RULES``.
+        It is the replacement in ``COMPLEX_RULES`` if an argument is a complex number, or in ``RULES`` if an
+        argument carries derivatives; without a replacement, it is the function itself.
         """
         rules = _RULES if any(carries_derivatives(argument) for argument in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules
         return types.Dispatcher(compiled(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """Return the signature of the function for arguments of some types.
+        """Return the signature of the function for arguments of these types.
 
-        If a function in ``RULES`` gets one dual number, all its real arguments become dual numbers.
+        If a function in ``RULES`` gets at least one dual number, its real arguments become dual numbers.
         """
         if self._function in _RULES and DUAL in args:
             args = tuple(DUAL if argument == float64 else argument for argument in args)
         return self._for(args).get_call_type(context, args, kws)
 
     def get_overload(self, sig: Any) -> Any:
-        """Return the compiled code of the function for a signature."""
+        """Return the compiled code of the function, or of its replacement, for a signature."""
         return self._for(sig.args).get_overload(sig)
 
 
 def carries_derivatives(kind: types.Type) -> bool:
-    """Return whether a type is of dual numbers: a number, an array, or an instance."""
+    """Return whether a type is that of a dual number, of an array of these, or of a record of them."""
     return (
         isinstance(kind, Dual)
         or getattr(kind, "dtype", None) == DUAL

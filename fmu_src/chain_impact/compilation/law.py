@@ -1,7 +1,8 @@
 """A user's own contact law as a C function, which is linked to a kernel.
 
-A law has the kernel's own exp, expm1, log, log1p, pow, sin and cos, whose results have the same bits on every
-machine. Other functions of ``math`` are those of the platform's C library or, in a browser, of ``Math``.
+In a law, exp, expm1, log, log1p, pow, sin and cos are the kernel's own functions, whose results have the same
+bits on every machine. The other functions of ``math`` that numba does not write as code are those of the
+platform's C library or, in a browser, of ``Math``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from chain_impact.kernel.mathematics import angles, exponentials, logarithms, po
 from chain_impact.laws.law_file import LawError, UserLaw
 from chain_impact.laws.law_syntax import FUNCTIONS, MATH
 
-MEMORY = "NRT required"  # the message of numba for a function that allocates memory
+MEMORY = "NRT required"  # words in numba's message on a function that allocates memory
 MATHEMATICS = ModuleType(math.__name__)
 """The module ``math`` that a user's law gets: the kernel's own functions replace some of Python's."""
 vars(MATHEMATICS).update(
@@ -43,7 +44,7 @@ for _operation in (pow, operator.pow, operator.ipow):
 
 
 def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
-    """Return the C function of a law as a dict with one entry: name → (signature, function).
+    """Return the C function of a law as a dict with one entry: name → (numba's signature, Python function).
 
     Raises:
         LawError: when the law cannot be compiled.
@@ -53,19 +54,19 @@ def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
 
 
 def _checked_function(law: UserLaw) -> Callable[..., float]:
-    """Return the law as a Python function that takes all of ``ARGUMENTS``.
+    """Return the law as a Python function that takes all of ``ARGUMENTS``, and that numba can compile.
 
-    Refuse one that numba cannot compile. Python evaluates the constants of the file, which can use only the
-    names that law_syntax.py lists.
+    Python runs the file of the law, to evaluate its constants; the file can use only the names that
+    law_syntax.py lists.
 
     Raises:
-        LawError: when the law cannot be compiled.
+        LawError: when the file cannot be run, or the law cannot be compiled or returns no number.
     """
     names = {**FUNCTIONS, "__import__": lambda *_: MATHEMATICS}
     space: dict[str, Any] = {"__name__": law.id, "__builtins__": names}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
-        # numba then compiles other functions of the law's file when the law calls them
+        # so numba compiles other functions of the law's file when the law calls them
         MODULES.add(f"{law.id}.")
         inner = compiled(space[law.id])
         inner.compile((float64,) * len(law.arguments))
@@ -87,7 +88,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
 
 
 def _reason(error: NumbaError) -> str:
-    """Return the line of numba's message that names the fault, with the last line number in the message."""
+    """Return the line of numba's message that names the fault, and the last line number in the message."""
     # this removes the codes that colour the message in a terminal
     text = re.sub(r"\x1b\[\d*m", "", str(error))
     lines = [line.strip() for line in text.splitlines() if line.strip()]

@@ -1,4 +1,4 @@
-"""Returns the kernel as a shared library: a ready one, one from the cache, or one compiled now."""
+"""Gets a kernel as a shared library or a module for browsers: ready, from the cache, or newly compiled."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from chain_impact.laws.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 
-# [s] usual times to lower and to link each part of a kernel: messages tell users how long to wait
+# [s] usual times to lower, and to compile and link, a part of a kernel, for messages that tell how long to
+# wait
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
-# platform → [s] extra time of zig's first link for it, in which zig builds its own libraries; 0 for other
-# platforms
+# platform → [s] additional time of zig's first link for this platform, in which zig builds libraries of its
+# own; 0 for all others
 PREPARING = {"win64": 3.0}
 
 
@@ -28,18 +29,19 @@ def kernel_library(
     *,
     derivatives: bool = False,
 ) -> Path:
-    """Return the shared library for chains of N ``links``: ready, cached, or compiled now.
+    """Return the path of a kernel for the scenes ``links``: ready, from the cache, or newly compiled.
 
     Args:
-        links: the number of links N; None for any number; compilers.GENERAL for a scene with rare features;
-            or all counts and flags of a scene.
-        platform: a key of ``system.PLATFORMS``.
-        law_file: the file of the kernel's user law, if any.
+        links: a number of links; None for any number; compilers.GENERAL for a scene with rare features; or
+            all counts and flags of a scene. The kernel may also run other scenes.
+        platform: a key of ``system.PLATFORMS``; "" if there is no kernel for this machine.
+        law_file: the file of the user's law in the kernel; "" for none.
         derivatives: whether the kernel carries derivatives.
 
     Raises:
-        BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel, or
-            no kernel runs on this machine.
+        BuildError: when the user's law or a compiler fails, when a kernel must be compiled without a
+        compiler,
+            or when there is no kernel for this machine.
     """
     if not platform:
         raise BuildError(nowhere())
@@ -72,14 +74,14 @@ def kernel_library(
 
 
 def browser_module(law_file: str = "") -> Path:
-    """Return the kernel for any number of links as a WebAssembly module.
+    """Return the path of the kernel as a WebAssembly module, for any number of links and all features.
 
     Args:
-        law_file: the file of the kernel's user law, if any.
+        law_file: the file of the user's law in the kernel; "" for none.
 
     Raises:
-        BuildError: as for ``kernel_library``, and when the law calls a function that the kernel for browsers
-            does not have.
+        BuildError: as for ``kernel_library``, and when the law calls a function that the module does not
+        have.
     """
     law = _law(law_file) if law_file else None
     name = f"{_law_name(law)}-{browser.MODULE}" if law else browser.MODULE
@@ -103,9 +105,10 @@ def browser_module(law_file: str = "") -> Path:
 
 
 def _lowered_kernel(what: str) -> str:
-    """Return a part of the kernel in LLVM's language, ready, from the cache, or made now.
+    """Return the text of a part of the kernel, KERNEL or DERIVATIVES, in LLVM's language.
 
-    It fits all scenes: ``compilers.complete`` adds the sizes.
+    The part is ready, from the cache, or newly lowered. It fits all scenes: ``compilers.complete`` adds
+    sizes.
     """
 
     def lower(module: Path) -> None:
@@ -117,10 +120,13 @@ def _lowered_kernel(what: str) -> str:
 
 
 def _lowered_law(law: UserLaw, file: str) -> Path:
-    """Return the file with a user's law in LLVM's language, from the cache or made now."""
+    """Return the path of a user's law in LLVM's language: from the cache, or newly lowered.
+
+    ``file`` is the law's file, for errors.
+    """
 
     def lower(module: Path) -> None:
-        # the law is compiled from the text that was read before, because the file may have changed since
+        # the law is lowered from the text that was checked, because the file may have changed since
         copy = module.with_name(f"{law.id}.py")
         copy.write_text(law.source, encoding="utf-8")
         with _about(file):
@@ -136,7 +142,7 @@ def _law(file: str) -> UserLaw:
 
 @contextmanager
 def _about(law_file: str) -> Iterator[None]:
-    """Turn a LawError into a BuildError with the name of the law's file in front of the message."""
+    """Context manager that makes a LawError a BuildError, with the law's file in front of the message."""
     try:
         yield
     except LawError as error:

@@ -1,11 +1,11 @@
 """Lowers a part of a kernel to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
 
-WHAT is `kernel`; `derivatives`, the hooks (kernel/hooks.py) that carry derivatives along with a run; or
-`law`, a user's law in the file LAW. FINGERPRINT is that of the sources at the caller's start: if they have
-changed, the program stops.
+The result is written to FILE. WHAT is `kernel`; or `derivatives`, the hooks (kernel/hooks.py) that carry
+derivatives along with a run; or `law`, a user's law in the file LAW. FINGERPRINT is that of the sources at
+the caller's start; if the sources have changed since, the program writes nothing and fails.
 
-It is a separate process, because it changes how numba compiles, and because numba reads the target processor
-when it is imported.
+The program runs in a process of its own, because it changes how numba compiles, and because numba reads the
+target processor when it is imported.
 """
 
 from __future__ import annotations
@@ -24,16 +24,20 @@ from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.laws.law_file import LawError, read_law
 
-# the target for which LLVM's passes in this process run; the result fits all targets
+# the target for which LLVM's passes run in this process; their result does not depend on it
 TRIPLE = "x86_64-unknown-linux-gnu"
 # [words] size of the stack frame of ``main``. Python keeps frames in blocks of 16 kB, and allocates or frees
-# a block each time that calls cross a block's end, which takes time. A frame of this size makes Python use
-# one block with room for the frames of all calls in numba.
+# a block whenever calls cross the end of a block, which takes time. For a frame of this size, Python
+# allocates one block with room for the frames of all calls in numba.
 FRAME = 2**20
 
 
 def lowered(entries: Entries) -> str:
-    """Return the LLVM code of C functions and of all that they call, without target processor or sizes."""
+    """Return the LLVM code of C functions and of all functions that they call.
+
+    The code names no target processor, and declares the functions that return sizes, but does not define
+    them.
+    """
     libraries: dict[Library, None] = {}
     names = {}
     for name, (signature, function) in entries.items():
@@ -47,7 +51,7 @@ def lowered(entries: Entries) -> str:
         if symbol.name in entries:
             symbol.linkage = llvm.Linkage.external
         elif not symbol.is_declaration:
-            # no other library sees the function; LLVM removes it when it is inlined everywhere
+            # no other library sees the function; LLVM removes it if all calls of it are inlined
             symbol.linkage = llvm.Linkage.internal
     _simplify(whole)
     return "".join(f"{line}\n" for line in str(whole).splitlines() if not line.startswith("target "))
@@ -56,7 +60,7 @@ def lowered(entries: Entries) -> str:
 def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
     """Return all modules joined to one.
 
-    They are joined in pairs: the time to join two modules grows with the size of both.
+    The modules are joined in pairs, because the time to join two modules grows with the size of both.
     """
     while len(modules) > 1:
         for module, next_module in zip(modules[::2], modules[1::2], strict=False):
@@ -66,13 +70,13 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
 
 
 def _simplify(whole: llvm.ModuleRef) -> None:
-    """Remove variables in memory and code without effect, so that not every compilation has to do this.
+    """Keep variables in registers, and remove code without effect, so that no compilation has to do this.
 
-    Each compilation begins with the same passes, so kernels are as fast as without this step. Further passes,
-    such as combining instructions, would make kernels up to 12 % slower, because such passes should come
-    after inlining.
+    Each compilation would begin with the same passes, so kernels are as fast as without this step. Further
+    passes, such as combining instructions, would make kernels up to 12 % slower, because such passes should
+    come after inlining.
     """
-    # all targets, because the machine's processor may differ from the target TRIPLE
+    # all targets, because this machine's processor may differ from that of the target TRIPLE
     llvm.initialize_all_targets()
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=PORTABLE_CPU)
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options())
@@ -89,7 +93,7 @@ def _simplify(whole: llvm.ModuleRef) -> None:
 
 
 def main() -> None:
-    """Write the module of LLVM code for the part WHAT of a kernel to FILE."""
+    """Write the part WHAT of a kernel in LLVM's language to FILE, as the head of this module tells."""
     expected, file, what, *given = sys.argv[1:]
     path = Path(file)
     collect_only(any_python=what == "law", guarded=what == "kernel")

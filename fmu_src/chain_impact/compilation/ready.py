@@ -1,8 +1,8 @@
 """The ready kernels in a wheel, with which most users need no compiler.
 
-A wheel for release has additional kernels, each for one number of links. packaging/ready_kernels.py, at the
-top of the repository, makes these kernels when the wheel is built. An editable installation has no ready
-kernels: its kernels are made at their first use, and stored in the cache.
+packaging/ready_kernels.py, at the top of the repository, makes the ready kernels when a wheel is built. A
+wheel for release also has kernels that are each for one number of links. An editable installation has no
+ready kernels: a kernel is compiled at its first use, and stored in the cache.
 """
 
 from __future__ import annotations
@@ -22,36 +22,35 @@ from chain_impact.extras import how_to_install
 from chain_impact.system import PLATFORMS
 
 FOLDER = PACKAGE / "ready"
-MODULE = f"{KERNEL}.ll.xz"  # the file with the compressed lowered kernel, in each wheel
-# the file with the fingerprint of the sources of the ready kernels, which are used only if the present
-# sources have the same fingerprint
+MODULE = f"{KERNEL}.ll.xz"  # the file in each wheel with the lowered kernel, compressed
+# the file with the fingerprint of the sources from which the ready kernels were made; they are used only if
+# the present sources have the same fingerprint
 MADE_FROM = "sources.txt"
 RELEASE = "CHAIN_IMPACT_RELEASE"
-"""The environment variable that is "1" while a wheel for release is built, which has more kernels than other
-wheels."""
+"""The environment variable that is "1" while a wheel for release is built."""
 LARGEST_EXACT = 10
-"""The largest number of links for which a wheel for release has a kernel that is ready. Chains with more
-links share a kernel that reads this number from the record. With the shared kernel, runs of up to ten links
+"""The largest number of links for which a wheel for release has a kernel of its own. Chains with more links
+share a kernel that reads the number of links from the record. With the shared kernel, runs of up to ten links
 would take 10 % to 30 % longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
 
 SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
-"""The kernels without derivatives in a wheel for release: None, for any number of links; GENERAL, for any
-number and with all rare features; and one for each number of links from 1 to LARGEST_EXACT. Other wheels have
-only None and GENERAL, and so have kernels with derivatives."""
+"""The scenes of the kernels without derivatives in a wheel for release: None, any number of links; GENERAL,
+any number of links and all rare features; and each number of links from 1 to LARGEST_EXACT. In other wheels,
+and for kernels with derivatives, there are only None and GENERAL."""
 PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
 """Kind of library → parts of the kernel that are compiled and linked for it."""
 
 
 def missing_compilers() -> list[str]:
-    """Return the compilers that are not installed."""
+    """Return the names of the packages of COMPILERS that are not installed."""
     return [name for name in COMPILERS if find_spec(name) is None]
 
 
 def require_compilers(purpose: str) -> None:
-    """Refuse a task that needs compilers if any is not installed.
+    """Refuse a task that needs all COMPILERS if one of them is not installed.
 
     Raises:
-        BuildError: when a compiler is missing; ``purpose``, such as "this kernel", begins the message.
+        BuildError: when a compiler is not installed; ``purpose``, such as "this kernel", begins the message.
     """
     if missing := missing_compilers():
         how = how_to_install("compiler")
@@ -59,33 +58,33 @@ def require_compilers(purpose: str) -> None:
 
 
 def for_release() -> bool:
-    """Return whether a wheel for release is being built, which has all kernels of SIZES."""
+    """Return whether a wheel for release is being built, which gets kernels for all SIZES."""
     return os.environ.get(RELEASE) == "1"
 
 
 def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the scenes that a kernel compiled for the scenes ``wanted`` can run.
+    """Return the scenes for which a kernel is compiled that must run the scenes ``wanted``.
 
     A number of links is returned only while a wheel for release is built, and only if this wheel gets a
-    kernel for it; otherwise the result is None: a kernel for any number of links. GENERAL, and a tuple of all
-    counts and flags of a scene, are returned unchanged.
+    kernel for this number; otherwise None is returned in its place, for any number of links. GENERAL, None,
+    and a tuple of all counts and flags of a scene are returned unchanged. ``kind`` is KERNEL or DERIVATIVES.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 
 
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
-    """Return the numbers of links for which wheels have kernels of a kind.
+    """Return the scenes, as in SIZES, of the kernels of a kind that a wheel has.
 
-    ``release`` means a wheel for release. None and GENERAL stand for any number of links.
+    ``release`` is whether it is a wheel for release, ``kind`` is KERNEL or DERIVATIVES.
     """
-    # with derivatives, kernels for one number of links would be only 5 % faster, so there are none
+    # with derivatives, a kernel for one number of links would be only 5 % faster, so no wheel has one
     return SIZES if release and kind == KERNEL else (None, GENERAL)
 
 
 def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
-    """Return the file name of a kernel, or of its part ``what``, for some scenes and a platform.
+    """Return the file name of a kernel of the kind ``what``, for the scenes ``wanted`` and a platform.
 
-    ``law`` is the name of the user's law in the kernel, or "".
+    ``law`` is the name of the user's law in the kernel, with a checksum of its text; "" without a law.
     """
     suffix = PLATFORMS[platform].suffix
     if isinstance(wanted, tuple):
@@ -96,27 +95,27 @@ def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL
 
 
 def find(name: str) -> Path | None:
-    """Return the path of a ready file; None if the wheel has none that was made from the present sources."""
+    """Return the path of the ready file ``name``; None if there is none from the present sources."""
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
 def best(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """Return the ready kernel for these scenes, or None.
+    """Return the path of a ready kernel of the kind ``what`` that can run the scenes ``wanted``, or None.
 
-    For a number of links, the kernel for any number stands in if there is no ready kernel for this number.
+    For a number of links, this is the kernel for any number if there is no ready kernel for this number.
     """
     sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
 
 def module() -> str | None:
-    """Return the ready kernel in LLVM's language; None if the wheel has none from the present sources."""
+    """Return the text of the lowered kernel in the wheel; None if there is none from the present sources."""
     packed = find(MODULE)
     return lzma.decompress(packed.read_bytes()).decode() if packed else None
 
 
 def libraries() -> list[Path]:
-    """Return all ready kernels; the list is empty if they were made from other sources."""
+    """Return the sorted paths of all ready kernels; none if they were made from other sources."""
     return sorted(FOLDER.glob("*-*")) if _usable() else []
 
 
@@ -127,9 +126,10 @@ def _usable() -> bool:
 
 
 def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -> Path:
-    """Return a compiled part of a kernel from the cache; compile the part if it is not in the cache.
+    """Return the object file of the part ``what`` of a kernel from the cache, or compile the part.
 
-    ``text`` returns the lowered part; it is called only if the part must be compiled.
+    The part is for the scenes ``wanted``. ``text`` returns the lowered part; it is called only if the part is
+    not in the cache.
     """
     name = Path(library_name(wanted, platform, what=what)).with_suffix(".o").name
     make = functools.partial(compilers.compile_part, platform=platform, what=what, sizes=wanted)
@@ -137,8 +137,8 @@ def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -
 
 
 def compiled_for_browsers(text: Callable[[], str]) -> Path:
-    """Return the compiled kernel for pages, which ``browser.link`` links.
+    """Return the object file of the kernel for browsers from the cache, or compile the kernel.
 
-    Compile it if it is not in the cache.
+    ``text`` returns the lowered kernel; it is called only if the object file is not in the cache.
     """
     return cache.get_or_make(browser.COMPILED, lambda file: browser.compile_kernel(text(), file))

@@ -1,11 +1,12 @@
 """numba's type of an instance, which fixes no size: the kernel is lowered once for all numbers of links.
 
 numba's own record types contain all sizes. Code for this type gets the counts of links, candidates and so on
-(kernel/record/counts.py), and two flags, from functions that are defined when a kernel is linked
-(compilers.py): they return constants, or numbers of the record. All sizes and offsets follow from the counts.
+(kernel/record/counts.py), and two flags, from functions that are added when a kernel is compiled
+(compilers.py); these return constants, or numbers of the record. All sizes and offsets follow from the
+counts.
 
-A value of this type is the address of the instance. The type says which record or field of the instance is
-meant, and whether its real numbers are ordinary or dual (dual_numbers.py).
+A value of this type is the address of the instance. The type tells which record of the instance is meant, and
+whether its real numbers are ordinary or dual (dual_numbers.py).
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
 # name of a count in an instance, such as ``links`` → name of the LLVM function that returns it
 COUNT_FUNCTIONS = {name: f"chain_{name}" for name in COUNTS}
-# name of a flag in an instance, such as ``slides`` → name of the LLVM function that returns it; no size
+# name of a flag in an instance, such as ``slides`` → name of the LLVM function that returns the flag; no size
 # depends on flags
 FEATURE_FUNCTIONS = {name: f"chain_{name}" for name in FEATURES}
 WORD = 8  # [byte] size of each number in a record
@@ -47,15 +48,17 @@ Path = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Field:
-    """A part of the instance: a record, a number or an array.
+    """A part of an instance: a record, a number or an array.
 
     Attributes:
-        offset: distance of its start from the start of the instance [byte], as a function of the counts.
-        size: its size [byte], as a function of the counts.
+        offset: distance from the start of the instance to the start of the part [byte].
+        size: size of the part [byte]; for a column of a table, the size of the whole table.
         fields: the names of a record's parts; empty for a number or an array.
         kind: numba's type of the number, or of the entries of the array.
-        shape: the shape of the array, as functions of the counts; empty for a number or a record.
+        shape: the shape of the array; empty for a number or a record.
         stride: distance from an entry to the next in a column of a table [byte]; 0 for an array without gaps.
+
+    ``offset``, ``size`` and ``shape`` are affine functions of the counts.
     """
 
     offset: Affine
@@ -72,7 +75,7 @@ def _kind(dtype: np.dtype) -> types.Type:
 
 
 def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
-    """Return path → part, for all parts of an instance, from the layouts with the counts SAMPLES."""
+    """Return path → part, for all parts of an instance, from the types of records with the counts SAMPLES."""
     table: dict[Path, Field] = {}
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
@@ -94,7 +97,7 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
             add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
 
     def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
-        """Add a table of the instance to ``table`` as a record, whose fields are the columns of the table."""
+        """Add an array of records at ``path`` to ``table`` as one record, whose fields are the columns."""
         row = dtypes[0].base
         shape = [affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)]
         size = affine([dtype.itemsize for dtype in dtypes])
@@ -116,8 +119,8 @@ class Record(types.Type):
     """numba's type of an instance, or of a record in an instance.
 
     Attributes:
-        what: a key of ``TABLES``: an instance of ordinary numbers, or of dual numbers.
-        path: the path of the record in the instance; empty for the instance.
+        what: a key of ``TABLES``: "instance" for ordinary numbers, "tangent" for dual numbers.
+        path: the path of the record in the instance; empty for the instance itself.
     """
 
     def __init__(self, what: str, path: Path = ()) -> None:
@@ -152,7 +155,7 @@ class _Fields(AttributeTemplate):
 
 
 def built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
-    """Return the LLVM value of an affine function of the counts, for an instance."""
+    """Return the LLVM value of an affine function of the counts of an instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
     for factor, name in zip(number.slopes, COUNT_FUNCTIONS.values(), strict=True):
         if factor:
@@ -167,7 +170,7 @@ def _count_function(builder: ir.IRBuilder, name: str) -> ir.Function:
 
 
 def address_of(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
-    """Return the address of a field in an instance, as a pointer to its first number."""
+    """Return the address of a part of an instance, as a pointer to the first number of the part."""
     kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
     return cgutils.pointer_add(builder, instance, built(field.offset, builder, instance), kind)
 
@@ -195,9 +198,10 @@ def array_at(
     *,
     stride: int = 0,
 ) -> ir.Value:
-    """Return a numba array over memory that it does not own, from the address of its first entry.
+    """Return a numba array over memory that the array does not own.
 
-    Its entries follow each other without gaps or, in a column of a table, at the distance ``stride`` [byte].
+    ``first`` is the address of the first entry, ``scalar`` the type of an entry. The entries follow each
+    other without gaps if ``stride`` is 0, else at the distance ``stride`` [byte], as in a column of a table.
     """
     array = cgutils.create_struct_proxy(types.Array(scalar, len(shape), "A" if stride else "C"))(
         context, builder
@@ -228,7 +232,8 @@ def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: A
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
     """Return signature and code, for numba, of a function that makes an array over memory.
 
-    The function gets the address of the first number, and the number of entries in each dimension.
+    ``first`` and ``counts`` are the types of the function's arguments: the address of the first number, and
+    the number of entries in each dimension.
     """
     scalar = first.dtype
 

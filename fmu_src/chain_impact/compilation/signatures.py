@@ -1,7 +1,7 @@
-"""The C functions of a kernel: the table of their signatures.
+"""The table of the signatures of a kernel's C functions.
 
-numba's types (entry_points.py), the declarations for ctypes and those for the C interface of FMUs follow from
-the table. kernel/entry.py and kernel/advance.py describe the functions.
+numba's types (entry_points.py), the declarations for ctypes, and those for the C interface of FMUs follow
+from the table. kernel/entry.py, kernel/advance.py and entry_points.py describe the functions.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ int64 run_each(record* d, int64* indices, int64 parameters, double* values, doub
 
 
 class Signature(NamedTuple):
-    """The type of a C function's result, and its arguments: name → type."""
+    """The type of the result of a C function, and its arguments: name → type, in the words of _TABLE."""
 
     result: str
     arguments: dict[str, str]
@@ -52,7 +52,7 @@ _OF_C |= {"record*": "Word *", "double*": "double *", "int64*": "int64_t *"}
 
 
 def declare(library: Any) -> None:
-    """Declare the functions of a library that ctypes has loaded; a pointer is given as an address."""
+    """Declare the functions of a library that ctypes has loaded; callers give an address for a pointer."""
     for name, (result, arguments) in SIGNATURES.items():
         function = getattr(library, name)
         function.restype = _OF_CTYPES[result]
@@ -60,7 +60,7 @@ def declare(library: Any) -> None:
 
 
 def declarations() -> str:
-    """Return the C declarations of the kernel's functions; ``Word`` is the type of a number in a record."""
+    """Return the C declarations of a kernel's functions; ``Word`` is the C type of a number in a record."""
     lines = []
     for name, (result, arguments) in SIGNATURES.items():
         given = ", ".join(f"{_OF_C[kind]}{argument}" for argument, kind in arguments.items())

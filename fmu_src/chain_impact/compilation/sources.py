@@ -14,8 +14,8 @@ MAKERS = (
     *("affine", "browser", "built_in", "collecting", "compilers", "dual_numbers", "entry_points"),
     *("functions", "law", "lower", "record_type", "signatures"),
 )
-"""The modules of this folder that make code; a change of them changes kernels. The others find, store and
-describe kernels."""
+"""The modules of this folder that make code, so that a change of them may change kernels. The other modules
+find, store and describe kernels."""
 COMPILED = (
     "kernel",
     *(f"compilation/{name}.py" for name in MAKERS),
@@ -24,13 +24,13 @@ COMPILED = (
 )
 """The folders and files of the package from which kernels are made."""
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
-"""Name of a compiler → the exact version that is required, as in the extra "compiler" of pyproject.toml."""
-LANGUAGES = (".py", ".c", ".h")
+"""Name of a package → the version that compilation needs, as in the extra "compiler" of pyproject.toml."""
+LANGUAGES = (".py", ".c", ".h")  # the suffixes of files in the folders of COMPILED that are sources
 
 
 @cache
 def fingerprint() -> str:
-    """Return 16 hexadecimal digits that change only with the sources, COMPILERS, or targets in PLATFORMS."""
+    """Return 16 hexadecimal digits that depend only on the sources, COMPILERS and targets in PLATFORMS."""
     platforms = {name: (platform.target, platform.cpu) for name, platform in PLATFORMS.items()}
     digest = hashlib.sha256(repr((COMPILERS, platforms)).encode())
     for source in sorted(_sources()):

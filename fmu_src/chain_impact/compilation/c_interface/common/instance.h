@@ -12,30 +12,32 @@
 
 #include "shared.h"
 
-/* The phase of an instance, which decides which calls are allowed: the states in 4.2.4 of FMI 2.0, without those of
-   unfinished asynchronous steps, and in 2.3 and 4.2 of FMI 3.0. STEPPING is between the steps, EVENT is event mode. */
+/* The phase of an instance, which decides which calls are allowed. The phases are the states in 4.2.4 of FMI 2.0,
+   without those of unfinished asynchronous steps, and in 2.3 and 4.2 of FMI 3.0. STEPPING means that a step may be
+   made, EVENT is event mode, FAILED follows a step that failed; PHASES is the number of phases. */
 typedef enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, FAILED, EVENT, PHASES } Phase;
 #define IN(phase) (1u << (phase))
 enum { ANY_PHASE = IN(PHASES) - 1 };
 
-/* values of fmi2Status and fmi3Status; PENDING exists in FMI 2.0 only. Functions that return a status return an int. */
+/* the values of fmi2Status and fmi3Status; PENDING exists in FMI 2.0 only. Functions that return a status return it as
+   an int. */
 enum { OK, WARNING, DISCARD, ERROR, PENDING = 5 };
 
 typedef struct Instance Instance;
 
-/* What differs between FMI 2.0 and FMI 3.0, for the code that both share. */
+/* The differences between FMI 2.0 and FMI 3.0, for the code that both share. */
 typedef struct {
     /* the names of arguments of calls, for messages */
     const char *token, *resources, *references, *values, *state;
     /* the names of the types REAL and INTEGER (shared.h), for messages */
     const char *types[2];
-    /* the characters that the logger needs doubled in a message, such as "%#" */
+    /* the characters that must be doubled in a message for the importer's logger, such as "%#" */
     const char *escaped;
     /* 1: the importer gives the folder of the resources as a URI; 0: as a path */
     int by_uri;
-    /* 1: errors are logged even after the importer has switched off their category; 0: then they are not */
+    /* 1: errors are logged even if the importer does not want their category; 0: they are not */
     int says_errors;
-    /* the status that a call returns for a step that the solver cannot finish */
+    /* the status that a call for a step returns if the solver cannot finish the step */
     int unfinished;
     void (*log)(const Instance *, int status, const char *category, const char *message);
 } Interface;
@@ -49,34 +51,35 @@ struct Instance {
     void *(*allocate)(size_t count, size_t size);
     void (*release)(void *);
     const char *name;
-    /* categories of messages that the importer wants: bit s for the status s */
+    /* the categories of messages that the importer wants: bit s is 1 if messages with the status s are wanted */
     unsigned categories;
     const Table *table;
     /* 1: another instance owns `table` and releases it; 0: this instance does */
     int shares_table;
     /* the record on which the kernel works: the state of the run */
     Word *record;
-    /* a second record, in which outputs are computed after values were set; NULL before its first use */
+    /* a second record, for outputs that are computed with values that no step has used yet; NULL before first use */
     Word *other;
     Phase phase;
     /* 1: the importer uses event mode */
     int event_mode;
-    /* the kernel's function for steps: it advances the record to a time */
+    /* the kernel's function that advances the record to a time [s], for a step */
     int32_t (*advance)(Word *record, double time);
     /* 1: the importer has given the start time, and a stop time if the run has one */
     int set_up;
-    /* 1: the start of the run was computed, with all values that were set before the first step */
+    /* 1: the start of the run is computed, with all values that were set before the first step */
     int initialized;
-    /* the record that has the outputs of the present time; NULL: they must be computed */
+    /* the record that has the outputs of the present time; NULL if the outputs must be computed before they are read */
     const Word *observed;
     /* 1: the importer was warned that the position and velocity of a prescribed motion contradict each other */
     int warned;
+    /* [s] the time that the instance has reached, and the end of the run, infinite if the importer gives none */
     double time, stop_time;
 };
 
-/* Functions of life.c: what calls of both versions of FMI have in common. `call` is the call's name, for messages. */
+/* Functions of life.c, for the calls of both versions of FMI. `call` is the name of the call, for messages. */
 Instance *new_instance(Instance draft, const char *call, const char *token, const char *resources);
-/* Return an instance of the same FMU, which shares the table of the first one. */
+/* Return a new instance of the same FMU, which shares the table of `first`; NULL after an error. */
 Instance *another_instance(const Instance *first, const char *call, const char *name);
 void free_instance(Instance *instance);
 int set_logging(Instance *instance, const char *call, int on, size_t count, const char *const names[]);
@@ -87,19 +90,19 @@ int exit_initialization(Instance *instance, const char *call);
 int terminate(Instance *instance, const char *call);
 int reset(Instance *instance, const char *call);
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due);
-/* Compute the start of the run, unless it is computed already. */
+/* Compute the start of the run, unless it is computed already; return a status. */
 int start(Instance *instance, const char *call);
-/* Log a fault of the kernel; from then on no step is allowed. */
+/* Log the kernel's status `fault`, set the phase FAILED, in which no step is allowed, and return `status`. */
 int fail(Instance *instance, int status, int fault);
 
 /* functions of variables.c */
-/* type of the numbers in the importer's arrays */
+/* the type of the numbers in the importer's arrays */
 typedef enum { FLOAT64S, INT32S, INT64S } ArrayType;
 int get(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, void *values,
         size_t length);
 int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length);
-/* Return OK for an empty list of variables, else log that there are no such variables and return ERROR. */
+/* Return OK for an empty list of variables (`count` 0); else log that there are no `missing`, and return ERROR. */
 int none(const Instance *instance, const char *call, size_t count, const char *missing);
 
 /* functions of states.c */
@@ -112,11 +115,11 @@ int deserialize(const Instance *instance, const char *call, const void *bytes, s
 
 /* functions of messages.c */
 #define ALL_CATEGORIES (~0u)
-/* the categories that are logged with debug logging off: why a call was refused or failed */
+/* the categories that are logged with debug logging off: reasons why a call was refused or failed */
 #define REFUSALS (1u << DISCARD | 1u << ERROR)
-/* Return the bit of a category of messages in `categories`: all bits for "logAll", 0 for an unknown name. */
+/* Return the bits of a category of messages in `categories`: all bits for "logAll", 0 for an unknown name. */
 unsigned category_bit(const char *name);
-/* Log a sentence if the importer wants messages of this status; FMI 3.0 logs errors always. Return the status. */
+/* Log a sentence if the importer wants messages of this status, or if it is an error in FMI 3.0. Return the status. */
 int say(const Instance *instance, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Return 1 if the call is allowed in the present phase; else log an error and return 0. A null instance gives 0 without
    a message. `given` returns 1 if an argument is not NULL; else it logs an error and returns 0. */
@@ -125,18 +128,19 @@ int given(const Instance *instance, const char *call, const char *name, const vo
 /* Return words for the present phase of the instance, such as "before initialization". */
 const char *when(const Instance *instance);
 typedef struct { char text[1000]; } Sentence;
-/* Return the sentence for a status of the kernel. If the record names the part of the scene that is the cause, its name
-   follows. */
+/* Return the sentence for a status of the kernel. If the record has the part of the scene that is the cause, the name
+   of this part follows. */
 Sentence reason(const Table *table, const Word *record, int status);
 typedef struct { char text[32]; } Number;
-/* Return the text with the fewest digits from which exactly this number is read, such as "0.1" or "1.0". */
+/* Return a text of at most 17 digits from which exactly this number is read, such as "0.1" or "1.0". */
 Number number(double value);
-/* Return the text of a number with nine significant digits. */
+/* Return the text of a number with at most nine significant digits. */
 Number rounded(double value);
 
-/* functions of table.c */
+/* Functions of table.c. */
+/* Return the table in the folder `resources`; after an error return NULL, and *reason is the rest of a sentence. */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
-/* Return 1 if the table is valid for this binary, else 0 (whole.c). */
+/* Return 1 if the table is valid for this binary, else 0; in whole.c. */
 int is_whole(const Table *table);
 /* Return the checksum CRC-32 of some bytes, as in zlib and PNG. */
 uint32_t checksum(const void *bytes, size_t size);

@@ -10,12 +10,13 @@
 #pragma STDC FENV_ACCESS ON
 
 /* [1] largest allowed difference between the time that the importer gives for a step and the instance's time, divided
-   by the size of the step. It is not 0, because importers may round their time to 1 us. With a much larger value, a
-   step that the importer skips or repeats would be accepted. */
+   by the size of the step. It is above 0, because importers may round their time to 1 us. With a much larger value, a
+   call after a skipped or repeated step would be accepted. */
 static const double TIME_TOLERANCE = 1e-2;
 /* [1] round-off of an importer's time that is a sum of steps, relative to the time */
 static const double ROUND_OFF = 1e-12;
 
+/* Give an instance the state after its making: the start values of the table, before initialization. */
 static void back_to_the_start(Instance *instance) {
     const Table *table = instance->table;
     memcpy(instance->record, in_table(table, table->record_at), (size_t)table->record_size);
@@ -163,12 +164,13 @@ int fail(Instance *instance, int status, int fault) {
                reason(instance->table, instance->record, fault).text);
 }
 
-/* Warn once in a run if the importer's positions and velocities of a prescribed motion contradict each other. */
+/* Warn if the positions and velocities that the importer gives for a prescribed motion contradict each other, but at
+   most once in a run. */
 static void warn(Instance *instance) {
     const Table *table = instance->table;
     if (table->contradiction_word == 0 || instance->warned) return;
-    /* the kernel's note on such a motion: the number of its channel (0: there is none), then the distance moved [m],
-       the time for it [s], and the given velocity [m/s] */
+    /* the kernel's note on such a motion: the number of its channel, from 1, or 0 for no such motion; the distance
+       moved [m]; the time for this distance [s]; and the given velocity [m/s] */
     const Word *words = instance->record + table->contradiction_word;
     if (words->integer == 0) return;
     const Variable *variables = in_table(table, table->variables_at);
@@ -181,9 +183,9 @@ static void warn(Instance *instance) {
         name, rounded(words[1].real).text, rounded(words[2].real).text, rounded(words[3].real).text);
 }
 
-/* Make a step of `size` seconds from the time `now`; set *onset_due to 1 if it ends at the onset of a contact, early or
-   at its usual end, else to 0. Only an instance with event mode and early return ends a step so (FMI 3.0). Every step
-   ends, because solver.work_limit limits the solver's work. */
+/* Make a step of `size` seconds from the time `now` [s]. Unless the call is refused, set *onset_due: 1 if the step ends
+   at the onset of a contact, early or at its usual end, which is so only with event mode and early return (FMI 3.0);
+   else 0. Every step ends, because solver.work_limit limits the solver's work. */
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due) {
     if (!allowed(instance, call, IN(STEPPING))) return ERROR;
     uint64_t registers = usual_registers();

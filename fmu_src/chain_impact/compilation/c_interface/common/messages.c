@@ -13,7 +13,7 @@
 /* [bytes] LONGEST: size of a message with its final 0, before characters are doubled; a longer message is cut */
 enum { LONGEST = 2000 };
 
-/* The category of a message, by its status; the model description has them as LogCategories. */
+/* The names of the categories of messages, by status; the model description has them as LogCategories. */
 static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
                                          "logStatusFatal"};
 
@@ -84,7 +84,7 @@ Sentence reason(const Table *table, const Word *record, int status) {
     const int64_t *statuses = in_table(table, table->statuses_at), *parts = in_table(table, table->parts_at);
     int known = status >= 0 && status < table->status_count;
     const char *what = known ? text_of(table, statuses[status]) : "unknown status";
-    /* the part of the scene that causes the fault, counted from 1; 0: none */
+    /* the number of the part of the scene that causes the fault, from 1; 0 if no part is known */
     int64_t part = record[table->part_word].integer;
     int named = part >= 1 && part <= table->part_count;
     Sentence sentence;

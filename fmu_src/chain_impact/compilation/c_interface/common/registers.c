@@ -1,6 +1,6 @@
 /* Each exported function of the kernel calls usual_registers at its start and put_registers_back at its end
-   (compilation/collecting.py). These two are in a file of their own, so that no compiler moves arithmetic across their
-   calls. The registers also have flags of past exceptions, which are set and restored as well. */
+   (compilation/collecting.py). Both functions are in a file of their own, so that no compiler moves arithmetic across
+   calls of them. They also set and restore the flags of past exceptions, which the registers have. */
 #include "registers.h"
 
 #if defined(__x86_64__)
@@ -22,8 +22,8 @@ void put_registers_back(uint64_t registers) {
 
 #elif defined(__aarch64__)
 
-/* aarch64: the result has the control register in its lower half, the flags in its upper half. At the start of a
-   process both are 0. */
+/* aarch64: the result has the control register in its lower 32 bits, the flags in its upper 32 bits. At the start of a
+   process both registers are 0. */
 uint64_t usual_registers(void) {
     uint64_t control, flags;
     __asm__ volatile("mrs %0, fpcr" : "=r"(control));

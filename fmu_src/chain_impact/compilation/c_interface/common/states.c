@@ -1,26 +1,26 @@
-/* Saved states (2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0): the whole record and a few numbers of the instance. A state has
-   the same bytes in memory and serialized. */
+/* Saved states (2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0): the whole record and a few numbers of the instance. A serialized
+   state has the bytes of the state in memory, with the checksum. */
 #include "instance.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A saved state. Its checksum is 0 until the state is serialized. */
+/* A saved state; the record follows in memory. `checksum` is 0 until the state is serialized. */
 typedef struct {
     char magic[8];
-    /* the checksum covers all bytes from guid to the end of the state */
+    /* `size` is the number of bytes from guid to the end of the record, which the checksum covers */
     uint64_t size, checksum;
     char guid[40];
     int64_t phase, flags;
-    double time, stop_time; /* the record follows these numbers in memory */
+    double time, stop_time;
 } State;
 
-/* bits of State.flags: the members of the same name of the instance */
+/* bits of State.flags: the members `initialized` and `set_up` of the instance */
 enum { INITIALIZED = 1, SET_UP = 2 };
 enum { BEGIN = offsetof(State, guid) };
 static const char MAGIC[] = "chainimp";
 
-/* Return the state to which an argument points; NULL, with an error, if the state is not valid. */
+/* Return the state to which the argument `state` points; log an error and return NULL if it points to none. */
 static State *state_in(const Instance *instance, const char *call, void *state) {
     if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, state)) return NULL;
     if (memcmp(((State *)state)->magic, MAGIC, sizeof ((State *)state)->magic) == 0) return state;
@@ -34,7 +34,8 @@ static int is_own(const Instance *instance, const State *state) {
            size_of(state) == sizeof(State) + (size_t)instance->table->record_size;
 }
 
-/* Return whether the kernel can continue from a state. The state may come from anywhere, so its numbers are checked. */
+/* Return whether the kernel can continue from a state of this FMU. The state may come from anywhere, so its numbers are
+   checked. */
 static int state_is_sound(const Instance *instance, State *state) {
     Word *record = (Word *)(state + 1);
     int started = state->phase != INSTANTIATED && state->phase != INITIALIZING;

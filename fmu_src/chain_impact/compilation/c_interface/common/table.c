@@ -13,10 +13,10 @@
 #include <unistd.h>
 #endif
 
-/* [bytes] LONGEST: size of the longest path that can be opened, with its final 0 */
+/* [bytes] LONGEST: size of the longest path that can be opened, with the 0 at the end */
 enum { LONGEST = 4096 };
 
-/* Open a file by its path in UTF-8, without stdio, which allocates memory; return −1 if the file cannot be read. */
+/* Open a file for reading by its path in UTF-8, without stdio, which allocates memory. Return −1 if this fails. */
 static int open_file(const char *path) {
 #ifdef _WIN32
     wchar_t wide[LONGEST];
@@ -45,8 +45,9 @@ static int hexadecimal(char digit) {
 
 static const char NAME[] = "/model.bin";
 
-/* Find the path of model.bin from the URI of its folder: file:///folder, file:/folder or file://localhost/folder;
-   beyond the standard, the folder's path is accepted, too. Return 0 if the URI is not valid, or too long. */
+/* Write the path of model.bin to `path`, from the URI of the folder: file:///folder, file:/folder or
+   file://localhost/folder. Beyond the standard, a path of the folder is accepted, too. Return 1; 0 if the URI is not
+   valid, or too long. */
 static int path_by_uri(const char *uri, char path[LONGEST]) {
     if (strncmp(uri, "file:", 5) == 0) uri += 5;
     if (strncmp(uri, "//", 2) == 0) uri += strncmp(uri, "//localhost/", 12) == 0 ? 11 : 2;
@@ -70,8 +71,8 @@ static int path_by_uri(const char *uri, char path[LONGEST]) {
     return 1;
 }
 
-/* Find the path of model.bin from the path of its folder, with or without a separator at the end. Return 0 if the
-   folder's path is empty or too long. */
+/* Write the path of model.bin to `path`, from the path of the folder, with or without a separator at the end. Return 1;
+   0 if the folder's path is empty or too long. */
 static int path_by_path(const char *folder, char path[LONGEST]) {
     size_t size = strlen(folder);
     if (size == 0 || size + sizeof NAME > LONGEST) return 0;
@@ -114,9 +115,9 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     return table;
 }
 
-/* Return the CRC-32. Each step takes four bytes, which are eight groups of four bits; each group has a table of 16
-   entries. tables[0] belongs to the last group. The table of any other group follows from that of the group after it,
-   by a shift of four bits. */
+/* Return the CRC-32 of `size` bytes. Each step takes four bytes, which are eight groups of four bits; each group has a
+   table of 16 entries. tables[0] belongs to the last group. The table of any other group follows from the table of the
+   group after it, by a shift of four bits. */
 uint32_t checksum(const void *bytes, size_t size) {
     static const uint32_t LAST[16] = {
         0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,

@@ -1,5 +1,5 @@
-/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0): the table of the scene says at which words of
-   the record a variable's values are. */
+/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0). The table of the scene has the words of the
+   record with the values of each variable. */
 #include "instance.h"
 #include "registers.h"
 
@@ -16,24 +16,24 @@ static const unsigned SETTABLE[] = {
 static const char *const KINDS[] = {"a fixed parameter", "a tunable parameter", "an input", "an output",
                                     "the independent variable"};
 
-/* Return the variable with a value reference; NULL if there is none, or if it has not the type of the array. */
+/* Return the variable with the value reference `vr`; NULL if there is none, or if its type is not that of the array. */
 static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType array) {
     const Variable *all = in_table(instance->table, instance->table->variables_at);
     int type = array == FLOAT64S ? REAL : INTEGER;
     return vr < instance->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
-/* Return whether the kernel must compute a variable before it is read: an output or, from initialization mode on, a
-   parameter whose given value has a word of its own, such as one that the kernel can derive from others; this holds
-   even if the importer has set it. */
+/* Return whether the kernel must compute a variable before it is read. This is so for an output and, from
+   initialization mode on, for a parameter whose given value has a word of its own, such as a parameter that the kernel
+   can derive, also if the importer has set it. */
 static int worked_out(const Instance *instance, const Variable *of) {
     return of->kind == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
 }
 
 /* Return the record from which variables are read; NULL after an error. If the kernel must compute one of the
-   variables, it computes all outputs of the present time in this record, unless it has done so. The record is then the
-   second record if values were set that no step has used yet, so that reading does not change the run. If the run
-   cannot continue with these values, *status becomes WARNING, not ERROR: the importer may still set others. */
+   variables, it computes all outputs of the present time in the returned record, unless it has done so. If values are
+   set that no step has used yet, this is the second record, so that reading does not change the run. If the run cannot
+   continue with these values, *status becomes WARNING, not ERROR, because the importer may still set others. */
 static const Word *source(Instance *instance, const char *call, const uint32_t vr[], size_t count, int *status) {
     const Variable *all = in_table(instance->table, instance->table->variables_at);
     size_t i = 0;
@@ -59,7 +59,7 @@ static const Word *source(Instance *instance, const char *call, const uint32_t v
     return seen;
 }
 
-/* Return whether the variables, which all exist, have together as many values as the call gives; else log an error. */
+/* Return whether the variables, which all exist, have together `length` values; if not, log an error. */
 static int fits(const Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count,
                 size_t length) {
     size_t wanted = 0;
@@ -74,7 +74,7 @@ static void store(Word word, ArrayType array, void *values, size_t i) {
         ((double *)values)[i] = word.real;
     else if (array == INT64S)
         ((int64_t *)values)[i] = word.integer;
-    else /* a count can be larger than 32 bits hold: the importer then gets INT_MAX */
+    else /* a count above INT_MAX does not fit into 32 bits: the importer then gets INT_MAX */
         ((int32_t *)values)[i] = word.integer > INT_MAX ? INT_MAX : (int32_t)word.integer;
 }
 
@@ -106,8 +106,7 @@ static Word word_at(ArrayType array, const void *values, size_t i) {
     return (Word){.integer = array == INT64S ? ((const int64_t *)values)[i] : ((const int32_t *)values)[i]};
 }
 
-/* Return OK if a variable may be set to a value, else log why not and return ERROR. Only a variable with one value can
-   be set, no array. */
+/* Return OK if the variable with the value reference `vr` may be set to `new`; else log the reason, return ERROR. */
 static int check(const Instance *instance, const char *call, ArrayType array, uint32_t vr, Word new) {
     const Variable *at = variable(instance, vr, array);
     if (!at)
@@ -126,7 +125,7 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
     return say(instance, ERROR, "%s: %s = %s must be %s", call, name, number(new.real).text, range);
 }
 
-/* Set the values of all variables; if one value is refused, set none. */
+/* Set the values of all variables, each of which has one value; if one value is refused, set none. */
 int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length) {
     if (!allowed(instance, call, ANY_PHASE)) return ERROR;

@@ -1,25 +1,25 @@
 /* The check that a table is valid for this binary: every offset lies inside the file, every word inside the record, and
-   the record has the size that the kernel expects. The checksum does not suffice: a program that changes the file can
-   also correct the checksum. */
+   the record has the size that the kernel expects. The checksum alone does not show this, because a program that
+   changes the file can also write the checksum that belongs to the changed file. */
 #include "instance.h"
 
-/* Return the largest allowed number at index `i` at the start of a record. The limits of counts are far larger than in
-   any chain; flags are 0 or 1. */
+/* Return the largest allowed number at index `i` at the start of a record. The limit of a count is far larger than the
+   count of any chain; a flag is 0 or 1; the last number counts tangent instances. */
 static int64_t largest_size(int i) {
     if (i < COUNTS) return 1 << 24;
     return i < COUNTS + FEATURES ? 1 : 1 << 16;
 }
 
-/* Return whether `count` items of `size` bytes each lie inside the file, after its head, and begin at a multiple of 8
-   bytes. */
+/* Return whether `count` items of `size` bytes each, from `offset` on, lie inside the file, after the head of the file,
+   and begin at a multiple of 8 bytes. */
 static int lies_in(const Table *table, int64_t offset, int64_t count, uint64_t size) {
     if (offset < (int64_t)sizeof *table || offset % (int64_t)sizeof(int64_t) != 0 || count < 0) return 0;
     uint64_t from = (uint64_t)offset;
     return from <= table->size && (uint64_t)count <= (table->size - from) / size;
 }
 
-/* Return whether an offset, counted from the start of the texts, lies inside the texts. Every text there has an end,
-   because the last byte of the file is 0. */
+/* Return whether an offset from the start of the texts lies inside the texts, which go on to the end of the file. Every
+   text has an end, because the last byte of the file is 0. */
 static int is_text(const Table *table, int64_t offset) {
     return offset >= 0 && offset < (int64_t)table->size - table->texts_at;
 }
@@ -43,7 +43,7 @@ static int is_variable(const Table *table, const Variable *variable) {
            is_word(table, variable->word + variable->length - 1);
 }
 
-/* Return whether the record has the length that the kernel expects, and every index in it is within its bounds. */
+/* Return whether the record has the length that the kernel expects, and every index in the record is within bounds. */
 static int is_record(const Table *table) {
     Word *record = (Word *)((char *)table + table->record_at);
     const int64_t words = table->record_size / (int64_t)sizeof *record;
@@ -55,7 +55,7 @@ static int is_record(const Table *table) {
 
 int is_whole(const Table *table) {
     const char *bytes = (const char *)table;
-    /* without a 0 at its end, the guid or the last text of the file would be read beyond its end */
+    /* without a 0 as last byte, the guid or the last text of the file would be read beyond its end */
     if (table->guid[sizeof table->guid - 1] || bytes[table->size - 1]) return 0;
     if (table->texts_at < (int64_t)sizeof *table || (uint64_t)table->texts_at > table->size) return 0;
     if (!lies_in(table, table->variables_at, table->variable_count, sizeof(Variable)) ||

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* flag for the behaviour of the C standard: a text that is cut ends with 0, and the result is the full length */
+/* flag for the behaviour of the C standard: a text that is cut ends with 0, and the result is the length without cut */
 enum { AS_C_SAYS = 2 };
 
 int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format, void *locale,

@@ -3,7 +3,7 @@
 
 #include <fmi2Functions.h>
 
-/* Define a function of the standard: it evaluates `made`, a call of a shared function, and returns its status. */
+/* Define a function of the standard: it evaluates `made`, a call of a shared function, and returns that status. */
 #define FUNCTION(name, made, ...) \
     FMI2_Export fmi2Status name(__VA_ARGS__) { return (fmi2Status)(made); }
 
@@ -47,8 +47,8 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
 
 /* Beyond the standard, for a slave in Python (slave.py): return another instance of the same FMU, which shares the
    table of the first instance; the first instance must be freed last. For the new instance, fmi2DoStep returns
-   fmi2Pending after about a second of computing; the slave calls it again with the same arguments, and the step goes
-   on. Between the calls Python handles Ctrl-C. */
+   fmi2Pending after about a second of computing; the slave calls fmi2DoStep again with the same arguments, and the step
+   goes on. Between these calls Python handles Ctrl-C. */
 FMI2_Export fmi2Component another_fmi2_instance(fmi2Component first, fmi2String name) {
     Instance *instance = first ? another_instance(first, "fmi2Instantiate", name) : NULL;
     if (instance) instance->advance = advance_awhile;
@@ -118,8 +118,8 @@ FMI2_Export fmi2Status fmi2CancelStep(fmi2Component c) {
     return c ? (fmi2Status)say(c, ERROR, TEXT) : fmi2Error;
 }
 
-/* Define a function for a status of the last step: it gives `found` for the kind KIND, and returns fmi2Discard for
-   other kinds. */
+/* Define the function NAME for a status of the last step: for the kind KIND it writes `found` to *value and returns
+   fmi2OK; for any other kind it returns fmi2Discard. */
 #define STATUS(NAME, TYPE, KIND, found)                                                                      \
     FMI2_Export fmi2Status NAME(fmi2Component c, const fmi2StatusKind kind, TYPE *value) {                   \
         const Instance *instance = c;                                                                             \

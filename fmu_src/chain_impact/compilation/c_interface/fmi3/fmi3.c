@@ -8,8 +8,8 @@
 /* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
 #pragma STDC FENV_ACCESS ON
 
-/* Define a function of the standard: it evaluates `made`, mostly a call of a shared function, and returns the status
-   that this gives. */
+/* Define the function `name` of the standard: it evaluates `made`, mostly a call of a shared function, and returns the
+   status. */
 #define FUNCTION(name, made, ...) \
     FMI3_Export fmi3Status name(__VA_ARGS__) { return (fmi3Status)(made); }
 
@@ -52,7 +52,8 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     return instance;
 }
 
-/* Define a function for a kind of instance that this FMU does not have: it logs this and returns NULL. */
+/* Define a function of the standard for a kind of instance that this FMU does not have: it logs an error and returns
+   NULL. */
 #define NO_INSTANCE(function, ...)                                                                            \
     FMI3_Export fmi3Instance function(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, \
                                       fmi3Boolean logging, fmi3InstanceEnvironment environment, __VA_ARGS__) { \
@@ -157,7 +158,7 @@ FMI3_Export fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 s
     return fmi3OK;
 }
 
-/* Change from step mode to event mode or back; refuse this for an instance that was made without event mode. */
+/* Change from step mode to event mode or back; refuse this for an instance without event mode. Return a status. */
 static int change_mode(Instance *instance, const char *call, Phase from, Phase to) {
     if (instance && !instance->event_mode)
         return say(instance, ERROR, "%s cannot be called: the instance was made with eventModeUsed = fmi3False", call);
