@@ -97,7 +97,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("active", bounded(0, 1), (candidates,)),  # 1: the candidate is in contact; 0: it is not
         # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", bounded(0, NEIGHBOUR), (candidates,)),
-        ("onset", REAL, (candidates,)),  # s, time of the onset of the latest contact
+        ("onset", REAL, (candidates,)),  # s, onset of the candidate's latest contact
         ("onset_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset, ≥ 0
         ("impact_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ `law.minimum_impact_speed`
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
@@ -201,7 +201,8 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
-        # 1: a rigid wall in the active set pulls, or a point outside the set moves less than its target
+        # 1: the impulse of a rigid wall in the active set is a pull, or the motion along a constraint outside
+        # the set is below ``target``
         ("violated", INTEGER, (count,)),
         ("start", REAL, (count,)),  # position, speed or acceleration along the row without any impulses
         ("reached", REAL, (count,)),  # position, speed or acceleration along the row with all impulses
@@ -238,9 +239,9 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
     return record(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
         ("change", REAL, (coordinate_count(links),)),
-        ("inside", INTEGER, (count,)),  # 1: the force is inside its limits, 0: it is at one of them
-        # ±1: the force of a sticking element is at its limit, and has this sign; 0: the force is below the
-        # limit; the elements are in the order of ``element.stuck``
+        ("inside", INTEGER, (count,)),  # 1: the force is between its limits; 0: the force is at a limit
+        # ±1: the force of a sticking element is at its limit, and has this sign (``sign_at_limit``); 0: the
+        # force is below the limit; the elements are in the order of ``element.stuck``
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
         ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
@@ -309,7 +310,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """
     count = candidates + elements + 3
     return record(
-        ("computed", INTEGER),  # 1: steps integrate quadratures; 0: they do not, as no output needs one
+        ("computed", INTEGER),  # 1: steps integrate quadratures; 0: no output needs a quadrature
         # N·s, value of ``total`` at the onset of the candidate's contact
         ("impulse_at_onset", REAL, (candidates,)),
         # integral of each quadrature from the run's start to the last ``commit_quadratures`` or impact

@@ -160,7 +160,7 @@ def drive_dtype(links: int) -> np.dtype:
         ("min", REAL, rows),  # rad, angle of the joint at which the lower stop begins to act; −∞: no stop
         ("max", REAL, rows),  # rad, angle of the joint at which the upper stop begins to act; ∞: no stop
         # ---- set during the run
-        # 1 or −1: the drive's torque is held at its positive or negative limit; 0: it is below the limit
+        # 1 or −1: the drive's torque is held at its positive or negative limit; 0: no limit holds the torque
         ("mode", INTEGER, rows),
         ("chosen", INTEGER, rows),  # in a tangent instance: the drive's ``mode`` in the primal instance
         ("event", INTEGER),  # 1: at the end of the last step the mode of some drive ends; 0: none ends
@@ -284,7 +284,8 @@ def site_dtype(links: int, sites: int) -> np.dtype:
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint
         ("y", FINITE, (sites,)),  # m, distance of the site from the link's line; > 0: to the left
-        ("given_radius", REAL, (sites,)),  # m, given radius; DERIVED: `contact.radius` is used
+        # m, given radius; the number DERIVED of chain/inertia.py: not given, `contact.radius` is used
+        ("given_radius", REAL, (sites,)),
         # ---- derived at initialization
         ("radius", NOT_NEGATIVE, (sites,)),  # m, radius of the site, given or that of `contact`
         ("along", REAL, (sites,)),  # position x of the site divided by the link's length
@@ -303,7 +304,8 @@ def walls_dtype(candidates: int) -> np.dtype:
     return record(
         ("x", FINITE, (candidates,)),  # m, x of a point on each wall
         ("y", FINITE, (candidates,)),  # m, y of the same point on each wall
-        ("angle", FINITE, (candidates,)),  # rad, direction of each wall, from +x; its free side is left
+        # rad, direction of each wall, from +x; the free side is to the left of this direction
+        ("angle", FINITE, (candidates,)),
         # ---- materials of all walls; the walls of the box come first
         # N/m^exponent, stiffness K of each wall; 0: the wall has no own stiffness, `given.stiffness` is used
         ("stiffness", REAL, (len(WALLS) + candidates,)),

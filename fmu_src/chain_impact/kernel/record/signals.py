@@ -61,7 +61,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("final", REAL, (signals,)),
         ("duration", REAL, (signals,)),  # s, duration of the ramp
         # ---- derived at initialization
-        ("degree", bounded(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the polynomials
+        ("degree", bounded(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the signal's polynomials
         # number of times that the kernel integrates the signal over time: ``order``, but 0 for a table, whose
         # given polynomials already describe the position
         ("integrals", bounded(0, 2), (signals,)),

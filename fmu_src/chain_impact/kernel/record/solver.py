@@ -40,7 +40,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("start", REAL),  # s, time at which the last step starts
         # s, the time from which the entry t of the state y counts: the start of the last or of the tried step
         ("clock", REAL),
-        ("end", REAL),  # s, time at which the last step ends: its whole end or, if the step was cut, the cut
+        ("end", REAL),  # s, time of the last step's end or, if the step was cut, of the cut
         # s, 0, but with derivatives in a tangent instance: time from ``start`` to the event that begins the
         # step
         ("start_delay", REAL),
@@ -49,8 +49,8 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("size", REAL),
         ("end_fraction", REAL),  # fraction of ``size`` at which the step ends; 1 if the step is not cut
         ("next_size", REAL),  # proposed size of the next step, in the integration variable of that step
-        # value of ``next_size`` before the present contacts with a force law began; it is proposed again
-        # after these contacts have ended
+        # value of ``next_size`` before the present contacts with a force law began; this size is proposed
+        # again after these contacts have ended
         ("flight_size", REAL),
         ("state", REAL, (state,)),  # state y at `start`
         ("state_end", REAL, (state,)),  # state y at `end`
@@ -61,7 +61,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("remainder_whole", REAL),
         # coefficients of the dense output, the interpolant of y over the whole step of ``size``
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
-        ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at ``end``; 0: it must be evaluated
+        ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at ``end``; 0: ẏ at ``end`` is not known
         # for whom the dense output was completed: OUTPUTS or SOLVER of ode/last_step.py; 0: for nobody yet
         ("dense_for", bounded(0, SOLVER)),
         # number of the method of the last step, see kernel/ode/control.py
@@ -242,8 +242,8 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("position", places),
         ("velocity", places),  # m/s, velocities of all places
         ("acceleration", places),  # m/s², accelerations of all places
-        # 1: ``position``, ``velocity`` and ``acceleration`` are those at the end of the last step; they then
-        # remain valid after the step
+        # 1: ``position``, ``velocity`` and ``acceleration`` are those at the end of the last step, also after
+        # this step; 0: they may belong to another time
         ("at_end", INTEGER),
         # changes of all coordinates, of their rates or of their accelerations: the response of the chain
         ("change", REAL, (coordinate_count(links),)),
