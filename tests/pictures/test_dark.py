@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures import style
 from chain_impact.pictures.dark import Ground, is_dark, lighter, luminance
-from chain_impact.pictures.style import PALETTE, suit_figure
+from chain_impact.pictures.law_looks import LAW_LOOKS
+from chain_impact.pictures.style import BLACK, PALETTE, suit_figure
 from tests.pictures.pictures import contrast, lab, recorded
 
 
@@ -93,6 +94,11 @@ def test_the_colours_of_curves_differ_on_a_dark_ground():
     """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
     for one, other in itertools.combinations(PALETTE, 2):
         assert np.linalg.norm(lab(lighter(one)) - lab(lighter(other))) > 15.0
+    laws = [
+        look["color"] for look in LAW_LOOKS.values() if "linestyle" not in look and look["color"] != BLACK
+    ]
+    for one, other in itertools.combinations(laws, 2):
+        assert np.linalg.norm(lab(lighter(one)) - lab(lighter(other))) > 25.0
 
 
 def dark_grounds():

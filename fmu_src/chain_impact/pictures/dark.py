@@ -35,11 +35,12 @@ MIXTURES = 41
 NEAR_WHITE = 0.999  # the largest luminance that a mixture must reach: 1, that of white, but for round-off
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
-UMBER, PLUM = "#6b4c00", "#5c1a6e"  # colours of curves on white; they are too dark for a dark ground
-ORANGE, SKY = "#e69f00", "#56b4e9"  # colours of curves on a dark ground; on white they are too pale for lines
-# colour that is too dark for a dark ground → its replacement; mixed with white, these colours would look like
-# others
-REPLACED = {UMBER: ORANGE, PLUM: SKY}
+# colours of curves: UMBER, PLUM and OCHRE on white, where the other three are too pale for lines; YELLOW, SKY
+# and ORANGE on a dark ground
+UMBER, PLUM, OCHRE = "#6b4c00", "#5c1a6e", "#c07f00"
+YELLOW, SKY, ORANGE = "#f0e442", "#8fd3ff", "#e69f00"
+# colour of a curve on white → the colour on a dark ground; mixed with white, the curve would look like others
+REPLACED = {UMBER: YELLOW, PLUM: SKY, OCHRE: ORANGE}
 COLOURED = 0.3  # a colour with less saturation counts as a grey
 # On a dark ground, the distance of a grey from the ground, 0…1, is raised to this power. The distance becomes
 # larger, because greys near black are hard to see.

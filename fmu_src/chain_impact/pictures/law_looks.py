@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.pictures.dark import PLUM, UMBER
+from chain_impact.pictures.dark import OCHRE, PLUM, UMBER
 from chain_impact.pictures.style import (
     BLACK,
     BLUE,
     BROWN,
     GREEN,
     INK,
-    OCHRE,
     PURPLE,
     VERMILLION,
     VIOLET,

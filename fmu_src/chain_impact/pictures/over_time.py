@@ -14,6 +14,7 @@ from matplotlib.transforms import Bbox
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.bands import MOST_GREY, fill_band, hides, plot_curves
+from chain_impact.pictures.dark import OCHRE
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import time_unit
 from chain_impact.pictures.names import short_names
@@ -26,7 +27,6 @@ from chain_impact.pictures.style import (
     GREY,
     INK,
     LINE,
-    OCHRE,
     PURPLE,
     TIME_COLOURS,
     VIOLET,

@@ -27,7 +27,7 @@ from chain_impact.recording.text import LOAD_UNITS, prefixed
 from chain_impact.system import written_whole
 
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
-OCHRE, BROWN, VIOLET = "#c07f00", "#7a4b2a", "#7a3fa8"
+BROWN, VIOLET = "#7a4b2a", "#7a3fa8"
 PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force
 PEAK_LINE = "peak"  # the matplotlib identifier (gid) of the text in PEAK_COLOUR below a headline
 LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
