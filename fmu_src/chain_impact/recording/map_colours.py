@@ -32,7 +32,7 @@ def spread(values: np.ndarray) -> float:
 def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float, float]:
     """Return the least and the largest value on the scale of colours.
 
-    They are the least and the largest of ``values``. If one of these is far from nearly all values
+    The ends are the least and the largest of ``values``. If one of these is far from nearly all values
     (BEYOND_QUANTILES), a quantile (LARGE_QUANTILE) replaces it. A value beyond an end of the scale has the
     colour of this end. If ``logarithmic``, distances are those between the logarithms of values.
     """

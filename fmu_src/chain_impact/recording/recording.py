@@ -140,7 +140,7 @@ class Recording:
         return []
 
     def walls_at(self, time: float) -> dict[str, HalfPlane]:
-        """Return name → free side of each wall, with its displacement at a time [s]."""
+        """Return name → free side of each wall, in its position at a time [s]."""
         walls = dict(self.walls)
         for name, moved in self.moved_walls.items():
             wall = walls[name]
@@ -161,8 +161,8 @@ class Recording:
     def pinned(self) -> bool:
         """Whether the base is pinned, so that link 1 turns about joint 1; an input may move a pinned base.
 
-        The columns tell whether joint 1 exists. If there are no columns of any joint, a base that does not
-        move counts as pinned.
+        The columns tell whether joint 1 exists. If there are no columns of any joint, the base counts as
+        pinned if there are several rows and it has the same position in all of them.
         """
         joints, bases = self.columns_of("joint"), self.points[:, :1]
         if self.rail is not None:

@@ -259,7 +259,7 @@ class Ranking:
 
     @property
     def _words(self) -> str:
-        """The name of the quantity in words, if it has them."""
+        """The name of the quantity in words if it is a peak or JOINT_FORCE, else its name as an output."""
         if peak := PEAKS.get(self.quantity):
             return peak.words
         return "joint force" if self.quantity == JOINT_FORCE else self.quantity

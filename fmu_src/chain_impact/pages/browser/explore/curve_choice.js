@@ -14,7 +14,7 @@ function like(text, columns) {
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
-/** Return words for an error on a name that no output has; they propose the most similar name, if there is one. */
+/** Return words for an error on a name that no output has; the words propose the most similar name, if there is one. */
 function noOutput(name, columns) {
   return `${name} is not an output${nearestText(name, columns.map((column) => column.name))}`;
 }

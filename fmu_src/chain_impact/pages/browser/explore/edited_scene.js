@@ -46,7 +46,7 @@ export function fieldAfter(name, before, after) {
 
 /**
  * Return a function from the name of a variable before an edit of the scene to its name after the edit, undefined if its owner is removed;
- * it returns other names as they are. `before`, `after`: results of `partsOf` for the two scenes.
+ * the function returns other names as they are. `before`, `after`: results of `partsOf` for the two scenes.
  */
 function namesAfter({ file }, kit, before, after) {
   const { owners } = structureOf(file, kit);

@@ -313,7 +313,7 @@ export class GridMap {
     return !Object.keys(this.changes.inputSteps).length && others(this.shown.values) === others(this.changes.values);
   }
 
-  /** Return the index of the run at a pointer's position; undefined if it is not simulated yet. */
+  /** Return the index of the run at a pointer's position; undefined if the run is not simulated yet. */
   #runAt({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const points = this.canvas.width;

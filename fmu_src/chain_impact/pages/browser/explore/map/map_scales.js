@@ -48,7 +48,7 @@ export function areaOf({ names, axes }) {
   return JSON.stringify([names, axes.map((axis) => [axis[0], axis.at(-1)])]);
 }
 
-/** Return a name with its unit, as the title of an axis. */
+/** Return a name with its unit, if there is one, as the title of an axis. */
 export function titleOf(name, unit) {
   return unit ? `${name}, ${unit}` : name;
 }
