@@ -112,8 +112,9 @@ class Trial:
     def step_size(self) -> float:
         """Return a communication step [s] that the FMU should accept.
 
-        The step is the fixed internal step of the FMU, else the step of its default experiment, else 1/500 of the
-        duration of this experiment, whose stop time is 1 s if none is given; 1 ms if the duration is not > 0.
+        The step is the fixed internal step of the FMU, else the step of its default experiment, else 1/500 of
+        the duration of this experiment, whose stop time is 1 s if none is given; 1 ms if the duration is not
+        > 0.
         """
         experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
         fixed = _number(stepper, "fixedInternalStepSize", 0.0)

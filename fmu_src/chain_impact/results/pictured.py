@@ -134,7 +134,7 @@ class Pictured(Recording):
         """Return the row at a time [s] of a run with the same inputs and other values of parameters.
 
         The result is None if the run cannot be repeated, or took more than MOST_EVALUATIONS; if the scene
-        cannot have the values; or if the other run ends before ``time``.
+        cannot have the values; or if the other run cannot start, or ends before ``time``.
         """
         if self.rerun is None or self.statistics["rhs_evaluations"] > MOST_EVALUATIONS:
             return None

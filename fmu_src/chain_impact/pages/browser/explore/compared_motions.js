@@ -193,7 +193,7 @@ function comparisonTable(motions) {
 
 /**
  * Return columns of impacts that belong together, in the order of their first onsets. A column has for each list of `all` its impact or
- * undefined. Each of the first LISTED impacts of a list is in one column: that of its partner in the first list that has one.
+ * undefined. Each of the first LISTED impacts of a list is in one column: that of its partner in the first list that has one, else its own.
  */
 function alignedImpacts(all) {
   const used = new Set();
@@ -208,9 +208,9 @@ function alignedImpacts(all) {
 }
 
 /**
- * Return { value, unit }: the largest peak force of a recording or, if no peak force is known, the largest impulse, of ended contacts if
- * there are any. Impacts at walls come first; without a known value there, it is that of an impact at a stop of a joint. The result is
- * null if no value is known.
+ * Return { value, unit }: the largest peak force of a recording or, if no peak force or moment is known, the largest impulse, of ended
+ * contacts if there are any. At stops of joints, peak moments and impulses of moments replace forces and impulses; they count only if no
+ * other impact has a known value of this kind. The result is null if no value is known.
  */
 function largestKnown({ impacts }) {
   const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));

@@ -19,7 +19,10 @@ export function lastBefore(numbers, wanted) {
   return low;
 }
 
-/** Return [row, share] for a time: the row of increasing `times` before it, and the fraction of the way to the next row, from 0 to 1. */
+/**
+ * Return [row, share] for a time: the last row of increasing `times` that is not after it, but at least the first row and at most the last
+ * but one; and the fraction of the way to the next row, limited to 0 … 1.
+ */
 export function placeIn(times, time) {
   const row = Math.min(lastBefore(times, time), times.length - 2);
   return [row, Math.min(Math.max((time - times[row]) / (times[row + 1] - times[row]), 0), 1)];

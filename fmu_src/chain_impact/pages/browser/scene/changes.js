@@ -49,7 +49,7 @@ export class Changes {
 
   /**
    * Return the value of a parameter with the changes `values`: the changed value; else the value that follows from other parameters; else
-   * the value in the scene. Functions that take a function from a name to a value get this one.
+   * the value in the scene. Other functions get this one as an argument, so it is an arrow function, which keeps its `this`.
    */
   valueOf = (name, values = this.values) => {
     const { derived } = this.parameters.get(name) ?? {};
