@@ -1,4 +1,4 @@
-"""The lengths of the arrows of forces in a film, and a ruler that shows them.
+"""The lengths of the arrows of forces in a film, and the ruler that explains these lengths.
 
 The weight of a link and the peak of an impact can differ by a factor of a thousand, and both must be visible:
 the length is proportional to the cube root of the force.

@@ -130,7 +130,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     found = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
-        # in a narrow figure these numbers give the labels of the largest values their room
+        # a narrow figure has numbers at each panel, because the labels of the largest values need this room
         axes.tick_params(labelbottom=axes is grid[-1] or is_narrow(figure))
         if axes is not grid[-1]:
             axes.set_xlabel("")
@@ -322,19 +322,19 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
 
 def whole_name(name: str) -> str:
-    """Return the label of a panel with one curve: its name, with the quantity in a second line if long."""
+    """Return the label of a panel with one curve: ``name``; if long, with the quantity in a second line."""
     quantity = shared_part([name])
     return name if len(name) <= LONGEST else f"{name.removesuffix(f'.{quantity}')}\n{quantity}"
 
 
 def look_of_energy(name: str) -> dict[str, Any]:
-    """Return the properties of an output's curve if it is an energy of the chain; empty for other outputs."""
+    """Return the properties of the curve of an energy of the chain; {} for any other output."""
     owner, _, _, energy = name_parts(name)
     return energy_look(energy) if owner == "energy" and energy in ENERGIES else {}
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
-    """Return the outputs of all panels that have no curve, because they are 0 at all times (``drawn_in``)."""
+    """Return the outputs in all panels without a curve: outputs that are 0 at all times (``drawn_in``)."""
     return [name for names in panels for name in names if name not in drawn_in(curves, names)]
 
 
@@ -369,7 +369,7 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
 
 
 def vector_of(names: Sequence[str]) -> str:
-    """Return "position", "velocity" or "acceleration" if all outputs are components of one; else ""."""
+    """Return "position", "velocity" or "acceleration" if all outputs are components of one, else ""."""
     words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
     return words.pop() if len(words) == 1 else ""
 
@@ -384,7 +384,7 @@ def short_name(name: str, names: Sequence[str]) -> str:
 
 
 def shared_part(names: Sequence[str]) -> str:
-    """Return the part behind the last dot of some names if all share it; "" otherwise.
+    """Return the part behind the last dot of some names if all names share this part; "" otherwise.
 
     For a component of a vector, the last part includes the name of the vector: "force.x".
     """

@@ -52,7 +52,7 @@ TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to 
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten
 COARSE_STEPS = (1, 2, 4, 5, 10)
 
-# a label is broken into lines if it is longer than LONGER × its axis
+# a label is broken into lines if its length exceeds LONGER × the length of the axis
 LONGER = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""
@@ -81,11 +81,11 @@ def draw_figure(
 
     Args:
         fill: function that draws the contents on an empty figure.
-        path: the file to write; its suffix png, svg or pdf determines the format. If it is None, the figure
-            is returned.
+        path: the file to write; its suffix png, svg or pdf determines the format. With None, the figure is
+            returned.
         size: width and height [inches]. The height None means the height that the contents need. If ``size``
             itself is None, the size is ``usual``, and nothing checks whether the contents have room.
-        usual: default width and height [inches]; for a height of None, ``fitting`` starts from them.
+        usual: default width and height [inches]; for a height of None, ``fitting`` starts from these.
 
     Raises:
         ValueError: when the given size is not possible, or has no room for the panels.
@@ -140,7 +140,7 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     """Return a figure of a given width [inches] with the height that its contents need.
 
     The first height that is tried is that of ``usual`` (width and height [inches]); for a width between WIDE
-    and the usual width, a lower one. If it is too low for the contents, the result is that of
+    and the usual width, a lower one. If the first height is too low for the contents, the result is that of
     ``least_figure``, which tries greater heights.
 
     Raises:
@@ -205,7 +205,7 @@ def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
 
 @styled()
 def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
-    """Draw on a figure; return the height [inches] that it lacks for its axes to be high enough.
+    """Draw on a figure; return the height [inches] that the figure lacks for its axes to be high enough.
 
     A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
     there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap. ``mean``
@@ -253,7 +253,7 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
     """Arrange a figure: break legends above axes into rows, and labels longer than their axes into lines.
 
     Numbers along x that would overlap are left out. The axes ``scaled`` get equal scales along x and y after
-    the layout. Equal scales can only make axes narrower or lower, so labels keep the room that they have.
+    the layout. Equal scales can only make axes narrower or lower, so that no label loses room.
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)
@@ -300,7 +300,7 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 
 
 def thin_ticks(axes: Axes) -> None:
-    """Give axes fewer numbers along x if these overlap; if they still overlap, number only the end ticks.
+    """Give axes fewer numbers along x if the numbers overlap; if still necessary, only those at both ends.
 
     Axes whose ticks are set by hand do not change.
     """

@@ -18,7 +18,8 @@ from chain_impact.recording.stick_slip import SLIDER_STOP, WALL
 FORCE = "#d9480f"  # the colour of wall forces in a film
 CHARTS = (0.69, 0.12, 0.29, 0.6)
 """The room for the charts: left, bottom, width and height, relative to the size of the figure."""
-STRIP, ABOVE_STRIP = 0.13, 0.075  # heights of the chart of forces and of the space above it, as in CHARTS
+# heights of the chart of forces and of the space above this chart, relative to the height of the figure
+STRIP, ABOVE_STRIP = 0.13, 0.075
 
 
 def draw_charts(figure: Figure, recording: Recording, top: float) -> list[Line2D]:
@@ -78,7 +79,7 @@ def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
         key = axes.legend(**position, ncols=columns, fontsize=8, handlelength=1.0, columnspacing=1.0)
         if key.get_window_extent().x1 <= axes.figure.bbox.x1:
             break
-    # a legend of many rows makes the axes lower, so that it does not touch the caption
+    # the axes become lower for a legend of many rows, so that the legend does not touch the caption
     box = axes.get_position()
     above = (key.get_window_extent().y1 - top) / axes.figure.bbox.height
     axes.set_position((box.x0, box.y0, box.width, box.height - max(0.0, above)))

@@ -29,7 +29,7 @@ def write_gif(
         pictures: red, green, blue of each pixel of each picture, shape (height, width, 3).
         path: the file.
         rate: pictures per second.
-        colours: the colours of the gif; it also has shades between each of these and the ground.
+        colours: the colours of the gif, which also has shades between each of these and the ground.
         ground: the colour of the ground.
     """
     from PIL import Image

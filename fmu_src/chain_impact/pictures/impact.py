@@ -108,7 +108,7 @@ def duration_text(impact: np.void, course: Course) -> str:
 
 
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
-    """Draw the normal force over penetration; the area inside the loop is the energy that it dissipates.
+    """Draw the normal force over penetration; the area in the loop is the energy that the force dissipates.
 
     Energy that dry friction dissipates is not in this area. The loop of a contact that lasts to the end of
     the run is open, with a dot at its end. An impulse has no loop.

@@ -19,7 +19,7 @@ LONGEST_LOAD = 0.3
 # least the part SHORTEST_LOAD of LONGEST_LOAD, so an arrow near the edge may still leave the view
 SHORTEST_LOAD = 0.4
 # POSE_WIDTH: [points] the width of the chain in the pose of the arrows; POSE_LAYER: matplotlib's order of
-# drawing (zorder) for it, above all other poses
+# drawing (zorder) for this chain, above all other poses
 POSE_WIDTH, POSE_LAYER = 1.6, 4.5
 MOST_VALUES = 3  # the largest number of joints whose forces are written
 

@@ -37,11 +37,11 @@ CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
 OWN_LINE = 4.5
-# [pixels] the distance from a strong pixel, or from another leader, at which a leader counts as crossing it
+# [pixels] a leader counts as crossing a strong pixel, or another leader, up to this distance
 CROSSING = 2
 BEYOND = 64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
 PAD = 1.0  # [points] the width of the border around a label that must be free, too
-APART = 5.0  # [points] the least space between two labels in a row, so that they do not read as one
+APART = 5.0  # [points] the least space between two labels in a row, which would otherwise read as one label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
 # matplotlib's order of drawing (zorder) for labels and their leaders: above links and points
 LABEL_LAYER = 6.0
@@ -207,7 +207,7 @@ def place_labels(
     Args:
         axes: the axes of the labels; only with leaders, labels may stand beyond the right edge (BEYOND).
         labels: the labels to write, the most important first.
-        ink: the used pixels of the figure; afterwards they include the labels.
+        ink: the used pixels of the figure, which afterwards include the labels.
         lines: whether leaders are allowed: a label may then be far from its position, with a line to it, and
             may cover pale lines.
         look: properties of the text of all labels, with matplotlib's names.
@@ -286,14 +286,14 @@ def _place(
     steps: np.ndarray,
     **look: Any,
 ) -> bool:
-    """Write the first text that has a free position; return whether there is one.
+    """Write the first text that has a free position; return whether a text was written.
 
     For each limit in CROSSED, the texts are tried where nothing is drawn and then, if leaders are allowed,
     with an outline, where only pale lines are drawn. Each text is tried first at positions that leave the
     best positions of later labels free, then at all positions.
 
     Args:
-        axes: the axes inside which the text stays; with leaders, it may also be beyond their right edge.
+        axes: the axes inside which the text stays; with leaders, the text may be beyond their right edge.
         label: the label, with its position and the best direction from this position to the text.
         homes: the best boxes of the labels that are written later: two corners of each, shape (H, 2, 2).
         others: the positions of the other labels, shape (O, 2) [pixels]. Without leaders, the middle of the
@@ -356,7 +356,7 @@ def _place(
 
 
 def folded(words: str) -> str:
-    """Return a label's text in two lines if it has parts: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
+    """Return a label's text in two lines if possible: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
     if " + " in words:
         return words.replace(" + ", "\n+ ")
     parts = words.split(", ")

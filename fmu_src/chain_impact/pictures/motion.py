@@ -41,14 +41,14 @@ from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.text import prefixed
 from chain_impact.recording.view import ball_of
 
-# the largest number of poses between start and end that are drawn strongly; they show the fastest impacts
+# the largest number of strong poses between start and end, which are those at the fastest impacts
 MOST_STRONG_POSES = 6
 CANDIDATES = 60  # strong poses are chosen among the poses at the CANDIDATES fastest impacts
 FAINT_POSES = 40  # the largest number of faint poses, from rows of the recording at equal distances
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
 # STRONG_APART of strong ones. The pose at the fastest impact is always kept.
 FAINT_APART, STRONG_APART = 0.03, 0.1
-PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, where it may slide
+PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, as a tip may slide
 MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
 # PATH_WIDTH: [points] the usual width of the line along the tip's path; DENSE: a line that would cover more
 # than this part of the area around the path is narrower; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES:
@@ -57,8 +57,8 @@ PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20
 # with more paths of points than this, each path is the fainter the more paths there are
 MOST_CLEAR_PATHS = 6
 # RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end covers it;
-# COVERED_WITHIN: it is covered if the distance of each point's end from its start is less than this, relative
-# to the size of the motion
+# COVERED_WITHIN: this is so if every point ends nearer to its start than this, relative to the size of the
+# motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line from a ball's centre to the link's other end, relative to other links
 SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix

@@ -31,7 +31,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
         """Return the two ends of the visible part of the wall ``name`` at each of some times [s].
 
-        Visible is the part that bounds the room of the chain in the view; without one there is no end.
+        The visible part bounds the room of the chain in the view; a wall without such a part has no ends.
         """
         rooms = (recording.walls_at(time) for time in times)
         return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
@@ -96,7 +96,7 @@ def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> N
 
 
 def _moved(lines: Sequence[np.ndarray], ways: np.ndarray) -> list[np.ndarray]:
-    """Return a copy of each line for each displacement in ``ways``, shape (W, 2) [m], moved by it."""
+    """Return all lines moved by each displacement in ``ways``, shape (W, 2) [m]: W copies of each line."""
     return [line + way for way in ways for line in lines]
 
 

@@ -95,7 +95,7 @@ MOST_HEAD = 0.33  # conditions are left out if they and the headline are higher 
 # The largest height of all texts at the foot, relative to the height of the figure. MOST_FOOT: if the user
 # gives the height of the figure; FREE_FOOT: if the contents determine this height.
 MOST_FOOT, FREE_FOOT = 0.15, 0.25
-LEAST_LOAD = 0.1  # [N, N·m, N·s] a force, moment or impulse below this has a unit with a prefix, such as mN
+LEAST_LOAD = 0.1  # a value below this in a unit of LOAD_UNITS gets a prefix, such as mN
 LEAST_TICKS = 3  # the least number of ticks on an axis
 TICK_STEPS = (1, 2, 2.5, 5, 10)  # the allowed distances between ticks, times any power of ten
 # the allowed distances between ticks on an axis of counts, times any power of ten
@@ -324,7 +324,7 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
 
 
 def load_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Return factor and unit as ``prefixed``, but no prefix for a force or the like from LEAST_LOAD to 1."""
+    """Return factor and unit as ``prefixed``, but no prefix from LEAST_LOAD to 1 in a unit of LOAD_UNITS."""
     is_load = unit.replace("·", ".") in LOAD_UNITS
     return (1.0, unit) if is_load and LEAST_LOAD <= largest < 1.0 else prefixed(largest, unit)
 

@@ -81,8 +81,8 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
             if len(path) == 1:
                 changes[*path, "exponent"] = needed
             changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
-    # stops with their own law would follow a change of contact.exponent if the scene gives them no exponent,
-    # so the exponent that they have is set
+    # stops with their own law, but without an exponent of their own, would follow a change of
+    # contact.exponent; so the exponent that they have is set
     if scene.stops.model and ("contact", "exponent") in changes:
         changes["stops", "exponent"] = scene.stops.exponent
     return changes

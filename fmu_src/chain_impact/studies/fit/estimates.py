@@ -84,8 +84,9 @@ class Estimates:
     def aic(self) -> float:
         """Akaike's information criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
 
-        Only differences between fits of the same data have a meaning; from 10 on, hardly anything supports
-        the fit with the larger criterion (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).
+        Only the difference of two fits of the same data has a meaning; if it is 10 or more, the data hardly
+        support the fit with the larger criterion (Burnham & Anderson, Sociological Methods & Research 33
+        (2004) 261).
         """
         return self.deviance + 2.0 * (len(self.parameters) + len(self.estimated))
 
@@ -98,7 +99,7 @@ class Estimates:
         return stops.model or contact.model if self.scene.chain.stops else ""
 
     def unit(self, name: str) -> str:
-        """Return the unit of a measured column; at a stop of a joint, a quantity of an impact has another."""
+        """Return the unit of a measured column; for a quantity of an impact, that at a wall."""
         return self._units.get(name, "s")
 
     @cached_property

@@ -178,7 +178,7 @@ def _first_sigma(problem: Problem) -> np.ndarray:
 
 
 def _estimated(problem: Problem) -> list[tuple[int, float]]:
-    """Return a pair for each column without a given σ: index in ``names``, and the least estimate of σ."""
+    """Return index in ``problem.names``, and least estimate of σ, of each column without a given σ."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 

@@ -21,7 +21,7 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.data import DURATION, LATE, MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
-# the size of a column whose values are all 0; numbers are divided by a size, so it must not be 0
+# the size of a column whose values are all 0; a size must not be 0, because numbers are divided by it
 SMALLEST = 1e-300
 # A coordinate counts as at a bound if its distance from the bound is at most AT_BOUND × its standard error
 # or, if this is smaller, AT_BOUND × the distance from its start to the bound.
@@ -57,7 +57,7 @@ class Evaluation:
 
     @property
     def usable(self) -> np.ndarray:
-        """Whether each measured value can be fitted, shape (M,): the model has it and all its derivatives."""
+        """Whether each value can be fitted, shape (M,): the model has the value and all its derivatives."""
         usable: np.ndarray = self.exists & np.isfinite(self.slopes).all(axis=1)
         return usable
 
@@ -201,12 +201,12 @@ class Problem:
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        """Return the largest distance from a bound at which each coordinate counts as at it, shape (P,).
+        """Return the largest distance at which each coordinate counts as at a bound, shape (P,).
 
         The distance is AT_BOUND times the standard error or, if this is smaller, times the distance from the
         start to the bound; but at least AT_BOUND_PART times the distance between both bounds. The standard
-        error alone would not do: for an undetermined parameter it is so large that every value would count
-        as at the bound. Infinite errors, infinite distances, and a start at the bound are left out of this.
+        error alone does not suffice, because that of an undetermined parameter is so large that every value
+        would count as at the bound. Infinite errors and distances, and a start at the bound, do not count.
 
         ``bounds``: the lower or the upper bound of each coordinate; ``errors`` as for ``bounds_reached``.
         """
@@ -262,8 +262,8 @@ def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray
     """Return the quantity ``name`` of an impact of the model, and its derivatives, shape (P,).
 
     ``at``: the index of the impact in ``run.impacts``. A peak force or force in a joint of 0, as of an
-    impulse, becomes NaN. If the contact lasts to the end of the run, the value is NaN unless it is known at
-    the onset (AT_ONSET).
+    impulse, becomes NaN. If the contact lasts to the end of the run, a quantity that is not known at the
+    onset (AT_ONSET) is NaN.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

@@ -27,7 +27,7 @@ IMPROBABLE = 1e-3
 ALIKE_NEIGHBOURS = 2.0
 # a value's leverage h counts as 1 if 1 − h is smaller than this, because the rest is round-off
 LEVERAGE_ROUND_OFF = 1e-9
-NAMED_VALUES = 3  # the largest number of outliers that the remark names; of further ones it has the number
+NAMED_VALUES = 3  # the largest number of outliers that the remark names; further ones are only counted
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:

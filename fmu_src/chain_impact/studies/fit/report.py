@@ -14,7 +14,7 @@ from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation exceeds HIGH
-# the largest number of horizons that the report lists; of more it lists the first two, "…" and the last two
+# the largest number of horizons that the report lists; of more, it lists the first two, "…" and the last two
 MOST_HORIZONS = 8
 # if the criteria (Akaike) of two laws differ by less than EQUAL, the data do not decide between these laws
 EQUAL = 2.0

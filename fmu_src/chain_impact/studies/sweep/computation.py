@@ -71,7 +71,7 @@ def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
 
 @dataclass(frozen=True)
 class Computation:
-    """The computation of any batch of a sweep; a cluster sends it to its workers.
+    """The computation of any batch of a sweep; a cluster sends this object to its workers.
 
     Attributes:
         job: the data that the runs share.

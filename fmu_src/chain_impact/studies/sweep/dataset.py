@@ -104,7 +104,7 @@ class Dataset:
                 path.unlink()
 
     def is_complete(self) -> bool:
-        """Return whether the folder has all runs of the sweep, in sound files; the folder is only read.
+        """Return whether the folder has all runs of the sweep, in files without a fault; it is only read.
 
         If the folder has a manifest, ``files`` gets the files that the manifest lists.
 
@@ -160,7 +160,7 @@ class Dataset:
         """Return the files that the manifest on the disk lists: name → span of runs.
 
         Raises:
-            SceneError: when it is not the manifest of this sweep.
+            SceneError: when the file is not the manifest of this sweep.
             OSError: when the manifest cannot be read.
         """
         manifest = self.path / MANIFEST
@@ -242,7 +242,7 @@ def _array(column: Any) -> np.ndarray:
 
 
 def known_by(job: Job, design: Design) -> dict[str, Any]:
-    """Return the data on which the rows of a sweep depend, so that they identify it: name → value or hash."""
+    """Return the data on which the rows of a sweep depend, to identify the sweep: name → value or hash."""
     values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
     for variation in design.variations:
         values.update(

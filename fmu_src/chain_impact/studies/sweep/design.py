@@ -106,7 +106,8 @@ class Design:
             _own.engine, _own.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
-        # the first call for points asks for one, because SciPy warns if its number is not a power of two
+        # the first call asks for a single point, because SciPy warns if the first number of points is not a
+        # power of two
         counts = [end - first] if first else [1, end - 1]
         return np.concatenate([engine.random(count) for count in counts if count])
 

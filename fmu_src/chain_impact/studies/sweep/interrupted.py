@@ -1,6 +1,6 @@
 """The file that keeps the finished runs of an interrupted sweep until the sweep is complete.
 
-A sweep whose table is written to one file uses it; a sweep into a folder continues from the folder.
+Only a sweep whose table is one file has this file; a sweep into a folder continues from the folder.
 """
 
 from __future__ import annotations

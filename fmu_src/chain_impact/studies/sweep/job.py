@@ -36,7 +36,7 @@ class Job:
     """The data that all runs of a sweep share.
 
     Attributes:
-        prepared: the prepared scene; the runs differ from it only in the values that vary.
+        prepared: the prepared scene; the runs differ from this scene only in the values that vary.
         varied: the path of each varied parameter in the instance record; an empty path stands for the stop
             time.
         kinds: the type of each varied parameter: ``real`` or ``enumeration``.
@@ -166,8 +166,8 @@ class Runner:
 
         Args:
             job: the job of the runs.
-            own_kernel: whether the kernel is for exactly the sizes of the scene; it gives the same bits in
-                less time.
+            own_kernel: whether the kernel is for exactly the sizes of the scene; such a kernel gives the same
+                bits in less time.
 
         Raises:
             BuildError: when the kernel cannot be compiled.

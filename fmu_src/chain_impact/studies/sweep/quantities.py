@@ -137,7 +137,7 @@ class Results:
 
 
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
-    """Return the quantities that the picture of a sweep tells, and the quantities that it draws in panels.
+    """Return the quantities that the picture of a sweep tells in words or panels, and those in panels.
 
     If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, the picture
     tells the main results (QUANTITIES) and the first MOST_ASKED additional outputs, except quantities that
