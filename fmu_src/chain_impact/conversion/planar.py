@@ -99,12 +99,12 @@ class _Conversion:
         links: list[dict[str, Any]] = []
         directions = []
         for i, hinge in enumerate(self.hinges):
-            arm = places[i + 1] - places[i]
-            length = float(np.linalg.norm(arm))
+            span = places[i + 1] - places[i]
+            length = float(np.linalg.norm(span))
             if length < ZERO_LENGTH:
                 self._refuse_length(i)
-            directions.append(math.atan2(arm[1], arm[0]))
-            links.append({"length": length, **self._mass(self.parts[i], hinge, arm / length)})
+            directions.append(math.atan2(span[1], span[0]))
+            links.append({"length": length, **self._mass(self.parts[i], hinge, span / length)})
         angles, speeds = self._state(links, directions)
         base, start = self._base(places[0], gravity)
         began = start["position"], angles

@@ -185,10 +185,10 @@ class Walls:
         """
         at, points = np.array(self.start[0]), []
         for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):
-            arm = self.places[i + 1] - self.places[i]
-            length = float(np.linalg.norm(arm))
+            span = self.places[i + 1] - self.places[i]
+            length = float(np.linalg.norm(span))
             along = np.array([math.cos(angle), math.sin(angle)])
-            tables = tables_of(found, self.places[i], arm / length)
+            tables = tables_of(found, self.places[i], span / length)
             points.append([table for table in tables if self._fits(i, table, at, along, length)])
             at = at + length * along
         return points
