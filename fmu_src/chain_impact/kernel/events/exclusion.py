@@ -188,7 +188,7 @@ def force_stays_smooth(d, c):
 def nearly_fast(d, c):
     """Return whether the penetration of contact c grows so fast that v₀ may be latched anew in the last step.
 
-    The rates at both ends of the step count, and the points must be located at its end.
+    The rate at the start of the step and the rate at the located points count.
     """
     _, gap_rate = clearance(d, c)
     return max(d.touch.speed[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.touch.impact_speed[c]

@@ -181,10 +181,10 @@ def onset_fraction(d):
     if there is no onset, or if the step is so short (SIMULTANEOUS_TIME, TIME_RESOLUTION) that a rejection
     would not help.
 
-    A longer step is rejected in three cases. A point with an onset is deep inside its wall at θ. Such a point
-    is far from its onset, or does not approach its wall, at the end of the step or at θ. Friction modes are
-    marked to end, but the step halves the margin of none of them (``margin_is_halved``). If the step is
-    rejected, the result has no meaning.
+    A longer step is rejected if a point with an onset is deep inside its wall at θ; if such a point is far
+    from its onset, or does not approach its wall, at the end of the step or at θ; or if friction modes are
+    marked to end, but the step halves none of their margins (``margin_is_halved``). If the step is rejected,
+    the result has no meaning.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0

@@ -314,8 +314,9 @@ def interpolates(d):
 def dissipates_evenly(d, middle):
     """Return whether ``middle`` lies between the dissipated energies at both ends of the last step.
 
-    ``middle`` [J] is the dissipated energy in the middle of the step; up to MIDDLE_CHANGE × STEP_CHANGE × the
-    tolerance × the scale that control.py has for this energy, ``middle`` may also lie outside.
+    ``middle`` [J] is the dissipated energy in the middle of the step. The result is also true if ``middle``
+    lies outside by at most MIDDLE_CHANGE × STEP_CHANGE × the tolerance × the scale that control.py has for
+    this energy.
     """
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.chain.energy_scale + abs(end) + impact_energy(d)

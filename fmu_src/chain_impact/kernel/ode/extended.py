@@ -195,7 +195,10 @@ def contact_impedance(d, k, s):
 
 
 def drive_resistance(d, i, s):
-    """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i for a shift s, by its slopes c and k."""
+    """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i for a shift s [s].
+
+    c and k are the slopes of the drive's force by speed and position (``drive_slopes``).
+    """
     return s * (d.implicit.drive_damping[i] + s * d.implicit.drive_stiffness[i])
 
 

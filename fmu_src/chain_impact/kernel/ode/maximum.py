@@ -14,9 +14,10 @@ def maximum_of(value_at):
         """Return the maximum of the quantity near the fraction ``middle`` of the last step, but at least 0.
 
         The search uses up to three parabolas, each through three values of the quantity. The second and the
-        third parabola are centred at the maximum of the parabola before, and each is a tenth as wide as that
-        parabola. The search ends at a parabola without a maximum. The result is the largest of all values
-        and, after three parabolas, the maximum of the third one, if it lies between the outer two values.
+        third parabola are centred at the maximum of the parabola before, but stay between ``event_fraction``
+        and ``end``; each is a tenth as wide as the parabola before. The search ends at a parabola without a
+        maximum. The result is the largest of all values and, after three parabolas, the maximum of the third
+        parabola, if this maximum lies between the outer two values.
 
         Args:
             d: the instance.

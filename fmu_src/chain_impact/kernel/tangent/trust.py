@@ -150,7 +150,7 @@ def mark_split(t):
 
 
 def copy_reason(t, other):
-    """End the derivatives of t where those of the tangent instance ``other`` end, if this is earlier."""
+    """End the derivatives of t when those of the tangent instance ``other`` end, if that time is earlier."""
     mine, given = t.trust, other.trust
     if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):
         mine.reason, mine.time, mine.point, mine.wall = given.reason, given.time, given.point, given.wall
