@@ -31,7 +31,7 @@ WARNING, PENDING = 1, 5
 SAID = threading.local()
 # the libraries of pythonfmu that have made instances here; ``_release`` needs them
 WRAPPERS: set[Path] = set()
-# the folder of this module; each FMU is unpacked to another folder, and has a module of another name
+# the folder of this module; each FMU is unpacked to its own folder, and its module has its own name
 RESOURCES = Path(__file__).absolute().parent
 NAME, GUID = (RESOURCES / "slavemodule.txt").read_text(encoding="utf-8").split()[1:]
 # the kernel compares the GUID that importers see, in modelDescription.xml, with its own; pythonfmu's wrapper
@@ -54,7 +54,8 @@ class SlaveError(Exception):
     def __init__(self, *slaves: ChainImpact, reason: str = "") -> None:
         super().__init__(reason or vars(SAID).pop("messages")[-1][1])
         # pythonfmu 0.7.0 gives up its references to a slave twice: at an exception of the slave, and when the
-        # importer frees it. One more reference to each object keeps Python from freeing it too early.
+        # importer frees the slave. One more reference to each object keeps Python from freeing the object too
+        # early.
         for kept in [kept for slave in slaves for kept in (slave, type(slave), slave.log_queue)]:
             ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
         # Python logs this text to stderr, because fmpy itself shows only "status 4 (fatal)" by default
@@ -67,7 +68,7 @@ class SlaveError(Exception):
 _functions = (_log, ctypes.pythonapi.PyMem_RawCalloc, ctypes.pythonapi.PyMem_RawFree)
 _callbacks = (c_void_p * 5)(*(ctypes.cast(function, c_void_p).value for function in _functions))
 _given = (b"first", 1, GUID.encode(), RESOURCES.as_uri().encode(), _callbacks, 0, 1)
-# the first instance reads the table of the scene; all others share it
+# the first instance reads the table of the scene; all later instances share this table
 FIRST = c_void_p(KERNEL.fmi2Instantiate(*_given))
 if not FIRST:
     raise SlaveError
@@ -86,7 +87,7 @@ def _release() -> None:
 
 
 class State(c_void_p):
-    """A saved state of an instance; the kernel keeps it as long as this object exists."""
+    """A saved state of an instance; the kernel keeps the state as long as this object exists."""
 
     def __del__(self) -> None:
         KERNEL.fmi2FreeFMUstate(FIRST, byref(self))
@@ -117,7 +118,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         WRAPPERS.add(Path(self.resources).parent / "binaries" / "linux64" / f"{NAME}.so")
         self.component = c_void_p(KERNEL.another_fmi2_instance(FIRST, self.instance_name.encode()))
         if not self.component:
-            raise SlaveError  # raised without a slave, because pythonfmu's wrapper does not have it yet
+            raise SlaveError  # without a slave, because pythonfmu's wrapper does not have the slave yet
 
     def __del__(self) -> None:
         KERNEL.fmi2FreeInstance(self.component)

@@ -203,7 +203,7 @@ def removal() -> Iterator[None]:
     """Context for code that removes files; on Windows, an error says that a program uses one of the files.
 
     Windows refuses to remove a library that a program has loaded. On other systems the file is removed, and
-    the program keeps its library until it ends.
+    the program keeps its library until the program ends.
 
     Raises:
         PermissionError: when a file cannot be removed; on Windows with a remedy.

@@ -94,7 +94,7 @@ SHORTEST_STEP = 1e-18
 
 
 def advance(d, time, log_capacity, cost_limit):
-    """Advance the instance to ``time`` [s], which must not be before its communication point.
+    """Advance the instance to ``time`` [s], which must not be before the communication point.
 
     Returns:
         A status. After a fault the instance stays at the last time it reached. LOG_FULL: ``log_capacity``
@@ -161,9 +161,9 @@ def onset_due(d):
 
 
 def reinit_if_changed(d, time):
-    """Set the course of prescribed motions up to ``time`` [s]; re-initialize if a changed value needs it.
+    """Set the course of prescribed motions up to ``time`` [s], and re-initialize if ``must_reinit`` is true.
 
-    ``must_reinit`` tells whether an input or a parameter needs it. Return a status.
+    Return the status of the run; after an earlier fault nothing is done.
     """
     if d.channels > 0 and d.statistics.status == OK:
         set_status(d, interpolate_motion(d, time))
@@ -333,7 +333,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ; return where in the repetition contacts begin.
 
-    The result is a fraction of the repeated step, near 1, or −1 for the step's end, or if it is rejected.
+    The result is a fraction of the repeated step, near 1; or −1 for this step's end, or for a rejection.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)

@@ -43,7 +43,7 @@ def cost_so_far(d):
 
 
 def count_evaluations(d, number):
-    """Add a ``number`` of evaluations of the right-hand side to their count."""
+    """Add ``number`` to the count of evaluations of the right-hand side."""
     d.statistics.rhs_evaluations += number
 
 
@@ -77,7 +77,7 @@ def cost_exceeded(d):
 
 
 def cost_of_a_call(d):
-    """Return the cost [evaluations] after which one call of the kernel returns, even if it is not done.
+    """Return the cost [evaluations] after which a call of the kernel returns, even if its task is not done.
 
     The caller of the kernel can then stop the run, or call the kernel again.
     """

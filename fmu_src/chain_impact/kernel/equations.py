@@ -2,7 +2,7 @@
 
 chain/state.py describes y. Six functions compute ẏ, the rate. Each function needs y and the data that the
 list says; earlier calls must have set these data. A "free" rate lacks the forces of constraints. In a "true"
-rate every contact force is cut off at 0; in other rates it may continue below 0, beyond its kink.
+rate every contact force is cut off at 0; in other rates the force may continue below 0, beyond its kink.
 
     rate_from_state             y alone; locates the points only if forces act on them
     rate_and_points_from_state  y alone; locates the points
@@ -133,8 +133,8 @@ def true_rate_from_inputs(d, y, rate):
     """Set rate = f(y) with contact forces that are cut off at 0.
 
     The forces in the stages of a step, by contrast, may continue below 0, beyond their kinks. The inputs must
-    be set and the points located. Callers use only the accelerations in ``rate``: its dissipated power lacks
-    the parts of contacts and of sliding friction.
+    be set and the points located. Callers use only the accelerations in ``rate``, because the dissipated
+    power in ``rate`` lacks the parts of contacts and of sliding friction.
     """
     apply_true_contacts(d)
     free_rate_from_loads(d, y, 0.0, rate)

@@ -155,7 +155,7 @@ def clear_run(d, time):
 def derive_chain(d):
     """Derive parameters that are not given, constants of the recursion, scales, and ``has_joint_stops``.
 
-    They follow from the given parameters of chain, slider, sites, stops and contact.
+    All of these follow from the given parameters of chain, slider, sites, stops and contact.
     """
     chain = d.chain
     d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact.exponent)

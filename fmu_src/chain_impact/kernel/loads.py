@@ -1,7 +1,7 @@
 """Loads: the forces and moments that the joints transmit, and the forces and moments of the chain on walls.
 
 Newton's law for the links i to N gives the force f_i of link i − 1 on link i. With F_k the force at point k,
-m_j the mass of link j, a_Cj the acceleration of its centre of mass, and g gravity, it is
+m_j the mass of link j, a_Cj the acceleration of its centre of mass, and g gravity, this force is
 
     f_i = Σ_{j≥i} m_j (a_Cj − g) − Σ_{k≥i} F_k.
 
@@ -69,7 +69,7 @@ def start_loads(d, time):
 def store_tip_impulse(d, j, impulse):
     """Store component j, x or y, of the impulse [N·s] of the input force at the tip since the run's start.
 
-    The impulses in joints are computed from it.
+    The impulses in joints are computed from this impulse.
     """
     d.transmitted.tip_impulse[j] = impulse
 
@@ -170,7 +170,7 @@ def fill_loads(d, y, rate):
 def fill_slider_reaction(d):
     """Fill the outputs of the force and the moment of the slider's line on the carriage.
 
-    They follow from the force and the moment in joint 1.
+    Both follow from the force and the moment in joint 1.
     """
     out, slider, gravity = d.output, d.slider, d.chain.gravity
     # reaction of the line from the force f₁ in joint 1 and the weight m g: R = n·(f₁ − m g), n = (−u_y, u_x);
@@ -238,7 +238,7 @@ def fill_load_peaks(d):
 
 
 def update_load_peaks(d):
-    """Raise the stored largest joint forces to those in the last step, if they are larger there.
+    """Raise the stored largest joint forces to those in the last step, where these are larger.
 
     Two maxima of |f|² [N²] are stored: for each joint since the start of the run (``transmitted.peak``, with
     its time), and for each active contact since its onset, over all joints (``touch.joint_square``, with the
@@ -299,8 +299,8 @@ def search_peaks(d, time, peak_at_end):
             raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
-                # the samples in ``largest_square`` raise the maximum, with its time, all but round-off of the
-                # last parabola, which is added here
+                # ``largest_square`` raises the maximum and its time at each sample; the summit of the last
+                # parabola adds about round-off
                 largest = largest_square(d, i, middle, reach, end)
                 transmitted.largest_square[i] = max(transmitted.largest_square[i], largest)
 

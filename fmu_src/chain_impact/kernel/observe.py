@@ -128,9 +128,9 @@ def fill_state(d, theta):
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
-        # The dense output satisfies constraints and prescribed motions only up to its error, so its state is
-        # projected. For the projection, ``apply_true_contacts`` sets the limits of friction: dependent
-        # sticking elements share the load in proportion to them.
+        # The dense output satisfies constraints and prescribed motions only up to its error, so the state y
+        # is projected. For the projection, ``apply_true_contacts`` sets the limits of friction: dependent
+        # sticking elements share the load in proportion to these limits.
         apply_true_contacts(d)
         project_state(d, y)
     ensure_inputs(d, y)

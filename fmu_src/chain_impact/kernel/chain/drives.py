@@ -54,9 +54,9 @@ def is_slider(d, i):
 def along_drive(d, values, first, i):
     """Return the component of ``values`` along the coordinate of drive i.
 
-    For a joint it is the value of link i minus the value of the link before, or the value of link 0; for the
+    For joint i it is the value of link i minus that of link i − 1, for joint 0 the value of link 0; for the
     slider it is the base's component along the line. The values of the base begin at index ``first`` of
-    ``values``: 0 for coordinates in a state, velocity_at(N) for their rates; the values of the links follow.
+    ``values``: 0 for coordinates in a state, velocity_at(N) for rates; the values of the links follow.
     """
     if is_slider(d, i):
         return along_slider(d, values[first], values[first + 1])
@@ -77,8 +77,8 @@ def spring_stretch(d, y, i):
 def coordinates_of_drive(d, y, i):
     """Return the sum [rad or m] of the absolute values of the coordinates that give drive i's position.
 
-    They are the angles of the links at the joint, or x and y of the base on a slider. The round-off of the
-    drive's position is relative to this sum.
+    The coordinates are the angles of the links at the joint, or x and y of the base on a slider. The
+    round-off of the drive's position is relative to this sum.
     """
     if is_slider(d, i):
         return abs(y[0]) + abs(y[1])
@@ -96,7 +96,7 @@ def lever_of_drive(d, i):
 def moment_factor(d, i):
     """Return the factor that makes the force of drive i comparable with moments.
 
-    It is the longest link [m] for the slider, and 1 for a joint, whose force is a moment.
+    The factor is the longest link [m] for the slider, and 1 for a joint, whose force is a moment.
     """
     return d.chain.longest_link if is_slider(d, i) else 1.0
 
@@ -158,7 +158,7 @@ def rotor_energy(d, y):
 
 
 def is_below_limit(d, i):
-    """Return whether drive i exists and has mode 0: its force is that of motor, damper and spring."""
+    """Return whether drive i exists and has mode 0, with the force of motor, damper and spring."""
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
 
@@ -174,7 +174,7 @@ def drive_slopes(d, y, i):
 def slopes_below_limit(d, _y, i):
     """Return the slopes of ``drive_slopes`` that drive i has in mode 0: damping c and stiffness k.
 
-    They do not depend on the state. Both are 0 for i = 0 at a free base, which has no drive.
+    These slopes do not depend on the state. Both are 0 for i = 0 at a free base, which has no drive.
     """
     return largest_slopes(d, i)
 
@@ -182,7 +182,7 @@ def slopes_below_limit(d, _y, i):
 def largest_slopes(d, i):
     """Return the largest values that the slopes of ``drive_slopes`` have for drive i in any state.
 
-    They are the damping c and the stiffness k; for i = 0 at a free base, which has no drive, they are 0.
+    These are the damping c and the stiffness k; for i = 0 at a free base, which has no drive, both are 0.
     """
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
@@ -202,7 +202,7 @@ def unlimited_spring_force(d, y, i):
 
 
 def spring_force(d, y, i):
-    """Return stiffness times stretch [N·m or N] of drive i's spring: its part of the drive's force, times −1.
+    """Return stiffness times stretch [N·m or N] of drive i's spring: minus the spring's part of the force.
 
     The result is 0 while the drive is at its limit, and for i = 0 at a free base, which has no drive.
     """
@@ -257,8 +257,8 @@ def transmitted_moment(d, y, rate, i):
 def drive_power(d, y, i):
     """Return the force [N·m or N] of drive i, and its dissipated and its supplied power [W].
 
-    The spring of a passive drive stores energy. Its force is no part of these values; the equations add it
-    (``passive_spring_force``).
+    The spring of a passive drive stores energy. The spring's force is no part of these values; the equations
+    add this force (``passive_spring_force``).
     """
     rate = along_drive(d, y, velocity_at(d.links), i)
     if is_powered(d, i):

@@ -24,8 +24,8 @@ of the site from the joint nearer to the middle. A force at the site acts as a f
 a moment τ on the link.
 
 Source: the recursion after Ahmadizadeh, Shafei, Fooladi, *A recursive algorithm for dynamics of multiple
-frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Machine Theory; the
-elimination in this form is derived in docs/computation.md.
+frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Machine Theory; the elimination
+in this form is derived in docs/computation.md.
 """
 
 from chain_impact.kernel.chain.state import omega_at, velocity_at
@@ -210,8 +210,8 @@ def arms(d, y, rate, middle):
 
     # Accelerations from the middle outward: a is the acceleration of a joint of the arm toward the tip, c of
     # a joint of the arm toward the base; the base gets the last c. A base that inputs move is the middle
-    # joint: the links get its given acceleration, but the rate of the base is 0, because the solver does not
-    # integrate its motion.
+    # joint: the links get the base's given acceleration, but the rate of the base is 0, because the solver
+    # does not integrate the base's motion.
     cx, cy = ax, ay
     if d.channels > 0 and d.chain.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]

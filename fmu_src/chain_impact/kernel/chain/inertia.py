@@ -1,7 +1,7 @@
 """Values of links that are derived if they are not given, and a check that the mass matrix is always regular.
 
-A scene derives values that are not given, such as the inertia, from others, and they stay derived: a change
-of a length also changes the centre of mass and the inertia. So the record has a field for the given value,
+Values that a scene does not give, such as the inertia, are derived from others, and stay derived: a change of
+a length also changes the centre of mass and the inertia. So the record has a field for the given value,
 which is DERIVED if no value is given, and a field for the value in use. The kernel sets the field in use at
 initialization. If the value can be set at any time, the kernel also sets the field in use when new values are
 applied. ``Chain.set`` and FMUs write a value into both fields, for example into ``given_inertia`` and
@@ -77,8 +77,8 @@ SAME_POINT = 1e-8
 def loose_links(chain, free_base):
     """Return the first and the last link of a sequence that can move without kinetic energy in some position.
 
-    The links of the sequence have no inertia; the module's docstring tells where it begins and ends. Links
-    are counted from 0. The result is −1, −1 if no such sequence exists.
+    The links of the sequence have no inertia; the module's docstring tells where a sequence begins and ends.
+    Links are counted from 0. The result is −1, −1 if no such sequence exists.
 
     Args:
         chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and

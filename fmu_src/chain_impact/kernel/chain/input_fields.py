@@ -17,8 +17,8 @@ FIELDS = {
 }
 NAMES = tuple(FIELDS)
 OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
-# The number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1, because
-# ``set_from_signals`` relies on it.
+# The number of an input is its position in NAMES. ``set_from_signals`` relies on TARGET_VELOCITY = TARGET +
+# 1.
 MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
 # stands in `signal.input` for the number of an input: the signal drives a motion of base, wall or belt
 CHANNEL = len(NAMES)
@@ -27,8 +27,8 @@ CHANNEL = len(NAMES)
 def input_field(part, k):
     """Return the array of input k in a ``part`` of the record.
 
-    In `given` and `inputs` the array has the input's values, in a piece it has the coefficients of their
-    polynomials, one column for each value. The compiled version is in compilation/built_in.py.
+    In `given` and `inputs` the array has the input's values; in a piece it has the coefficients of these
+    values' polynomials, one column for each value. The compiled version is in compilation/built_in.py.
     """
     return getattr(part, NAMES[k])
 

@@ -158,8 +158,8 @@ def polynomial(powers, order, i, x):
 def inputs_continue(d):
     """Return whether the next step can begin with the next piece of the inputs, without re-initialization.
 
-    This is so if only this piece has been set, if it continues the present piece without a jump, and if the
-    last step ends at the communication point.
+    The result is True if only this piece has been set, if this piece continues the present one without a
+    jump, and if the last step ends at the communication point.
     """
     return d.given.changed == CONTINUES and d.step.end - d.step.time <= SAME_TIME * abs(d.step.end)
 
@@ -178,9 +178,9 @@ def limit_to_piece(d, h):
 def limit_to_time(d, time, h):
     """Return a size ≤ h [s] of the next step, with which the step does not pass the ``time`` [s].
 
-    What remains is the time from the end of the last step to ``time``. If h reaches it, the step ends at
-    ``time``; if h is only more than half of it, the size is this half, so that the step after it is not tiny.
-    If nothing remains, the size is h.
+    If h reaches ``time`` from the end of the last step, the step ends at ``time``. If h is less, but more
+    than half the way, the step goes half the way, so that the following step is not tiny. If the last step
+    has already reached ``time``, the size is h.
     """
     remaining = time - d.step.end
     if remaining <= 0.0 or 2.0 * h <= remaining:
@@ -274,7 +274,7 @@ def refuse_channel(d, j):
 def set_cubic(d, j, time, h):
     """Set the cubic of channel j from the communication point until ``time`` [s], which is ``h`` [s] later.
 
-    Return whether the channel's acceleration at the cubic's start continues its present one without a jump.
+    Return whether the acceleration at the cubic's start equals the present one of the channel.
     """
     given, moved = d.motion, d.moved
     s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]

@@ -220,7 +220,7 @@ def largest_component(d, vectors):
 def at_center_of_mass(d, vectors, i):
     """Return x and y of the position, velocity or acceleration of link i's centre of mass.
 
-    They follow from those of the two ends of the link, in ``vectors``.
+    Both follow from those of the two ends of the link, in ``vectors``.
     """
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥, with Δv = v_{i+1} − v_i, for a centre of mass at c along the link of
     # length ℓ, and o to the left of it

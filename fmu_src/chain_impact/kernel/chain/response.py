@@ -17,9 +17,9 @@ of the joint, because a joint with resistance κ transmits a moment:
 
 A, e and p are a symmetric 3×3 articulated inertia. The loads on the outer part act at the joint by the
 impulse b and the angular impulse t. Link i adds its own inertia, and the impedances D at its outer joint and
-at its sites, which the formulas leave out; it is eliminated with its rotation Δ_i = α. L, m r_C, I and x⊥ are
-those of chain/elimination.py, and τ is a moment on the link. The coefficients A', b', e', p' and t' belong to
-the outer part at the outer joint of link i, for which β is the α of link i:
+at its sites; the formulas leave these impedances out. The elimination of link i is that of its rotation Δ_i =
+α. L, m r_C, I and x⊥ are those of chain/elimination.py, and τ is a moment on the link. The coefficients A',
+b', e', p' and t' belong to the outer part at the outer joint of link i, for which β is the α of link i:
 
     h = m r_C⊥ + A' L⊥ + e',   H = I + m r_C² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -98,8 +98,8 @@ COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge_ine
 def no_impedance(d, impedance):
     """Set all numbers of ``impedance`` that are used to zero; ``factorize`` describes them.
 
-    They are the impedances D at points and sites, and at the places of joints if joints have places (``xx``
-    only); and the resistances κ in all joints, if any joint may resist (``joints_resist``).
+    These numbers are the impedances D at points and sites, and at the places of joints if joints have places
+    (``xx`` only); and the resistances κ in all joints, if any joint may resist (``joints_resist``).
     """
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0

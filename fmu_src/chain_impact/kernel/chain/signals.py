@@ -292,7 +292,7 @@ def derive_signals(d, time):
 def begin_signal(d, j, time):
     """Let signal j begin at a ``time`` [s]: set the segment that contains this time.
 
-    For a periodic table, the number of its repetition at this time is set, too; it may be negative.
+    For a periodic table, the number of its repetition at this time is set, too; this number may be negative.
     """
     signal = d.signal
     signal.segment[j], signal.lap[j] = signal.first[j], 0
@@ -377,8 +377,8 @@ def integrate(d, j, time):
 def signals_are_valid(d):
     """Return whether all signals are valid.
 
-    The knots must be finite, and their times must not decrease. A sine that is integrated must have a
-    frequency, or a rate of change of it, that is not 0.
+    The knots must be finite, and their times must not decrease. If a sine is integrated, its frequency or its
+    rate of change of the frequency must not be 0.
     """
     signal = d.signal
     for j in range(d.signals):

@@ -106,7 +106,7 @@ def has_link_moments(d):
 def clear_link_moments(d, load):
     """Set the moments on all links in ``load`` to zero, if the scene can have any (``has_link_moments``).
 
-    They come from forces beside the joints; the torques of drives are in ``scratch.moment``.
+    Such moments come from forces beside the joints; the torques of drives are in ``scratch.moment``.
     """
     for i in range(d.links if has_link_moments(d) else 0):
         load.link[i] = 0.0

@@ -22,8 +22,8 @@ from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 
 # The increment of the central differences for the slopes of a user's law: relative to the penetration, or for
-# its rate relative to the size of this rate plus the impact speed. It is about the cube root of round-off,
-# with which truncation and round-off cause equal errors.
+# its rate relative to the size of this rate plus the impact speed. The value is about the cube root of
+# round-off, with which truncation and round-off cause equal errors.
 RELATIVE_INCREMENT = 1e-5
 # If a law damps on approach only, a step may use the force of the wrong side of δ̇ = 0, with the rate δ̇ of
 # the penetration, while |δ̇| is at most TURNING_RATE times v₀ √(tolerance/max(1, damping_over_elastic)), with
@@ -123,7 +123,7 @@ def unit_of_damping(d, c, mass_power):
 
     At a joint's stop the law holds for angles: its damping is d' = f K'^(1−s) m'^s with the stiffness
     K' = K rⁿ⁺¹ and the moment of inertia m' = m r², where r is the lever arm. The kernel uses lengths at the
-    lever arm, for which the damping is d = d'/rᵖ⁺². So the factor is a power of r. It is 1 if f has no unit.
+    lever arm, for which the damping is d = d'/rᵖ⁺². So the factor is a power of r; it is 1 if f has no unit.
     """
     if not at_joint_stop(d, c):
         return 1.0
@@ -228,7 +228,7 @@ def uncut_force(d, c, depth, rate, leaves):
 
 
 def user_contact_force(d, c, depth, rate):
-    """Return the force [N] of a user's law for candidate c, before it is cut off at 0.
+    """Return the force [N] of a user's law for candidate c, before the cut at 0.
 
     The law of a joint's stop takes angles and returns a moment; the function converts the lengths ``depth``
     and ``rate`` to angles, and the moment to a force.
@@ -244,7 +244,7 @@ def user_contact_force(d, c, depth, rate):
 
 @has_dual_rule
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """Return the force [N] of a user's law before it is cut off at 0.
+    """Return the force [N] of a user's law before the cut at 0.
 
     For a joint's stop the function returns the moment [N·m].
     """

@@ -162,8 +162,8 @@ def friction_load(d, c):
 
     A step continues the contact force, and so the friction, smoothly beyond the kink. There the force of a
     law that damps on approach only may be a pull. Friction in proportion to a pull would add energy, so for
-    such a law a pull counts as 0. For any other law a pull is not changed: a step that crosses its kink is
-    repeated to end there.
+    such a law a pull counts as 0. For any other law a pull is not changed: a step that crosses the kink is
+    repeated to end at the kink.
     """
     return max(0.0, d.touch.force[c]) if d.law.approach_only[c] else d.touch.force[c]
 

@@ -52,7 +52,7 @@ from chain_impact.kernel.rows.geometry import (
 # where the mobility is small, the impedance is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times
 # the mean mass of a link; with a larger impedance the residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
-FOLD_RESIDUAL = 1e-3  # if one iteration leaves more than this part of the residual, a fold is near
+FOLD_RESIDUAL = 1e-3  # a fold is near if the first iteration leaves more than this part of the residual
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
 # mean mass of a link. This iteration finds the forces up to about a thousandth. Without it, the round-off of
 # the whole motion, times the large D of the other iterations, would stay in the forces against motions that
@@ -65,14 +65,14 @@ LEAST_SINGLE_MOBILITY = 1e-3
 # With the mobility W and x = D W, n iterations leave (1 + x)⁻ⁿ of a motion; one solution leaves 1/(1 + a x):
 # equal for a = ((1 + x)ⁿ − 1)/x, which is n for small x, and 10 for x = 0.36. A larger x leaves little.
 SINGLE_SOLUTION_FACTOR = 10.0
-SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, relative to ``scale``
+SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, over the largest motion
 # A residual of a sticking element well below this, relative to the largest motion, may be round-off, so
 # ``reduce_free_impulses`` takes hardly anything from its impulse. With a much smaller limit, round-off times
 # the impedance D would be taken from impulses, and a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
 UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
 # Impulses against motions below NEGLIGIBLE_MOTION times the squared tolerance times the largest motion are
-# removed, if the motions can hardly be constrained. They would end the sticking again and again.
+# removed, if the motions can hardly be constrained. Such impulses would end the sticking again and again.
 NEGLIGIBLE_MOTION = 0.1
 # the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
 # relative to the largest impulse or motion
@@ -93,7 +93,7 @@ EXTRA_PIVOTS = 30
 def set_impedance(d, amount):
     """Set the impedance [kg] of each constraint: ``amount`` in the active set, else ``resistance``.
 
-    Sticking elements get a part of ``amount``, in proportion to their limits of friction.
+    Each sticking element gets a part of ``amount`` (``scale_sticking_impedances``).
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
@@ -133,7 +133,7 @@ def solve_equality(d, scale):
     Args:
         d: the instance, with the points located and the free motion factorized. ``d.constraints`` has the
             problem and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
-        scale: the largest motion of any point; round-off is relative to it.
+        scale: the largest motion of any point, to which round-off is relative.
 
     Returns:
         The largest residual after the iteration; 0 if none was needed, or if no rigid wall holds a point.
