@@ -118,7 +118,7 @@ def check_alone(path: object, size: object) -> None:
         ValueError: when ``path`` or ``size`` is not None.
     """
     if path is not None or size is not None:
-        raise ValueError("ax: axes that are there have their size and their figure, which writes files")
+        raise ValueError("ax: axes that are there have their size, and their figure writes the file")
 
 
 def fill_or_refuse(fill: Fill, figure: Figure) -> None:
@@ -133,7 +133,7 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
         return
     width, height = map(float, figure.get_size_inches())
     least = float(least_figure(fill, width, height).get_figheight())
-    raise NoRoomError(width, height, f"at least {least:g} high for the panels, or have fewer panels", least)
+    raise NoRoomError(width, height, f"at least {least:g} high, or the picture must have fewer panels", least)
 
 
 def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:

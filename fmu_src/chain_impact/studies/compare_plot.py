@@ -108,7 +108,7 @@ def message(comparison: LawRuns, *, small: bool = False) -> str:
         where = "" if small else f" in the {compared_impact(comparison.scene)}"
         return f"{name}: {peaks(comparison)}{where}, {plural(ran, 'law')}"
     if not restitutions:
-        return f"{name}: no law finished its first impact"
+        return f"{name}: the first impact does not end under any law"
     span = f"{min(restitutions):.2f} to {max(restitutions):.2f}"
     told = ", ".join(filter(None, (peaks(comparison), f"restitution {span} for e = {e:g}")))
     return (

@@ -131,7 +131,7 @@ def test_the_file_of_another_law_is_not_replaced(tmp_path, monkeypatch):
     write_scene(scene, tmp_path / "one.toml")
     write_scene(scene, tmp_path / "two.toml")  # the same law file may exist there
     taken.write_text("mine")
-    with pytest.raises(SceneError, match=r"springy\.py: is another file than the contact law springy"):
+    with pytest.raises(SceneError, match=r"springy\.py is another file than that of the contact law springy"):
         write_scene(scene, tmp_path / "three.toml")
     assert taken.read_text(encoding="utf-8") == "mine"
     assert not (tmp_path / "three.toml").exists()

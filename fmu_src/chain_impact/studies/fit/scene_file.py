@@ -75,8 +75,8 @@ def _copied(law: Path, folder: Path) -> str:
             fresh.write_bytes(source)
     elif copy.read_bytes() != source:
         raise SceneError(
-            f"{copy}: is another file than the contact law {law.stem}, which has to be there beside the "
-            "scene: save the scene in another folder"
+            f"{copy} is another file than that of the contact law {law.stem}, which must be saved there: "
+            "save the scene in another folder"
         )
     return law.name
 

@@ -237,7 +237,7 @@ class Scale:
 def axis_of(variation: Variation) -> Scale:
     """Return the axis of a map for a varied parameter.
 
-    The edges of cells of a number lie midway between values, but within the range of the parameter.
+    The edges of a number's cells lie midway between its values on the axis, but within the parameter's range.
     """
     if variation.choices:
         order = np.sort(np.unique(variation.values, return_index=True)[1])
