@@ -32,7 +32,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
 
-PAGE = FORMATS[0]  # suffix of an animation that is a page for the browser; all others are films
+PAGE = FORMATS[0]  # suffix of a page for the browser; an animation with any other of FORMATS is a film
 
 
 def add(verbs: Verbs) -> None:
@@ -80,7 +80,7 @@ def add(verbs: Verbs) -> None:
 
 
 def size(text: str) -> tuple[int, int]:
-    """Return width and height [pixels] from a text such as 960x540; refuse sizes out of range."""
+    """Return width and height [pixels] from a text such as 960x540; refuse other texts and wrong sizes."""
     least, most = 160, 4096
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
@@ -91,9 +91,10 @@ def size(text: str) -> tuple[int, int]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Get the recording, and write its animation; return the exit code.
+    """Write the animation of the source, and return the exit code.
 
-    If a fault ended the run, the animation shows the time before the fault, and then the error is raised.
+    If a fault ends the run after its start, the animation shows the time before the fault, and then the error
+    is raised.
     """
     check_outputs(options.output, inputs=filter(None, (options.source, options.scene, options.inputs)))
     if options.style and (options.output is None or options.output.suffix.lower() == PAGE):
@@ -122,10 +123,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def record(options: argparse.Namespace) -> Recording:
-    """Return the recording of the command's source: of a scene, an FMU, or a table of an earlier run.
+    """Return the recording of the command's source: a new run of a scene or an FMU, or the run in a CSV file.
 
-    A scene is simulated with more rows near the impacts, for slow motion; an FMU and a table have the rows
-    they have.
+    A scene is simulated with more rows near impacts, for slow motion. For an FMU there is a row for each
+    communication step, for a CSV file for each line.
     """
     from chain_impact.studies.animate import record_slowly
 
@@ -147,17 +148,21 @@ def record(options: argparse.Namespace) -> Recording:
 
 
 def is_csv(source: str) -> bool:
-    """Return whether the source of a command is the name of a CSV file."""
+    """Return whether the source of a command ends in .csv, in any case."""
     return source.lower().endswith(".csv")
 
 
 def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recording:
-    """Return the recording in a CSV file.
+    """Return the recording in a CSV file, which has outputs of a run over time.
 
     Args:
         path: the file.
-        scene: the scene whose walls are drawn, because a CSV file does not contain them; None for no walls.
-        settings: name → value: parameters of this scene.
+        scene: the scene with the walls, which a CSV file does not have; None for no walls.
+        settings: name → new value of parameters of this scene, as texts.
+
+    Raises:
+        UsageError: when there are settings without a scene, the file needs a scene, or the scene has another
+            number of links.
     """
     if scene is None:
         if settings:

@@ -25,8 +25,8 @@ FMU_KINDS = {
     ),
     ("native", FMI_3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
-"""(Kind of FMU, version of FMI) → two lines for the screen: where such an FMU runs, and what another kind of
-FMU is for, with the option that builds that kind."""
+"""(Value of --target, version of FMI) → two lines for the screen: where such an FMU runs, and the option for
+an FMU that runs elsewhere."""
 
 
 def add(verbs: Verbs) -> None:
@@ -70,7 +70,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Build the FMU of a scene and, if the options ask for it, simulate the FMU and draw the result."""
+    """Build the FMU of a scene; with ``--simulate``, also run the FMU, and write a table and a picture."""
     from chain_impact.fmu.build import TARGET, TARGETS, build_fmu
 
     if is_fmu(str(options.output)):
@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"-o {options.output} must not end in .fmu: {named}")
     if options.output.is_file():
         raise UsageError(f"-o {options.output} is a file, must be a folder")
-    # without --target, an FMU of FMI 3.0 is of the kind ``native``, the only one for this version
+    # without --target, an FMU of FMI 3.0 is native, because no other target has this version
     target = options.target or (TARGET if options.fmi == FMI_2 else "native")
     if (target, options.fmi) not in FMU_KINDS:
         raise UsageError(f"--target {target} is for FMI 2.0 only; for --fmi {options.fmi}: --target native")

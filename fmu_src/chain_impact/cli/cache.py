@@ -29,9 +29,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def contents() -> Iterator[str]:
-    """Yield lines: on the kernels that came with the installation, on the cache, and on each folder in it.
+    """Yield a line on the ready kernels of the installation, one on the cache, and one on each folder in it.
 
-    The folder that this version of the package uses is marked "in use".
+    The folder with the kernels of the present sources and compilers is marked "in use".
     """
     kernels, entries, present = ready.libraries(), cache.entries(), cache.cache_folder()
     yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")

@@ -1,6 +1,6 @@
-"""The parser of the command line, and its exit codes.
+"""The command line: its parser, and the errors and exit codes of its verbs.
 
-Each verb is a module with two functions: ``add`` adds it to the parser, ``run`` executes it.
+Each verb is a module with two functions: ``add`` adds the verb to the parser, ``run`` executes it.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from chain_impact.system import prepare_console
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
-"""Error number of the operating system → what a user can do if this error prevents the use of a file."""
+"""Number of an error of the operating system on a file → advice for the user."""
 FIRST_STEPS = """chain-impact simulates planar chains that hit walls. First steps:
 
   chain-impact simulate pinned_arm --plot arm.png   simulate a model: impacts, peak forces, a picture
@@ -56,9 +56,10 @@ VERBS = (build, simulate, animate, explore, compare, sweep, fit, convert, info, 
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Execute one command with the words ``arguments``, by default those of the process.
+    """Execute the command with the words ``arguments``, by default those of the process.
 
-    Return the exit code.
+    Return the exit code: 0; 1 for faults of FMUs that ``validate`` finds; 2 for a wrong argument, scene or
+    file; 3 for a fault of a run or a compiler; 130 after Ctrl-C.
     """
     prepare_console()
     grammar = parser()
@@ -92,9 +93,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """Context that prints a warning as one line, and equal warnings once; with ``--quiet`` it prints none.
+    """Context manager in which a warning is printed as one line, and equal warnings once.
 
-    Python alone would add the file, the line number and the line of code to a warning.
+    Without it, Python would add the file, the line number and the line of code. With ``--quiet``, no warning
+    is printed.
     """
     shown = set()
 
@@ -110,24 +112,24 @@ def hints_shown() -> Iterator[None]:
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser of the command line that reports an error in one line, and proposes what may be meant.
+    """A parser that reports an error in one line, with a hint on what may be meant.
 
-    ``elsewhere`` has the options of all verbs: option → the verbs that take it.
+    ``elsewhere`` is option → the names of all verbs that have this option.
     """
 
     elsewhere: Mapping[str, Sequence[str]] = MappingProxyType({})
 
     def error(self, message: str) -> NoReturn:
-        """End the program with exit code 2 and one line: the error, without the usage of the command."""
+        """Print the error ``message`` as one line, without the usage of the command, and exit with code 2."""
         for kind, needed in (("int", "a whole number"), ("float", "a number")):
             message = re.sub(rf"invalid {kind} value: '(.*)'$", rf"\1 must be {needed}", message)
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse the arguments, and refuse those that this parser does not take.
+        """Parse the arguments, and refuse those that this parser does not have.
 
-        The parser of a verb knows the verb's options, so its error can name the most similar option. argparse
-        would leave the refusal to the main parser, which does not know these options.
+        The parser of a verb refuses them itself, because it can name the most similar option of the verb.
+        argparse would leave this to the main parser, which does not know the options of verbs.
         """
         options, others = super().parse_known_args(args, namespace)
         if others:
@@ -135,7 +137,7 @@ class Parser(argparse.ArgumentParser):
         return options, others
 
     def _fault_of(self, argument: str) -> str:
-        """Return the error on an argument that the verb does not take; it has a hint if one is known."""
+        """Return the error on an argument that the verb does not have, with a hint if one is known."""
         if not argument.startswith("-"):
             sets = "=" in argument and "--set" in self._option_string_actions
             return f"{argument} is one argument too many" + (f"; write --set {argument}" if sets else "")
@@ -144,7 +146,7 @@ class Parser(argparse.ArgumentParser):
         written = [file.option_strings[0] for file in files if str(file.help).startswith(("write", "draw"))]
         if option.startswith("-o") and written:
             return f"{option} is not an option; files are written by {', '.join(written)}"
-        # names are compared without their dashes, which would make short names look alike
+        # names are compared without dashes, because with them all short names would be similar
         long = [name[2:] for name in self._option_string_actions if name.startswith("--")]
         near = nearest(option.strip("-"), long)
         verbs = ", ".join(self.elsewhere.get(option, ()))
@@ -152,9 +154,9 @@ class Parser(argparse.ArgumentParser):
         return f"{option} is not an option{hint}"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Refuse a value that is not among the choices of an argument, and name the most similar choice.
+        """Refuse a value that is not among the choices of an argument; the error has the most similar choice.
 
-        If the argument is the verb, the error does not list all choices, as the error of argparse would.
+        The error lists all choices, except for an unknown verb.
         """
         if action.choices is None or value in action.choices:
             return
@@ -165,7 +167,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the parser of the whole command line, with all verbs."""
+    """Return the parser of the whole command line, with VERBS."""
     purpose = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
     whole = Parser(prog="chain-impact", description=purpose)
     whole.set_defaults(run=None, only_prints=False, valued=())

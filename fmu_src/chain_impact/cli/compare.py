@@ -43,7 +43,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate a scene with every contact law, or with the laws in ``--laws``.
+    """Simulate a scene with every contact law, or with the laws in ``--laws``; return the exit code.
 
     Print the table and the advice, and write the files that the options name.
     """
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     if options.csv:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
-    # the table is printed first, because drawing fails if the options give the picture too small a size
+    # the table is printed before the picture is drawn, which fails if --size is too small
     show(law_table(comparison))
     write_picture(options.plot, options.size, comparison.plot)
     return 0

@@ -1,4 +1,4 @@
-"""What a shell offers for an option: names and values that depend on the scene or FMU of the command."""
+"""The names and values that a shell offers for an option, which depend on the scene or FMU of the command."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ DEFAULT_SCENE = "four_link_box"
 
 
 class Offer(NamedTuple):
-    """What a shell offers at the place of the command where the user presses Tab.
+    """The texts that a shell offers where the user presses Tab.
 
     Attributes:
         names: the names to choose from.
-        choices: name → its possible values, for each name that has only a few.
+        choices: name → the possible values, for each of the names that is an enumeration.
     """
 
     names: Iterable[str]
@@ -24,7 +24,7 @@ class Offer(NamedTuple):
 
 
 Offers = Callable[[str], Offer]
-"""A function that returns what a shell offers for a source, the name of a scene or FMU."""
+"""A function from the source of a command, the name of a scene or FMU, to what a shell offers."""
 
 
 def complete(
@@ -34,16 +34,16 @@ def complete(
 
     Args:
         argument: the option.
-        offers: function that returns the names for the source of the command.
+        offers: function that returns names and choices for the source of the command.
         listed: whether the option takes several names, separated by commas.
-        valued: whether each name is followed by ``=`` and a value.
+        valued: whether the option takes a name, ``=`` and values, separated by commas.
     """
 
     def completer(prefix: str, parsed_args: Any = None, **_: object) -> list[str]:
         source = getattr(parsed_args, "source", None) or DEFAULT_SCENE
         try:
             names, choices = offers(source)
-        except (ValueError, OSError):  # so far the command names no scene or FMU that can be read
+        except (ValueError, OSError):  # the command names no scene or FMU, so far, that can be read
             return []
         name, equals, value = prefix.partition("=")
         if valued and equals:
@@ -57,12 +57,12 @@ def complete(
 
 
 def is_fmu(source: str) -> bool:
-    """Return whether the source of a command is the name of an FMU."""
+    """Return whether the source of a command ends in .fmu, in any case."""
     return source.lower().endswith(".fmu")
 
 
 def settings(source: str) -> Offer:
-    """Return the names that ``--set`` accepts; for a scene also the possible values of each enumeration."""
+    """Return the names that ``--set`` takes; for a scene, also the choices of each enumeration."""
     if is_fmu(source):
         return _of_fmu(source, "parameter")
     from chain_impact.scene.scene import load_scene
@@ -72,7 +72,7 @@ def settings(source: str) -> Offer:
 
 
 def parameters(source: str) -> Offer:
-    """Return the parameters of a scene that ``--vary`` accepts, and the possible values of enumerations."""
+    """Return the names of the parameters that ``--vary`` takes, and the choices of each enumeration."""
     from chain_impact.scene.scene import load_scene
     from chain_impact.studies.sweep.variation import sweepable
 
@@ -80,7 +80,7 @@ def parameters(source: str) -> Offer:
 
 
 def differentiable(source: str) -> Offer:
-    """Return the parameters and inputs of a scene that ``--sensitivity`` and ``--free`` accept."""
+    """Return the names of the parameters and inputs that ``--sensitivity`` and ``--free`` take."""
     return Offer([*_model(source).differentiable])
 
 
@@ -92,21 +92,21 @@ def outputs(source: str) -> Offer:
 
 
 def rankable(source: str) -> Offer:
-    """Return the names of quantities by whose change ``--rank`` can rank the parameters of a scene."""
+    """Return the names of the quantities of a scene that ``--rank`` takes, except those of single impacts."""
     from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
     return Offer([*PEAKS, JOINT_FORCE, *outputs(source).names])
 
 
 def laws(source: str) -> Offer:
-    """Return the ids of all contact laws and, if the scene has one, of the user's own law."""
+    """Return the names of all contact laws and, if the scene has one, of the user's law."""
     from chain_impact.scene.scene import load_scene
 
     return Offer(load_scene(source).law_names)
 
 
 def _of_fmu(source: str, causality: str) -> Offer:
-    """Return the names of an FMU's variables with a causality, such as ``parameter`` or ``output``."""
+    """Return the names of those variables of an FMU that have a causality, such as ``output``."""
     from chain_impact.fmu.importer import read_fmu
 
     return Offer(
@@ -126,7 +126,7 @@ def _model(source: str) -> Any:
 
 
 def _choices(source: str) -> dict[str, list[str]]:
-    """Return for each parameter of a scene that is an enumeration: its name → the names of its choices."""
+    """Return name → names of the choices, for each parameter of a scene that is an enumeration."""
     return {
         variable.name: [item.name for item in variable.items]
         for variable in _model(source).parameters

@@ -1,6 +1,7 @@
-"""`chain-impact completion`: print a script by which a shell completes verbs, options and models.
+"""`chain-impact completion`: print the script with which a shell completes verbs, options and models.
 
-At each press of the Tab key, the shell then calls this program, and the package argcomplete answers.
+A shell that has run the script calls this program at each press of the Tab key, and the package argcomplete
+answers the call.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from chain_impact.cli.options import Verbs, add_verb
 from chain_impact.cli.progress import say
 
 SHELLS = ("bash", "zsh", "fish")
-# name of the environment variable that a shell sets if it calls the program for completions
+# the environment variable that a shell sets when it calls the program for completions
 ASKED = "_ARGCOMPLETE"
 
 
@@ -35,7 +36,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the script for a shell."""
+    """Print the script for the shell that the user names; return the exit code."""
     from argcomplete.shell_integration import shellcode
 
     say(shellcode(["chain-impact"], shell=options.shell))
@@ -43,7 +44,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def answer(grammar: argparse.ArgumentParser) -> None:
-    """If a shell asks for completions, print them and end the program; otherwise do nothing."""
+    """If a shell asks for completions, print these and end the program; otherwise do nothing.
+
+    ``grammar`` is the parser of the command line.
+    """
     if ASKED in os.environ:
         import argcomplete
 

@@ -28,7 +28,8 @@ ONCE = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""Options that control the conversion, and can be given only once: option → its metavariable and its help."""
+"""Option that can be given once → its metavariable and its help, in the order of the fields of ``Choices``
+after the first one."""
 
 
 def add(verbs: Verbs) -> None:
@@ -52,7 +53,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Convert a file; print what differs between the two files and other remarks, warnings first."""
+    """Convert a file, and print the remarks of the conversion, warnings first; return the exit code."""
     from chain_impact.conversion.convert import convert, remark_lines
     from chain_impact.conversion.planar import Choices
 

@@ -45,9 +45,9 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the page.
+    """Write the page, and return the exit code.
 
-    Without ``-o``, open it in a browser if a terminal and a screen show that a user is there.
+    Without ``-o``, also open the page in a browser, if standard output is a terminal and there is a screen.
     """
     from chain_impact.pages.explore import explore
 

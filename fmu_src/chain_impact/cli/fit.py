@@ -28,8 +28,8 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.inputs import INTERPOLATIONS
 from chain_impact.simulation.record_scene import with_settings
 
-# The setting of the stop time. If it is on the command line, only data up to this time are fitted. A stop
-# time in the scene file limits no data.
+# The name of the stop time. If the command line sets the stop time, only data up to this time are fitted; a
+# stop time in the scene file limits no data.
 STOP_TIME_KEY = "simulation.stop_time"
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
@@ -43,7 +43,7 @@ REPEATED = (
     ),
     ("--bounds", "NAME=LOW:HIGH", "search between these values only"),
 )
-"""The options that may be given several times: the name, metavariable and help of each."""
+"""The options that may be given several times, each as (name, metavariable, help)."""
 
 
 def add(verbs: Verbs) -> None:
@@ -88,7 +88,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fit the parameters, print the result, and write the files that the options name."""
+    """Fit the parameters, print the result and write files; return the exit code."""
     from chain_impact.studies.fit.fit import fit
 
     data = [names_in(text) for text in options.data]
@@ -115,16 +115,16 @@ def run(options: argparse.Namespace) -> int:
     if options.scene:
         result.save(options.scene, scene_path(options.source))
         say(f"scene    {options.scene}")
-    # the result is printed first, because drawing fails if the options give the picture too small a size
+    # the result is printed before the picture is drawn, which fails if --size is too small
     say(repr(result))
     write_picture(options.plot, options.size, result.plot)
     return 0
 
 
 def numbers(name: str, text: str) -> list[float]:
-    """Return the numbers in a text, which are separated by commas.
+    """Return the numbers in the text of ``--set-each NAME=VALUES``, which commas separate.
 
-    ``name`` is the parameter with these numbers, for an error.
+    ``name`` is the name of the parameter, for the error.
     """
     try:
         return [float(part) for part in text.split(",")]

@@ -27,7 +27,7 @@ LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "models": lambda: {name: load_scene(name).description for name in model_names()},
     "laws": lambda: {law.id: law.source for law in CONTACT_LAWS.values()},
 }
-"""Name of a list that ``--list`` prints → function that returns its entries as name → text beside it."""
+"""Name of a list that ``--list`` prints → function that returns name → text to print beside the name."""
 
 
 def add(verbs: Verbs) -> None:
@@ -46,7 +46,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the contents of a scene or an FMU or, with ``--list``, the models or laws."""
+    """Print the contents of a scene or an FMU or, with ``--list``, the models or laws; return 0."""
     if options.list:
         names = LISTS[options.list]()
         width = max(map(len, names))
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, PreparedScene(scene).variables
-        # attributes that the list leaves out, because the headline shows them
+        # values that the list leaves out, because the headline shows them
         shown = {"name", "description"}
         derived = scene.derived
         facts += [
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _as_set(value: object) -> object:
-    """Return a value of a scene in a form that ``--set`` accepts when it is printed."""
+    """Return a value of a scene in a form whose text ``--set`` accepts."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float) and "e" in (short := f"{value:g}") and float(short) == value:
@@ -94,26 +94,26 @@ def _as_set(value: object) -> object:
 
 
 def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
-    """Return the text of an FMU's parameter: its start value, followed by the parameter's rule if it has one.
+    """Return the text for a parameter of an FMU: the start value and, if there is one, the rule for it.
 
-    A rule tells how the value follows from other parameters. ``rules`` is name of a parameter → rule.
+    ``rules`` is name of a parameter → how its value follows from other parameters, in words.
     """
     rule = rules.get(variable.name)
     return f"{_rounded(float(variable.start))}  # derived: {rule}" if rule else _start(variable)
 
 
 def _rounded(value: object) -> object:
-    """Return, for printing, a value that a scene derives from others: a real number without its round-off.
+    """Return a derived value for printing: a real number with at most 15 significant digits.
 
-    Its first 15 digits are returned; any other value is returned in a form that ``--set`` accepts.
+    Any other value is returned in a form whose text ``--set`` accepts.
     """
     return f"{value:.15g}" if isinstance(value, float) else _as_set(value)
 
 
 def _start(variable: Any) -> object:
-    """Return the start value of an FMU's parameter for printing: for an enumeration, the choice's name."""
+    """Return the start value of an FMU's parameter for printing; for an enumeration, the choice's name."""
     if variable.type in ("Real", "Float64"):
-        # the start value of an array in FMI 3.0 is a text of several numbers, which is printed as it is
+        # in FMI 3.0, the start value of an array is a text of several numbers, which is printed unchanged
         with suppress(ValueError):
             return _as_set(float(variable.start))
     if variable.type != "Enumeration":

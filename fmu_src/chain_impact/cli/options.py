@@ -1,4 +1,4 @@
-"""Arguments that several verbs have in common, and what the verbs do with them."""
+"""Arguments that several verbs have in common, and the functions that check and use their values."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ else:
     Verbs = object  # argparse's class is generic for type checkers only: at run time [...] is an error
 
 Inputs = tuple[Path, str | None]
-"""The file of a table of inputs, and how inputs are interpolated between its rows; None: each input has its
-own default."""
-OF_TABLES = ("hold", "linear", "spline")
-PICTURES = (".png", ".svg", ".pdf")
+"""The file of a table of inputs, and how inputs are interpolated between the rows of the table; None for the
+default of each input."""
+OF_TABLES = ("hold", "linear", "spline")  # the choices of --interpolation for a table of inputs
+PICTURES = (".png", ".svg", ".pdf")  # the suffixes of files with pictures
 SETTING = "contact.stiffness=1e9"  # the example of a setting in errors
 MILLIMETRES = (51, 1500)  # the least and the largest width or height of a picture [mm]
 
 
 class UsageError(ValueError):
-    """Raised for an argument that cannot be used; its text is one line."""
+    """Raised for an argument of the command that cannot be used; the message is one line."""
 
 
 def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.ArgumentParser:
@@ -44,8 +44,8 @@ def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.Argum
     Args:
         verbs: the verbs of the command line.
         name: the verb.
-        what: the help of the verb, in lower case: "build the FMU of a scene".
-        example: the arguments of an example, which the help shows.
+        what: the help of the verb, which begins in lower case: "build the FMU of a scene".
+        example: the arguments of an example after the verb, for the help.
     """
     return verbs.add_parser(
         name,
@@ -56,9 +56,9 @@ def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.Argum
 
 
 def add_scene(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the argument ``source``: the scene, or another file that the verb accepts.
+    """Add the argument ``source``, by default DEFAULT_SCENE: the scene, or another file that the verb takes.
 
-    ``what`` are the words for it in the help, such as "scene or FMU".
+    ``what`` are the words for this argument in the help, such as "scene or FMU".
     """
     source = command.add_argument(
         "source",
@@ -71,7 +71,7 @@ def add_scene(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def complete_scenes(argument: argparse.Action) -> None:
-    """Let a shell offer models, folders, and files of scenes, FMUs and tables (see cli/completion.py)."""
+    """Let a shell offer models, folders, and toml, fmu and csv files for an argument (completion.py)."""
 
     def completer(prefix: str, **_: object) -> list[str]:
         from argcomplete.completers import FilesCompleter
@@ -98,7 +98,10 @@ def add_set(command: argparse.ArgumentParser) -> None:
 
 
 def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] = OF_TABLES) -> None:
-    """Add ``--inputs``, a table of inputs, and ``--interpolation``, how inputs change between its rows."""
+    """Add ``--inputs``, a table of inputs, and ``--interpolation``, how inputs change between its rows.
+
+    ``interpolations`` are the choices of ``--interpolation``.
+    """
     command.add_argument(
         "--inputs",
         action=Once,
@@ -114,12 +117,16 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
 
 
 def scene_of_options(options: argparse.Namespace) -> Scene:
-    """Return the scene that the options name, with their settings and their table of inputs."""
+    """Return the scene ``source`` with ``--set`` and with the table ``--inputs``, if they are given."""
     return scene_with(options.source, options.set, inputs_of(options))
 
 
 def inputs_of(options: argparse.Namespace) -> Inputs | None:
-    """Return the table of inputs that the options name, and its interpolation; None without a table."""
+    """Return the table ``--inputs`` and its interpolation, or None without a table.
+
+    Raises:
+        UsageError: when the file does not exist, or there is an interpolation without a table.
+    """
     if options.inputs is None and options.interpolation is not None:
         raise UsageError("--interpolation: only a table of inputs is interpolated: give --inputs FILE too")
     if options.inputs is not None and not options.inputs.exists():
@@ -129,9 +136,9 @@ def inputs_of(options: argparse.Namespace) -> Inputs | None:
 
 
 def near_file(missing: Any) -> str:
-    """Return a hint that names the file with the name most similar to a missing one; "" if none is similar.
+    """Return a hint with the file that is most similar to ``missing``, a file that does not exist.
 
-    The file has the same folder and the same suffix.
+    The file is in the same folder and has the same suffix. The result is "" if no name is similar.
     """
     path = Path(str(missing))
     near = nearest_file(path.parent, path.stem, path.suffix)
@@ -139,7 +146,7 @@ def near_file(missing: Any) -> str:
 
 
 def scene_with(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:
-    """Return the scene ``source`` with settings ``NAME=VALUE`` and, if given, a table of inputs."""
+    """Return the scene ``source`` with ``settings``, texts NAME=VALUE, and with a table of inputs, if any."""
     scene = with_settings(load_scene(source), settings_of(settings))
     return with_inputs(scene, *inputs) if inputs else scene
 
@@ -153,15 +160,15 @@ def add_repeated(
     alias: str | None = None,
     type: Callable[[str], str] = str,
 ) -> argparse.Action:
-    """Add an option that may be given several times; its values become a list.
+    """Add an option that may be given several times, with a list of its values, and return it.
 
     Args:
         command: the parser of the verb.
         option: the name of the option.
-        metavar: the words for its value in the help.
-        what: the help.
-        alias: a second name of the option.
-        type: function that checks and returns the text of a value.
+        metavar: the word for a value of the option in the help.
+        what: the help, without the words "can be repeated".
+        alias: a second name of the option; None for none.
+        type: function that returns the text of a value, or refuses it.
     """
     names = [option, *([alias] if alias else [])]
     return command.add_argument(
@@ -170,10 +177,10 @@ def add_repeated(
 
 
 class Once(argparse.Action):
-    """Action of argparse for an option that may be given only once; it stores the value."""
+    """Action of argparse that stores the value of an option which may be given only once."""
 
     def __call__(self, _parser: Any, options: argparse.Namespace, value: Any, _option: Any = None) -> None:
-        """Store the value of the option, or refuse a second value."""
+        """Store the value of the option; refuse a second value."""
         if getattr(options, self.dest) is not None:
             raise argparse.ArgumentError(self, "is given twice: give it once")
         setattr(options, self.dest, value)
@@ -209,7 +216,7 @@ def add_style(command: argparse.ArgumentParser) -> None:
 
 
 def style_name(text: str) -> str:
-    """Return the name of a style of matplotlib; refuse any other name."""
+    """Return ``text`` if it is the name of a style of matplotlib; refuse any other text."""
     from matplotlib import style  # imported here, because the import takes long
 
     if text not in style.available:
@@ -221,7 +228,7 @@ def style_name(text: str) -> str:
 
 @contextmanager
 def style_of(options: argparse.Namespace) -> Iterator[None]:
-    """Context in which pictures are drawn in the style that the options name, if they name one."""
+    """Context manager in which pictures are drawn in the style ``--style``, if it is given."""
     name = getattr(options, "style", None)
     if name is None:
         yield
@@ -233,9 +240,10 @@ def style_of(options: argparse.Namespace) -> Iterator[None]:
 
 
 def figure_size(text: str) -> Size:
-    """Return width and height of a picture [inches] from a text in millimetres, as 84 or 120x150.
+    """Return width and height of a picture [inches] from a text with millimetres, such as 84 or 120x150.
 
-    Without a height in the text, the height is None, and the contents of the picture determine it.
+    Without a height in the text, the height is None: then the contents of the picture determine the height.
+    Other texts, and lengths out of the range MILLIMETRES, are refused.
     """
     width, cross, height = text.lower().partition("x")
     least, most = MILLIMETRES
@@ -262,10 +270,12 @@ def check_look(options: argparse.Namespace) -> None:
 
 
 def write_picture(path: Path | None, size: Size | None, plot: Callable[..., object]) -> None:
-    """If ``path`` is given, draw a picture into it by ``plot(path, size=size)``, and print the path.
+    """Draw a picture into the file ``path`` by ``plot(path, size=size)``, and print the path.
+
+    Without a path, do nothing. ``size`` is width and height [inches]; None for the usual size.
 
     Raises:
-        UsageError: when the size is too small; the message gives lengths in millimetres, as ``--size`` does.
+        UsageError: when the size is too small; the message has lengths in millimetres, like ``--size``.
     """
     if not path:
         return
@@ -282,14 +292,17 @@ def write_picture(path: Path | None, size: Size | None, plot: Callable[..., obje
 
 
 def add_csv(command: argparse.ArgumentParser, what: str) -> None:
-    """Add ``--csv``, the file of a table; it may have no suffix, as ``/dev/stdout`` has none."""
+    """Add ``--csv``, the file of a table, with the suffix .csv or without suffix, such as ``/dev/stdout``.
+
+    ``what`` are the words for the contents of the table in the help.
+    """
     command.add_argument("--csv", action=Once, metavar="FILE", type=ending("", ".csv"), help=f"write {what}")
 
 
 def ending(*suffixes: str) -> Callable[[str], Path]:
-    """Return a function by which argparse makes a path of a text, and refuses a path with another suffix.
+    """Return a function for argparse that makes a path of a text, and refuses one without these suffixes.
 
-    The suffix "" allows a path without a suffix.
+    The suffix "" allows a path without suffix. Upper and lower case make no difference.
     """
 
     def file(text: str) -> Path:
@@ -302,10 +315,9 @@ def ending(*suffixes: str) -> Callable[[str], Path]:
 
 
 def setting(text: str) -> str:
-    """Return the text of an argument ``NAME=VALUE``; refuse a text without ``=``.
+    """Return ``text``, the value ``NAME=VALUE`` of ``--set``; refuse a text without ``=``.
 
-    For ``--set NAME VALUE`` the shell passes VALUE as an argument of its own; if the text NAME were accepted,
-    argparse would take VALUE for the scene.
+    With ``--set NAME VALUE``, the text is NAME; if it were accepted, argparse would take VALUE for the scene.
     """
     if "=" not in text:
         raise argparse.ArgumentTypeError(f"{text} must be NAME=VALUE without spaces, for example {SETTING}")
@@ -313,14 +325,14 @@ def setting(text: str) -> str:
 
 
 def settings_of(texts: Sequence[str]) -> dict[str, str]:
-    """Return the settings as name → value, from texts ``NAME=VALUE``; of equal names the last one counts."""
+    """Return name → value as text, from texts ``NAME=VALUE``; of equal names, the last one counts."""
     return dict(name_and_value("--set", text, SETTING) for text in texts)
 
 
 def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
-    """Return name and value of a text ``NAME=VALUE``, the argument of ``option``.
+    """Return name and value of ``text``, the value ``NAME=VALUE`` of an option; refuse any other text.
 
-    ``example`` is for the error.
+    ``example`` is an example of such a text, for the error.
     """
     name, equals, value = (part.strip() for part in text.partition("="))
     if not (name and equals and value):
@@ -329,7 +341,10 @@ def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
 
 
 def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
-    """Return name → value, from texts ``NAME=VALUE`` of an option that takes each name only once."""
+    """Return name → value as text, from texts ``NAME=VALUE`` of an option; refuse a name that is given twice.
+
+    ``example`` is an example of such a text, for the error.
+    """
     values: dict[str, str] = {}
     for text in texts:
         name, value = name_and_value(option, text, example)
@@ -340,14 +355,15 @@ def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
 
 
 def names_in(*texts: str) -> list[str]:
-    """Return the names in some texts, each of which has several names, separated by commas."""
+    """Return the names in all ``texts``, in each of which commas separate names."""
     return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
 def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
     """Refuse an output in a folder that does not exist, and an output that would replace an input.
 
-    Called before any work, which would be lost if the output could not be written.
+    Verbs call this before any work, which would be lost if the output could not be written. ``inputs`` are
+    names of models, scenes and other files; None among ``outputs`` is no output.
     """
     # `scene_path` returns the file of a scene, and any other path, such as that of an FMU, unchanged
     read = [path for path in map(scene_path, inputs) if path.is_file()]

@@ -1,4 +1,4 @@
-"""What the command line prints while work takes long: the log of the package, and the progress."""
+"""Prints the texts of the command line and, during long work, the log of the package and the progress."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from rich.console import Console
 
 from chain_impact.progress import Progress, log, silent
 
-BRIEF = 1.0  # [s] the progress bar of the whole work appears after this time
-# [s] the least time between two lines of progress, which replace the bar if there is no terminal
+BRIEF = 1.0  # [s] time after the start of work at which the progress bar of the whole work appears
+# [s] the least time between two lines of progress, which replace the bar if standard error is no terminal
 LINES = 10.0
 plain_console = partial(Console, highlight=False, markup=False, emoji=False)
-"""Make a console that prints each text unchanged: neither [brackets] nor :names: have a meaning."""
+"""Make a console of rich that prints each text unchanged, also with [brackets] and :names:."""
 out, err = plain_console(), plain_console(stderr=True)
+"""The consoles of standard output and of standard error."""
 
 
 def say(text: str) -> None:
@@ -26,17 +27,18 @@ def say(text: str) -> None:
 
 
 def complain(text: object) -> None:
-    """Print an error, a warning or a message on standard error, after "chain-impact: "."""
+    """Print "chain-impact: " and an error, a warning or a message on standard error."""
     err.print(f"chain-impact: {text}", soft_wrap=True)
 
 
 @contextmanager
 def progress(work: str = "simulating") -> Iterator[Progress]:
-    """Context that shows the progress of long work; yields a function for the finished fraction, 0 to 1.
+    """Context manager that shows the progress of long work.
 
-    On a terminal it shows a bar. If standard error is no terminal, it writes lines: the messages that the
-    package logs at the level INFO or above, and every LINES seconds the finished part. With ``--quiet`` it
-    shows nothing. ``work`` are the words for the work.
+    It yields a function to call with the finished fraction of the work, from 0 to 1. On a terminal it shows a
+    bar. If standard error is no terminal, it prints lines: the messages that the package logs at the level
+    INFO or above and, at most once in LINES seconds, the finished fraction. With ``--quiet`` it shows
+    nothing. ``work`` are the words for the work.
     """
     if out.quiet:
         yield silent
@@ -50,7 +52,7 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
 @contextmanager
 def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iterator[None]:
-    """Context that calls ``receive`` with each message that the package logs at ``level`` or above."""
+    """Context manager that calls ``receive`` with each message that the package logs from ``level`` on."""
 
     def heard(record: logging.LogRecord) -> bool:
         if record.levelno >= level:
@@ -68,7 +70,7 @@ def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iter
 
 
 def _now_and_then(work: str) -> Progress:
-    """Return a function that gets the finished fraction, and prints it at most once in LINES seconds."""
+    """Return a function that prints its argument, the finished fraction, at most once in LINES seconds."""
     written = monotonic()
 
     def advance(fraction: float) -> None:
@@ -86,10 +88,11 @@ def _described(work: str, fraction: float) -> str:
 
 @contextmanager
 def _bar(work: str) -> Iterator[Progress]:
-    """Context that shows a progress bar; yields a function for the finished fraction, 0 to 1.
+    """Context manager that shows a progress bar on a terminal.
 
-    The bar appears after the time BRIEF. A message on a part of the work, such as a compilation, shows at
-    once a bar for this part, in place of any other; all other messages are printed.
+    It yields a function to call with the finished fraction of the work, from 0 to 1. The bar appears after
+    the time BRIEF. If the package logs a message on a part of the work, such as a compilation, a bar with
+    this message replaces any other bar at once; all other messages are printed.
     """
     from rich import progress as rich_progress  # imported here, because the import takes long
 

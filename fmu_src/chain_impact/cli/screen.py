@@ -1,4 +1,4 @@
-"""The tables and lines that the command line prints: of a run, a comparison, an FMU's variables."""
+"""The tables and lines that the command line prints on a run, a comparison of laws, or an FMU's variables."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
-# Regular expression for the separators in the description of an output such as solver.status, in front of
-# each number and its meaning: "status: 0 running; 1 ended".
+# matches the separators in the description of a variable such as solver.status, before each number with a
+# meaning: ": " and "; " in "status: 0 running; 1 ended"
 CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")
-PHASES = 8  # the table of dry friction shows the first PHASES phases; a line tells how many more there are
+PHASES = 8  # the table of dry friction has the first PHASES phases; a line counts further phases
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",
@@ -48,14 +48,13 @@ RELATIVE = {
     "duration": "duration",
     "impulse": "impulse",
 }
-"""Quantity of an impact → its word in the head of a table of derivatives. These quantities are never
-negative, so that their changes are printed in percent."""
+"""Quantity of an impact → the word in the head of a table of derivatives, for its changes in percent."""
 SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
 """Name of a wall of the box → words for its place."""
 
 
 def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
-    """Return a table with the heads ``head`` and no rows, drawn without borders.
+    """Return a table without rows and borders, whose columns have the heads ``head``.
 
     ``numbers`` are the heads of the columns that are aligned to the right.
     """
@@ -66,9 +65,10 @@ def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
 
 
 def show(parts: Iterable[RenderableType]) -> None:
-    """Print lines and tables one after the other; on a terminal a table is fitted to its width.
+    """Print lines and tables one after the other.
 
-    Elsewhere, for files and other programs, a table has its full width.
+    On a terminal, a table is fitted to the width of the terminal. Elsewhere, such as in a file, it has the
+    width that its cells need.
     """
     for part in parts:
         if isinstance(part, Table) and not out.is_terminal:
@@ -79,7 +79,7 @@ def show(parts: Iterable[RenderableType]) -> None:
 
 
 def plain_lines(table: Table) -> Iterator[str]:
-    """Yield the lines of a table in its full width, without colours."""
+    """Yield the lines of a table in the width that its cells need, without colours."""
     wide = plain_console(file=StringIO(), width=10_000, color_system=None)
     with wide.capture() as captured:
         wide.print(table)
@@ -87,15 +87,15 @@ def plain_lines(table: Table) -> Iterator[str]:
 
 
 def headline(bold: str, others: str = "") -> Text:
-    """Return an empty line and a second line: the text ``bold`` in bold, then ``others``."""
+    """Return an empty line, and a line with the text ``bold`` in bold, then ``others``."""
     return Text.assemble("\n", (bold, "bold"), others)
 
 
 def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
-    """Yield the lines of a table with the variables of an FMU.
+    """Yield the lines of a table with the variables of an FMU, with ``width`` characters in a line.
 
-    A description that does not fit beside the other columns, in lines of ``width`` characters, stands in the
-    next lines, indented. The numbers in it that have a meaning follow, each in a line of its own.
+    A description that does not fit beside the other columns stands in the next lines, indented. If a
+    description tells the meanings of numbers (CODES), each number is in a line of its own.
     """
     contents = [
         (v.name, v.causality, v.variability, unit_text(v.unit), v.description or "") for v in variables
@@ -118,14 +118,14 @@ def indented(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
     """Return the lines into which a text is broken, indented by ``by`` characters.
 
     Lines after the first one are indented by ``hanging`` characters more. A line has at most ``width``
-    characters, with its indentation; only a word that is longer exceeds this width.
+    characters with its indentation, unless a single word is longer.
     """
     start, later = " " * by, " " * (by + hanging)
     return wrap(text, width, initial_indent=start, subsequent_indent=later, break_long_words=False)
 
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
-    """Yield the summary of a run: impacts, dry friction, rest, forces in joints, and energies."""
+    """Yield lines and tables of the summary of a run: impacts, dry friction, rest, loads, energies."""
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
@@ -142,7 +142,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
 
 
 def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
-    """Yield lines as they are, and tables of texts as tables for the screen."""
+    """Yield ``parts``, with each table of texts replaced by a table for the screen."""
     for part in parts:
         if isinstance(part, str):
             yield part
@@ -154,9 +154,10 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 
 
 def meanings(recording: Recording) -> Iterator[str]:
-    """Yield lines on the meaning of the numbers of points and the names of walls in the table of impacts.
+    """Yield lines on the numbers of points and the names of walls in the table of impacts.
 
-    If an FMU has not kept the peak forces of some contacts in the table, a further line tells how many.
+    If the recording of an FMU lacks the peak force of some impacts, but not of all, a further line counts
+    these.
     """
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}
@@ -181,9 +182,9 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def site_numbers(recording: Recording) -> str:
-    """Return the numbers of the points of links other than their ends: "2–5 on link 1".
+    """Return words for the numbers of the points of links beside their ends: "2–5 on link 1".
 
-    If the recording does not tell the links of the points: "from 2 on the points of links".
+    If the recording does not tell the links of these points, the words are "from 2 on the points of links".
     """
     first, parts = recording.link_count + 1, []
     for link, count in sites_of_links(recording.parameters).items():
@@ -194,7 +195,10 @@ def site_numbers(recording: Recording) -> str:
 
 
 def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
-    """Yield a table of the first phases of sticking and sliding, and explanations; nothing without phases."""
+    """Yield a table of the first phases of sticking and sliding, and explanations.
+
+    Nothing is yielded if the recording has no phases.
+    """
     phases = recording.stick_slip
     if not len(phases):
         return
@@ -214,11 +218,12 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
-    """Yield for each parameter a heading and a table of how a small change of it changes the impacts.
+    """Yield for each parameter or input with derivatives a heading and a table with the changes of impacts.
 
-    The heading gives the change, such as 1 %. The table has the changes to first order: of the onset in ms,
-    of other quantities in percent. Sentences follow on derivatives that do not exist, are one-sided or
-    inexact. Nothing is yielded if the run has no derivatives.
+    The heading has a small change of the parameter, such as 1 %. The table has the changes of the impacts
+    that follow to first order: of the onset in ms, of other quantities in percent. After all tables,
+    sentences tell of derivatives that do not exist, are one-sided or inexact. Nothing is yielded if the run
+    has no derivatives.
     """
     sensitivities = recording.sensitivities
     if not sensitivities:
@@ -241,7 +246,7 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 
 
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
-    """Yield a heading, the table of the compared laws, its legend, and advice on the law to use."""
+    """Yield a heading, the table of a comparison of laws, the legend of the table, and advice on the laws."""
     yield f"\n{heading(comparison)}"
     laws = compared(comparison)
     table = table_of(laws.head, laws.head[1:-1])

@@ -48,12 +48,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Canvas:
-    """Where a picture is drawn: in a file, in an empty window, in both, or nowhere.
+    """The place where a picture is drawn: a file, a window, both, or none.
 
     Attributes:
         path: the file; None without a file.
         size: width and height of the picture in the file [inches]; None for the usual size.
-        window: the window's figure; None without a window.
+        window: the empty figure of a window of matplotlib; None without a window.
     """
 
     path: Path | None = None
@@ -67,7 +67,8 @@ class Canvas:
     def draw(self, plot: Callable[..., object], fill: Callable[[Figure], object]) -> None:
         """Draw into the file by ``plot(path, size=size)``, and into the window by ``fill(window)``.
 
-        If there is no file or no window, its function is not called. ``path`` and ``size`` are attributes.
+        Without a file, ``plot`` is not called; without a window, ``fill`` is not. ``path``, ``size`` and
+        ``window`` are the attributes.
         """
         write_picture(self.path, self.size, plot)
         if self.window:
@@ -80,14 +81,14 @@ class Canvas:
 
 @dataclass(frozen=True)
 class Subject:
-    """What the picture, and tables below the summary, show; by default the motion.
+    """The contents of the picture, and of the tables after the summary; by default the motion, and no tables.
 
     Attributes:
-        sensitivities: parameters and inputs; the derivatives with respect to them are shown or, with
-            ``rank``, the ranking of them.
+        sensitivities: names or patterns of parameters and inputs. Derivatives with respect to them are shown
+            or, with ``rank``, they are ranked.
         rank: the quantity by whose change the parameters and inputs in ``sensitivities`` are ranked, or all
-            of them if ``sensitivities`` is empty; None for no ranking.
-        curves: names of outputs whose curves over time are shown.
+            of the scene if ``sensitivities`` is empty; None for no ranking.
+        curves: names or patterns of outputs whose curves over time are drawn.
         around: number, from 1, of the impact around which the curves are drawn; None for the whole run.
     """
 
@@ -99,8 +100,8 @@ class Subject:
     def check(self, *, is_drawn: bool) -> None:
         """Refuse options that do not fit together.
 
-        Curves need a picture, and exclude derivatives and a ranking; ``around`` needs curves. ``is_drawn``
-        says whether there is a picture, in a file or a window.
+        Curves need a picture, and exclude derivatives and a ranking; ``around`` needs curves. ``is_drawn`` is
+        whether there is a picture, in a file or a window.
         """
         if self.curves and not is_drawn:
             raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
@@ -199,7 +200,7 @@ def _add_tables(verb: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate a scene or an FMU, print a summary, and write the files that the options name."""
+    """Simulate a scene or an FMU, print a summary, and write the files that the options name; return 0."""
     check_look(options)
     window = open_window() if options.show else None
     report(
@@ -219,10 +220,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def open_window() -> Figure:
-    """Open a window of matplotlib; return its figure, which is empty.
+    """Open a window of matplotlib, and return the empty figure in it.
 
     Raises:
-        RunError: when there is no display, or the backend is missing.
+        RunError: when there is no display, or matplotlib has no backend for windows.
     """
     from matplotlib import pyplot
 
@@ -248,15 +249,16 @@ def report(
 ) -> None:
     """Simulate a source, write the files that are asked for, and print a summary.
 
-    If a fault ends the run, files and summary tell of the time before the fault; then the error is raised.
+    If a fault ends the run after its start, files and summary tell of the time before the fault; then the
+    error is raised.
 
     Args:
         source: the scene or FMU.
-        canvas: where a picture is drawn.
-        subject: what the picture shows.
-        csv: the file for a table of outputs.
-        columns: the outputs in this table; by default all.
-        impacts: the file for the list of impacts.
+        canvas: the place of the picture.
+        subject: the contents of the picture and of further tables.
+        csv: the file for a table of outputs over time; None for none.
+        columns: names or patterns of the outputs in this table; by default all.
+        impacts: the file for the list of impacts; None for none.
         check: whether the run is compared with a second run at a tenth of the tolerance.
     """
     check_outputs(csv, canvas.path, impacts, inputs=source.files)
@@ -295,7 +297,7 @@ def report(
 
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
-    """Draw a recording's derivatives or, without them, its motion with energies and impacts."""
+    """Draw the derivatives of a recording or, if ``has_derivatives`` is false, its motion and energies."""
     from chain_impact.pictures import FIGURE_SIZE, draw_figure, fill, fill_sensitivities, usual_size
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
@@ -304,7 +306,12 @@ def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None
 
 
 def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
-    """Return the curves of the outputs ``subject.curves``, from a recording of a scene or an FMU."""
+    """Return the curves of the outputs ``subject.curves`` in a recording of ``source``.
+
+    Raises:
+        SceneError: when there is no such output.
+        UsageError: when the curves cannot be made for another reason.
+    """
     try:
         if isinstance(recording, Result):
             return recording.curves(subject.curves, subject.around)
@@ -314,7 +321,7 @@ def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
 
 
 def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
-    """Draw curves; too many units, too many outputs of a unit, or too little room give a UsageError."""
+    """Draw curves; raise a UsageError for too many units, too many outputs of a unit, or too little room."""
     from chain_impact.pictures import curves_size, draw_figure, fill_curves
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
@@ -325,7 +332,7 @@ def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
 
 
 def difference_text(differences: Differences) -> str:
-    """Return the sentence that ``--check`` prints: by how much the two runs differ."""
+    """Return the text that ``--check`` prints: the largest differences of both runs in points and onsets."""
     points = f"points by at most {differences.position:.1e} m ({differences.point} at {differences.time:g} s)"
     onsets = f"onsets by at most {differences.onset:.1e} s ({plural(differences.impacts, 'impact')}) and "
     parted = (

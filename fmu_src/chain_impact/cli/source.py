@@ -1,6 +1,6 @@
-"""The scene or the FMU of a command, with the values that the options of the command set.
+"""The source of a command: a scene or an FMU, with the values and inputs that the options of the command set.
 
-A command can simulate this source, rank its parameters, and compare a run with a second one at a tighter
+A command can simulate the source, rank its parameters, and compare a run with a second one at a tighter
 tolerance.
 """
 
@@ -29,7 +29,7 @@ from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 from chain_impact.variables.indices import JOINT_FORCE
 
-LEAST_ROWS = 1000  # for a picture of its motion, a scene is simulated again if it has fewer rows
+LEAST_ROWS = 1000  # a scene is simulated again for a picture of the motion if the first run has fewer rows
 TOLERANCE = "solver.tolerance"
 
 
@@ -39,8 +39,8 @@ class Source:
 
     Attributes:
         name: the name of a model, or the file of a scene or an FMU.
-        settings: texts ``NAME=VALUE``.
-        inputs: the table of inputs; None without one.
+        settings: texts ``NAME=VALUE``, as of ``--set``.
+        inputs: the table of inputs with its interpolation; None without a table.
     """
 
     name: str
@@ -54,19 +54,19 @@ class Source:
 
     @property
     def files(self) -> list[str | Path]:
-        """The name of the source, and the file of the table of inputs, if there is one."""
+        """The name of the source and, if there is one, the file of the table of inputs."""
         return [self.name, *([self.inputs[0]] if self.inputs else [])]
 
     def scene(self) -> Scene:
-        """Return the scene with the settings and inputs."""
+        """Return the scene with the settings and inputs; the source must not be an FMU."""
         return scene_with(self.name, self.settings, self.inputs)
 
     def record(self, sensitivities: Sequence[str] = ()) -> Recording:
-        """Simulate the source.
+        """Simulate the source, and return the recording of the run.
 
-        ``sensitivities`` are the parameters and inputs with respect to which derivatives are computed; by
-        default those that the scene asks for. An FMU cannot compute others
-        than those for which it was built, so it is refused with ``sensitivities``.
+        ``sensitivities`` are names or patterns of the parameters and inputs with respect to which derivatives
+        are computed; by default those that the scene asks for. With an FMU, which has only the derivatives
+        for which it was built, ``sensitivities`` are refused.
         """
         if sensitivities and self.is_fmu:
             raise UsageError(f"--sensitivity: {self.name} is an FMU; must be a scene")
@@ -76,9 +76,9 @@ class Source:
             return record_scene(self.scene(), {}, advance, sensitivities or None)
 
     def with_rows(self, recording: Recording) -> Recording:
-        """Return ``recording`` or, if it has too few rows for a picture, that of a new run with more.
+        """Return ``recording`` or, if it has fewer than LEAST_ROWS rows, a new one with that many rows.
 
-        An FMU is not simulated again: ``recording`` is returned, and a message says that it has few rows.
+        An FMU is not simulated again: ``recording`` is returned, and a message tells that it has few rows.
         """
         rows = len(recording.time)
         if rows >= LEAST_ROWS:
@@ -97,7 +97,7 @@ class Source:
         """Return the ranking of ``parameters``, by default of all, by the change of the quantity ``what``.
 
         The scene is simulated with rows at the start and the end only, because the ranking needs no others,
-        and with the forces in joints if the ranking is by the largest of them.
+        and with the forces in joints if ``what`` is their largest. A ranking with an FMU is refused.
         """
         if self.is_fmu:
             raise UsageError(f"--rank: {self.name} is an FMU; must be a scene")
@@ -109,14 +109,14 @@ class Source:
         return result.ranking(what, parameters or "*").checked(partial(_changed, scene))
 
     def units(self) -> Mapping[str, str]:
-        """Return name → unit of each variable of an FMU; "" for none."""
+        """Return name → unit of each variable of the FMU that is the source; "" for no unit."""
         return {variable.name: variable.unit or "" for variable in read_fmu(Path(self.name)).modelVariables}
 
     def tighter(self) -> Source:
-        """Return this source with a tenth of its tolerance.
+        """Return this source with a tenth of its tolerance ``solver.tolerance``.
 
         Raises:
-            UsageError: when the tolerance is too tight to be reduced, or an FMU has no such parameter.
+            UsageError: when the tenth is below the least tolerance, or an FMU has no such parameter.
         """
         tolerance, key = self._tolerance(), TOLERANCE.partition(".")[2]
         least = next(field.metadata["minimum"] for field in fields(Solver) if field.name == key)
@@ -140,16 +140,19 @@ class Source:
         return float(tolerance)
 
     def differences(self, recording: Recording) -> Differences:
-        """Run this source, a result of ``tighter``; return how the run differs from a recording."""
+        """Simulate this source, a result of ``tighter``, and return how the run differs from a recording."""
         return differences(recording, self.record())
 
 
 def _changed(scene: Scene, name: str, value: float) -> Recording | None:
-    """Return a run of a scene with another value of a parameter or input; None if the run is not possible."""
+    """Return a run of a scene with another ``value`` of the parameter or input ``name``.
+
+    An input has the value during the whole run. The result is None if the run is not possible.
+    """
     inputs = {name: value} if input_key(name) else {}
     try:
         with warnings.catch_warnings():
-            # the user has seen the warnings of the scene, and the other value is not the user's
+            # the user has seen the warnings of the scene, and has not chosen the other value
             warnings.simplefilter("ignore", SceneWarning)
             scene = scene if inputs else scene.with_values({name: value})
             return simulate(scene, inputs=inputs, output_step=scene.simulation.stop_time)

@@ -83,7 +83,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate the runs, write the files that the options name, and print how many runs failed, and why."""
+    """Simulate the runs, write the files that the options name, and print the result; return 0."""
     from chain_impact.studies.sweep.interrupted import partial_path
     from chain_impact.studies.sweep.job import job_of
     from chain_impact.studies.sweep.sweep import sweep
@@ -126,16 +126,16 @@ def run(options: argparse.Namespace) -> int:
             complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
-    # the result is printed first, because drawing fails if the options give the picture too small a size
+    # the result is printed before the picture is drawn, which fails if --size is too small
     say(repr(result))
     write_picture(options.plot, options.size, partial(result.plot, panels=panels))
     return 0
 
 
 def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]:
-    """Return name → values, from texts ``NAME=VALUES``, of which there must be at least one.
+    """Return name → values as text, from the texts ``NAME=VALUES`` of ``--vary``; refuse an empty list.
 
-    A name that ``--set`` also gives is refused; ``settings`` are those of ``--set``.
+    A name that is also in ``settings``, those of ``--set``, is refused.
     """
     vary = pairs("--vary", texts, "contact.restitution=0.1:0.9:9")
     for name in vary.keys() & settings.keys():

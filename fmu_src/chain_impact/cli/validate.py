@@ -40,7 +40,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check FMUs, print their faults, and return the exit code, 1 if any FMU has a fault."""
+    """Check FMUs, print their faults, and return the exit code: 1 if an FMU has a fault, else 0."""
     if not 0.0 < options.timeout < float("inf"):
         raise UsageError(f"--timeout {options.timeout} must be a finite number > 0 [s]")
     for path in options.fmus:
@@ -70,9 +70,10 @@ def _refuse_scene(path: Path) -> None:
 
 
 def checked_fmu(path: Path, timeout: float, *, report: bool) -> Validation:
-    """Check an FMU, whose binary may run for ``timeout`` [s]; print the result if ``report`` is true.
+    """Check an FMU, whose binary may run for ``timeout`` [s], and return the result.
 
-    With ``--quiet``, faults are errors, and nothing else is printed.
+    If ``report`` is true, print the faults and notes; with ``--quiet``, print only the faults, on standard
+    error.
     """
     try:
         result = validation(path, timeout)
