@@ -64,7 +64,7 @@ MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P":
 def draw_impacts(axes: Axes, recording: Recording) -> None:
     """Draw how hard each impact is over time: its peak force or impulse or, if none is known, its speed.
 
-    A stem leads from the onset to the mark at the time of the peak force (``impacts_at_peaks``). The look of
+    A vertical stem has the mark on top, at the time of the peak force (``impacts_at_peaks``). The look of
     a mark tells the point, or the joint at a stop (``point_groups``). The impacts in ``marked_peaks`` have
     the colour PEAK_COLOUR.
 
@@ -78,7 +78,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     groups, lanes = point_groups(recording, tops), 0
     sizes = mark_sizes(recording, times, tops, [hits for *_, hits in groups])
     strongest = {peak.row for peak in marked_peaks(recording)}
-    lines = np.stack([onsets, np.zeros(len(tops)), times, tops], axis=1).reshape(-1, 2, 2)
+    lines = np.stack([times, np.zeros(len(tops)), times, tops], axis=1).reshape(-1, 2, 2)
     for name, mark, hits in groups:
         colour = mark["color"]
         stems = [(PEAK_COLOUR, 2.0 * STEM) if row in strongest else (colour, STEM) for row in hits]

@@ -341,7 +341,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     every = [run.result for run in comparison.runs if run.result is not None]
     shown, last = [shown_time(result) for result in every], max(result.time[-1] for result in every)
     end = max(time.end for time in shown)
-    axes.set(xlabel=name_time(axes, end) + (f"; at rest until {last:g} s" if end < last else ""))
+    axes.set(xlabel=name_time(axes, end) + (f"; the runs end at {last:g} s" if end < last else ""))
     start = min(time.start for time in shown)
     first = min((result.impacts["onset"][0] for result in every if len(result.impacts)), default=start)
     # before the first impact all curves are equal, so only the last part of the time before it is shown
