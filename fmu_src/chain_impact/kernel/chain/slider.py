@@ -1,8 +1,8 @@
 """The slider: a base on a carriage that slides along a straight line, in the direction u.
 
-The slider's coordinate is s = u·(p₀ − o), with the positions p₀ of the base and o of the base at the start.
-For an acceleration a of the base the chain needs the force A a + b at the base (chain/elimination.py). Along
-the line the equation of motion is
+The slider's coordinate is s = u·(p₀ − o), with the present position p₀ and the initial position o of the
+base. For an acceleration a of the base the chain needs the force A a + b at the base (chain/elimination.py).
+Along the line the equation of motion is
 
     a = s̈ u,   (u·A u + m) s̈ = F + u·(f + m g − b),
 

@@ -1,4 +1,4 @@
-"""The state vector y, and functions for the indices of its entries, which all other modules use.
+"""The state vector y, and functions for the indices of its entries.
 
     y = (x₀, θ₁ … θ_N, ẋ₀, ω₁ … ω_N, dissipated energy, supplied energy, u, t)
 

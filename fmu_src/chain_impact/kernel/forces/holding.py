@@ -335,9 +335,9 @@ def least_impulse(d):
 def tolerated_momentum(d, speed):
     """Return the largest impulse [N·s] that counts as zero for the chain.
 
-    This impulse is m (w + ε v). The mass m is that of chain and carriage, plus the inertias of armatures over
-    s², with the longest link s. w is the speed after a fall by LEAST_RISE × s, with gravity plus s per s² as
-    acceleration. ε is the tolerance, and v the largest speed, ``speed`` [m/s], plus s per second.
+    This impulse is m (w + ε v). With the longest link ℓ, the mass m is that of chain and carriage, plus the
+    inertias of armatures over ℓ². w is the speed after a fall by LEAST_RISE × ℓ, with gravity plus ℓ/(1 s²)
+    as acceleration. ε is the tolerance, and v the largest speed, ``speed`` [m/s], plus ℓ/(1 s).
     """
     size = d.chain.longest_link
     mass = d.chain.energy_scale / (size * size)

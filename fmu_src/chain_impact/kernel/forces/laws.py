@@ -125,9 +125,9 @@ def zhang_sharf(e):
     if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
     # With d = λe = 1 − e^{−s}, the equation for the factor λ reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The root
-    # s is found, not d, because below e ≈ 0.03 d is 1 to double precision. The left side is convex in s: from
-    # 0 at s = 0 it falls, and then rises through its only positive root. From a start above the root,
-    # Newton's method decreases monotonically to the root. This start is above the root by at most 11 %.
+    # s is found, not d, because below e ≈ 0.025 d is 1 in double precision. From 0 at s = 0 the left side
+    # falls, and then rises through its only positive root; from this root on it is convex in s. So Newton's
+    # method decreases monotonically from a start above the root; this start is above by at most 11 %.
     s, before = u * (1.0 / e + 0.58), math.inf
     while s < before:
         d = -expm1(-s)
