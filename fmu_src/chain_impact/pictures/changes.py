@@ -1,13 +1,12 @@
 """The figure with derivatives: the changes of outputs and impacts that a change of each parameter causes.
 
-A panel for each output has curves over time; a table has the changes of the impacts' peak forces.
+A panel for each output has curves over time; a table has the changes of each impact's peak force or impulse.
 
-A curve shows the derivative of an output by a parameter, times a small change of this parameter: 1 % of the
-parameter's value, or 0.01 of its unit if its value is zero. So the curves of all parameters share an axis, in
-the unit of the output.
+A curve shows the derivative of an output with respect to a parameter, times a small change of this parameter
+(``Sensitivities.step``). So the curves of all parameters share an axis, in the unit of the output.
 
-The curves and the row of a parameter end where its change of any drawn output exceeds the range of this
-output in the run (``span_of``): from then on, a change to first order says nothing.
+The curves and the row of a parameter end where the change of any drawn output, by this parameter, exceeds the
+range of the output in the run (``span_of``), because a change to first order says nothing after this time.
 """
 
 from __future__ import annotations
@@ -42,14 +41,14 @@ from chain_impact.recording.text import LOAD_UNITS, WHOLE, number, plural, prefi
 from chain_impact.scene.names import AXES
 from chain_impact.scene.unit_text import in_brackets, with_unit
 
-# a change up to this counts as round-off; it is relative to the range of the output
+# a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12
-ROUND_OFF = 1e-9  # [1] a range of an output that is at most this, relative to its largest value, is round-off
-# the largest number of parameters with coloured curves: those with the largest effects; others are grey
+ROUND_OFF = 1e-9  # [1] a range of an output up to this, relative to the largest |value|, counts as round-off
+# the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
 LARGEST_EFFECTS = 4
 TO_FIRST_ORDER = "changes to first order"
 ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
-LOW_TABLE = 0.6  # the height of the table relative to that of a panel, if they stand one below the other
+LOW_TABLE = 0.6  # the height of the table below the panels, if they form one column, relative to a panel
 PREFIXED = (*LOAD_UNITS, "m", "m/s", "s", "rad", "rad/s")  # the units that get a prefix, as in mm
 JUMP = ", where changes jump as they shift in time"
 Looks = list[dict[str, Any]]
@@ -57,7 +56,7 @@ Looks = list[dict[str, Any]]
 
 @styled()
 def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
-    """Draw the changes of outputs and of the impacts by each parameter on an empty figure.
+    """Draw the changes of outputs and impacts by each parameter on an empty figure.
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
@@ -93,9 +92,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
 
 
 def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes]:
-    """Return ``count`` axes with one time axis, and the axes for the table of impacts, which is the last.
+    """Return ``count`` axes with a common axis of time, and then the axes of the table of impacts.
 
-    ``across`` is the number of axes in a row.
+    ``across`` is the number of axes in a row; the table takes the rest of the last row.
     """
     rows, panels = -(-(count + 1) // across), list[Axes]()
     heights = [1.0] * (rows - 1) + [LOW_TABLE if across == 1 else 1.0]
@@ -103,27 +102,26 @@ def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes
     for place in range(count):
         first = panels[0] if panels else None
         panels.append(figure.add_subplot(grid[divmod(place, across)], sharex=first))
-    # the table takes the rest of its row
     return panels, figure.add_subplot(grid[count // across, count % across :])
 
 
 def calm(recording: Recording) -> np.ndarray:
     """Return whether each row is outside of all impacts that end in the run, shape (T,).
 
-    A parameter also shifts impacts in time; within an impact, where all quantities change fast, this makes
-    the derivatives very large.
+    A parameter also shifts impacts in time. Within an impact, where quantities change fast, the derivatives
+    are therefore very large.
     """
     return ~within(recording, recording.impacts)
 
 
 def short_contacts(recording: Recording) -> np.ndarray:
-    """Return whether each row is inside an impact that is too short to be seen, shape (T,)."""
+    """Return whether each row is within an impact too short to be visible (SEEN_CONTACT), shape (T,)."""
     impacts, span = recording.impacts, np.ptp(recording.time)
     return within(recording, impacts[impacts["duration"] < SEEN_CONTACT * span])
 
 
 def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
-    """Return whether each row is inside one of ``impacts`` that ends in the run, shape (T,)."""
+    """Return whether each row is within one of ``impacts`` that ends in the run, shape (T,)."""
     rows = np.zeros(len(recording.time), bool)
     for impact in impacts:
         rows |= (recording.time >= impact["onset"]) & (recording.time <= impact["end"])
@@ -131,10 +129,11 @@ def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
 
 
 def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
-    """Return |change| of an output relative to ``span_of`` it, shape (T, P); 0 within impacts.
+    """Return |change| of an output, for a step of each parameter, relative to ``span_of``, shape (T, P).
 
-    If a change at the start is larger than this span, as that of a shift can be, the changes by all
-    parameters are relative to the largest change at the start.
+    If a |change| at the start is larger than this span, as a shift of the whole motion can be, all changes
+    are relative to the largest one at the start. The result is 0 within impacts that end in the run, and
+    where the derivative is unknown.
     """
     parts = np.abs(np.nan_to_num(sensitivities.changes(output)))
     parts /= max(span_of(recording, output), parts[:1].max(initial=0.0))
@@ -143,10 +142,10 @@ def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> n
 
 
 def span_of(recording: Recording, output: str) -> float:
-    """Return what an output can change by: its range in the run or, for an energy, the range of all energies.
+    """Return the range of an output in the run, in its unit; for an energy, the range of all energies [J].
 
-    For a component x or y of a vector, it is the larger range of both. The result is 1 if the range is
-    round-off.
+    For a component x or y of a vector, the result is the larger one of the ranges of both components. A range
+    that is round-off (ROUND_OFF) is replaced by 1.
     """
     if output.startswith("energy."):
         return range_of(dict(recording.energies)) or 1.0
@@ -158,9 +157,10 @@ def span_of(recording: Recording, output: str) -> float:
 
 
 def holds(relative: np.ndarray) -> np.ndarray:
-    """Return whether changes to first order can hold: until the first one above 1, shape (T, P).
+    """Return whether changes to first order can hold, shape (T, P).
 
-    ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P).
+    They can hold before the first row in which ``relative``, the largest of the ``shares`` of all drawn
+    outputs, shape (T, P), exceeds 1.
     """
     return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
 
@@ -170,13 +170,14 @@ def finding(
 ) -> tuple[str, str]:
     """Return the headline, which tells what the most important parameter does, and words on first order.
 
-    The most important parameter is the one whose change first exceeds the range of an output or, if none
-    does, the one with the largest change relative to this range. In the second case, the headline names the
-    output that it changes most, among those of the same unit. If a run with the changed parameter differs
-    from first order (``differs``), the headline has the change in this run, and the words have the change to
-    first order. A parameter with the value 0 is named only if no other has an effect: a change by 0.01 of
-    its unit does not compare with one by 1 %. If no parameter has an effect, or there are no derivatives
-    after the start, the headline says so.
+    The most important parameter is the one by which a change of an output first exceeds the range of this
+    output or, without such a parameter, the one with the largest change relative to the range. In the second
+    case, the headline names the output with the largest change by this parameter, among outputs of the same
+    unit. If the change in a run with the changed parameter differs from first order (``differs``), the
+    headline has the change in this run, and the words have the change to first order. A parameter with the
+    value 0 is named only if no other parameter has an effect, because a change by 0.01 of a unit cannot be
+    compared with a change by 1 %. The headline tells if no parameter has an effect, or if there are no
+    derivatives after the start.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
     """
@@ -215,7 +216,10 @@ def finding(
 def _change_in_run(
     recording: Recording, sensitivities: Sensitivities, output: str, parameter: str, row: int
 ) -> float | None:
-    """Return the change of an output in a row by a step of a parameter in a run; None without such a run."""
+    """Return the change of an output in a row, from a run in which a parameter has changed by a step.
+
+    Without such a run, or if the run lacks the output, the result is None.
+    """
     value = sensitivities.parameters[parameter] + sensitivities.step(parameter)
     other = recording.in_other_run({parameter: value}, float(recording.time[row]))
     if other is None or output not in other.columns:
@@ -224,23 +228,23 @@ def _change_in_run(
 
 
 def _size_text(size: float, unit: str) -> str:
-    """Return a size of a change as text, with a unit that suits it: "362 µm"."""
+    """Return a |change| as text, with a unit whose prefix suits the number: "362 µm"."""
     scale, readable_unit = readable(size, unit)
     return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
 
 
 def readable(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor to a unit with a prefix that suits the ``largest`` value, and this unit: mm for m.
+    """Return the factor to a unit with a prefix that suits the ``largest`` |value|, and this unit: mm for m.
 
-    A unit without a prefix (PREFIXED has those with one) has the factor 1.
+    A unit that is not in PREFIXED stays, with the factor 1.
     """
     return prefixed(largest, unit) if unit in PREFIXED else (1.0, unit)
 
 
 def _sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: int) -> np.ndarray:
-    """Return |change| of an output for a step of parameter k, shape (T,), in the output's unit.
+    """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
 
-    It is 0 in impacts that end in the run, and where the derivative is unknown.
+    The result is 0 within impacts that end in the run, and where the derivative is unknown.
     """
     sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
     return np.where(calm(recording), sizes, 0.0)
@@ -249,8 +253,9 @@ def _sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: i
 def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     """Return the properties of each parameter's curves, with matplotlib's names.
 
-    The LARGEST_EFFECTS parameters with the largest changes have colours, others are grey; a parameter without
-    effect is always grey. ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P).
+    The LARGEST_EFFECTS parameters with the largest changes have colours, all others are grey; a parameter
+    without effect is always grey. Only the last grey curve has a label, for all grey curves. ``relative`` is
+    the largest of the ``shares`` of all drawn outputs, shape (T, P).
     """
     names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
@@ -282,9 +287,9 @@ def draw_changes(
 ) -> None:
     """Draw the changes of an output over time, a curve for each parameter.
 
-    The curves have gaps in impacts that are too short to be seen, and where the derivative is unknown; they
-    are drawn where ``known``, the result of ``holds``. More than MOST_GREY grey
-    curves are drawn as a band.
+    A curve has gaps within impacts that are too short to be visible, and where the derivative is unknown; it
+    ends where ``known``, the result of ``holds``, is False. More than MOST_GREY grey curves are drawn as a
+    band. ``looks`` are the results of ``looks_of``.
     """
     changes = np.where(known, sensitivities.changes(output), np.nan)
     changes[short_contacts(recording)] = np.nan
@@ -305,8 +310,9 @@ def draw_changes(
 def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
     """Set the range of the vertical axis for ``changes``, and draw a line at 0.
 
-    The scale is linear: on a logarithmic one, each change of sign is a vertical stroke. If no |change|
-    exceeds ``least``, all changes are round-off: the axis has only the tick 0, and the words "no change".
+    The scale is linear, because on a logarithmic scale each change of sign would be a vertical stroke. If no
+    |change| exceeds ``least``, all changes are round-off: the axis then has only the tick 0, and the axes
+    have the words "no change".
     """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     if not np.nanmax(np.abs(changes), initial=0.0) > least:

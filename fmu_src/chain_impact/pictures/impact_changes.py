@@ -1,4 +1,4 @@
-"""The table of a figure with derivatives: how much a change of each parameter changes each impact."""
+"""The table in the figure with derivatives: the change of each impact by a change of each parameter."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from chain_impact.recording.text import signed
 SIGNED = LinearSegmentedColormap.from_list("signed", [VERMILLION, "white", BLUE]).with_extremes(
     bad=OUTSIDE_COLOUR
 )
-LEAST, MOST = 0.01, 100.0  # [%] changes up to LEAST are nearly white; from MOST on, colours stay the same
+LEAST, MOST = 0.01, 100.0  # [%] |changes| up to LEAST are nearly white; from MOST on, the colour stays
 BAR_TICKS = (-MOST, -1.0, 0.0, 1.0, MOST)  # [%] the numbers at the bar that explains the colours
-DEEP = 30.0  # [%] from this change on, the number in a cell is white
+DEEP = 30.0  # [%] from this |change| on, the number in a cell is white
 # [inch] the least width of a cell with a number, and the width of the names beside the cells
 CELL_WIDTH, NAMES_WIDTH = 0.38, 1.7
 MOST_NUMBERS = 12  # the largest number of impacts that are numbered below the table
@@ -35,12 +35,13 @@ def draw_impact_changes(
     looks: Sequence[dict[str, Any]],
     known: np.ndarray,
 ) -> None:
-    """Draw the change of each impact's peak force [%], with a row for each parameter that has a colour.
+    """Draw the change of each impact's peak force [%] by a step of each parameter, as a table.
 
-    If no parameter has one, all have rows. If no impact has a peak force, as in rigid impacts, the changes
-    are those of the impulses. ``looks`` are the properties of each parameter's curves, and ``known``,
-    shape (T, P), tells the rows of the recording in which changes to first order can hold; a cell after these
-    rows is blank.
+    The table has a column for each impact, and a row for each parameter with a colour in ``looks``, the
+    properties of each parameter's curves; without such a parameter, a row for each parameter. If no impact
+    has a peak force, as in rigid impacts, the changes are those of the impulses. ``known``, shape (T, P):
+    whether changes to first order can hold in each row of the recording; a cell is blank if they cannot at
+    the onset.
     """
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
@@ -68,7 +69,7 @@ def draw_impact_changes(
     else:
         bar = figure.colorbar(image, ax=axes, ticks=BAR_TICKS)
         least, *others, most = (cell_text(tick) for tick in BAR_TICKS)
-        # the colours of changes beyond the ends are those of the ends
+        # changes beyond an end have the colour of this end
         bar.ax.set_yticklabels([f"≤{least}", *others, f"≥{most}"])
         bar.ax.minorticks_off()
     every = -(-len(onsets) // MOST_NUMBERS)
@@ -82,18 +83,18 @@ def draw_impact_changes(
 
 
 def has_numbers(figure: Figure, impacts: int) -> bool:
-    """Return whether the cells of a number of impacts are wide enough for numbers."""
+    """Return whether the cells are wide enough for numbers, for a number of ``impacts`` in a figure."""
     across = 1 if is_narrow(figure) else 2
     return figure.get_figwidth() / across - NAMES_WIDTH >= CELL_WIDTH * impacts
 
 
 def cell_text(change: float) -> str:
-    """Return a change [%] with its sign and two significant digits; less than LEAST is 0."""
+    """Return a change [%] as text with sign and two significant digits; "0" for |change| < LEAST."""
     return "0" if abs(change) < LEAST else signed(change).replace("-", "−")
 
 
 def quantity_words(quantity: str, at_stops: np.ndarray) -> str:
-    """Return the words for a quantity of impacts, of which some may be at stops of joints."""
+    """Return the words for a quantity of impacts; ``at_stops``: whether each one is at a stop of a joint."""
     if quantity != "peak_force":
         return quantity
     return "peak moment" if at_stops.all() else "peak force or moment" if at_stops.any() else "peak force"

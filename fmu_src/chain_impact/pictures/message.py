@@ -23,31 +23,32 @@ from chain_impact.variables.impact_units import unit_at
 # a dissipated energy up to this, relative to the largest |total energy|, is round-off, and not a loss
 NO_LOSS = 1e-12
 
-# Two largest values count as equal if they differ by at most this, relative to the larger one.
+# the value of an impact counts as equal to the largest value if it is smaller by at most this, relative to
+# the largest value
 SAME_PEAK = 1e-3
-# an energy of drives and inputs up to this, relative to the dissipated energy, is not told
+# an energy supplied or taken by drives is not told up to this, relative to the dissipated energy
 LITTLE_SUPPLIED = 0.01
-# the impulse of a contact; the part that the hit has in it, without the impulse of the force that follows
+# the impulse of a contact; its part from the hit, without the impulse of the force that follows
 IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
 SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
 
 
 def time_unit(span: float) -> tuple[float, str]:
-    """Return the unit for a time span [s], after the factor from seconds to it: (1000, "ms") for 0.05 s.
+    """Return the factor from seconds to the unit for a time span [s], and this unit: (1000, "ms") for 0.05 s.
 
-    From SHORT_TIME on, the unit is s.
+    The unit is s for 0, and from SHORT_TIME on.
     """
     return prefixed(span, "s") if 0.0 < span < SHORT_TIME else (1.0, "s")
 
 
 class Peak(NamedTuple):
-    """An impact with its peak force, peak moment or impulse, mostly the largest of the run.
+    """The peak force, peak moment or impulse of an impact; in ``peaks`` the largest of the run.
 
     Attributes:
         words: the quantity in words: "peak force".
-        value: its value with its unit: "12.6 kN".
-        row: the row of the impact, from 0.
-        equal: how many impacts have this value (SAME_PEAK); ``row`` is the first of them.
+        value: the value of the quantity with its unit: "12.6 kN".
+        row: the row of the impact in ``impacts``, from 0.
+        equal: how many impacts have this value (SAME_PEAK); ``row`` is the first of these.
     """
 
     words: str
@@ -65,10 +66,10 @@ class Peak(NamedTuple):
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
-    """Return the headline: the first of ``peaks``, the number of impacts, the lost and supplied energy.
+    """Return the headline: the first of ``peaks``, the number of impacts, and the lost and supplied energy.
 
-    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated"; if ``short``, only the name
-    and the first of these that is known.
+    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated". If ``short``, the headline
+    has only the name and the first of ``peaks`` or, without one, the number of impacts.
     """
     parts = [*(peak.text for peak in peaks(recording)[:1]), counted(recording)]
     parts = parts[:1] if short else [*parts, *lost_and_supplied(recording)]
@@ -76,7 +77,7 @@ def message(recording: Recording, *, short: bool = False) -> str:
 
 
 def counted(recording: Recording) -> str:
-    """Return words for the number of impacts: "14 impacts in 2 s"."""
+    """Return words for the number of impacts and the duration of the run: "14 impacts in 2 s"."""
     count, span = recording.impact_count, float(recording.time[-1] - recording.time[0])
     factor, unit = time_unit(span)
     return f"{plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
@@ -85,8 +86,9 @@ def counted(recording: Recording) -> str:
 def lost_and_supplied(recording: Recording) -> list[str]:
     """Return words for the energies that the run lost and got: "2.98 J dissipated", "10.5 J taken by drives".
 
-    A loss that is round-off (NO_LOSS) or not known is left out. Drives of joints and inputs supply or take
-    energy; this is left out if it is round-off, not known, or at most LITTLE_SUPPLIED times the loss.
+    A dissipated energy that is round-off (NO_LOSS) or not known is left out. The energy that drives and
+    inputs supply or take is left out if it is round-off, not known, or at most LITTLE_SUPPLIED × the
+    dissipated one.
     """
     lost, supplied = (
         float(recording.energies.get(name, np.zeros(1))[-1]) for name in ("dissipated", "supplied")
@@ -106,13 +108,13 @@ def hit(recording: Recording, impact: np.void) -> str:
 def write_head(figure: Figure, recording: Recording, title: str, *first: str, row: int | None = None) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is ``title`` or, if this is "", the message, a summary of the run. ``first`` are texts that
-    stand before the results. ``row`` is for a picture of a single impact: the row of this impact, the only
-    one of which the results tell.
+    The headline is ``title`` or, if ``title`` is "", the result of ``message``. ``first`` are texts that
+    stand before the results. ``row`` is for a picture of a single impact: the row of this impact; the results
+    then tell only this impact.
 
-    A message in a narrow figure is short. The impact of the largest force then has a line of its own below
-    the message, in the colour of its mark, and so has the largest force in a joint. The rest of the message
-    stands among the conditions.
+    In a narrow figure without a ``title``, the message is short. The impact of the first of ``peaks`` then
+    has a line of its own below the message, in the colour of its mark, and the rest of the message stands
+    among the conditions. In any narrow figure, the largest force in a joint (``load_text``) has such a line.
     """
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
@@ -120,7 +122,7 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     if short and most and not title:
         first_told = told.pop(0).removeprefix(f"{most[0].words} in ")
         lines.append((first_told, PEAK_COLOUR if most[0].equal == 1 else INK))
-    # only a picture of curves gives texts in ``first``: of its impact, or of the largest forces that it shows
+    # only a picture of curves gives texts in ``first``, on the drawn impact or the largest drawn forces
     load = "" if any(first) else load_text(recording)
     if short and load:
         lines.append((load, LOAD))
@@ -132,11 +134,10 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
 
 
 def peaks(recording: Recording) -> list[Peak]:
-    """Return the largest peak force at walls, and the largest moment at a stop of a joint, if there are any.
+    """Return the largest peak force at walls, and the largest peak moment at stops of joints, if known.
 
-    Stops of a slider count as walls. Under an impulsive law, the largest impulse replaces them. The law
-    also counts as impulsive if an impact has an impulse and no known force, as in a recording without the
-    law.
+    Stops of a slider count as walls. Under an impulsive law, the largest impulse replaces the largest force
+    or moment (``strengths``).
     """
     found = []
     for is_stop in (False, True):
@@ -152,12 +153,12 @@ def peaks(recording: Recording) -> list[Peak]:
 
 
 def marked_peaks(recording: Recording) -> list[Peak]:
-    """Return those of ``peaks`` that a single impact has; only these have a mark of their own."""
+    """Return those of ``peaks`` that a single impact has: only these impacts have PEAK_COLOUR in pictures."""
     return [peak for peak in peaks(recording) if peak.equal == 1]
 
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:
-    """Return a list with the ``Peak`` of the impact in a row; an empty list if its value is not known."""
+    """Return a list with the ``Peak`` of the impact in a row; [] if the value is 0 or not known."""
     words, unit, values = strengths(recording, is_stop=bool(recording.at_stops[row]))
     return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
 
@@ -179,15 +180,18 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
 
     If ``is_stop``, the values are those of the impacts at stops of joints, else those of all other impacts:
     at walls and at stops of a slider. The words are "peak force", "peak moment", IMPULSE or HIT_IMPULSE. A
-    value is 0 if it is unknown, or if the impact is of the other kind. The impulse of a contact that lasts to
-    the end of the run is 0 while other impacts end, because it also contains their shocks. If all impacts
-    last, the values are the hit impulses of ``impulses_of_hits``, not those of the table of impacts.
+    value that is unknown, or that of an impact that does not belong to ``is_stop``, is 0.
+
+    The values are impulses under an impulsive law, and if an impact has an impulse but no known force, as in
+    a recording without the law. The impulse of a contact that lasts to the end of the run counts as 0 if any
+    impact ends, because this impulse also contains the shocks of other impacts. If no impact ends, the values
+    are hit impulses (``impulses_of_hits``).
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
     is_own = recording.at_stops == is_stop
     forces, impulses = (np.nan_to_num(impacts[name]) * is_own for name in ("peak_force", "impulse"))
-    # Under an impulsive law, the values are impulses even if some impacts have forces: a rod that lies on a
-    # rigid wall after its bounces has a force, and this force says nothing on the bounces.
+    # under an impulsive law, a rod that lies on a rigid wall after its bounces has a force, too, but this
+    # force says nothing on the bounces
     is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
         ended = impulses * ~lasts(impacts)
@@ -197,10 +201,11 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
 
 
 def impulses_of_hits(recording: Recording) -> np.ndarray:
-    """Return the impulses of the impacts under a law that acts by impulses, shape (I,).
+    """Return the hit impulses of the impacts under a law that acts by impulses, shape (I,).
 
-    The impulse of a contact that lasts to the end of the run grows with the duration of the run, so the part
-    of its force is subtracted; the result is 0 if this force is not known.
+    The impulse of a contact that lasts to the end of the run grows with the duration of the run, so the time
+    integral of the contact's force is subtracted; the result is 0 if this force is not known. An unknown
+    impulse is 0, too.
     """
     impacts, time, found = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
     forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
@@ -218,9 +223,8 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
 def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
     """Return words for the impact of a peak.
 
-    For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s".
-
-    ``valued``: with the value of the peak.
+    For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have this
+    value, the words tell the first of these. ``valued``: whether the words have the value of the peak.
     """
     if peak.equal > 1:
         told = f"{peak.text}, the first in " if valued else "the first in "
@@ -231,7 +235,7 @@ def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
 def place(recording: Recording, row: int) -> str:
     """Return words for the impact in a row: "impact 1: ball hits y_min at 0.5 s with 2 m/s, peak at 0.7 s".
 
-    The time of the peak is told if it is seen to be later than the onset (``peak_time``).
+    The time of the peak is told if it is later than the onset (``peak_time``).
     """
     impact, peak = recording.impacts[row], peak_time(recording, row)
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
@@ -270,8 +274,8 @@ def has_contact(recording: Recording) -> bool:
 def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
     """Return the known conditions of a run in one text: links, joints, contacts, friction and solver.
 
-    The texts ``first`` come before them. The law of contacts and its values are told only if something
-    ``touches`` a wall or a stop.
+    The texts ``first`` come before the conditions. The laws of contacts and stops, and the values of these
+    laws, are told only if something ``touches`` a wall or a stop.
     """
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
@@ -298,7 +302,7 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
 
 
 def of_contacts(recording: Recording) -> list[str]:
-    """Return words for the law, the restitution and the stiffness of contacts, as far as they are known."""
+    """Return words for the law, the restitution and the stiffness of walls, as far as known and in use."""
     known, parts = recording.parameters, []
     law = known.get("contact.model", "")
     if law:
@@ -314,15 +318,15 @@ def of_contacts(recording: Recording) -> list[str]:
 
 
 def uses_restitution(law: str) -> bool:
-    """Return whether a contact law uses the restitution e; True for a law of a user and an unknown law."""
+    """Return whether a contact law uses the restitution e; True for a user's law or an unknown law."""
     return law not in CONTACT_LAWS or CONTACT_LAWS[law].formula != "0"
 
 
 def friction(name: str, value: Any) -> str:
     """Return words for a coefficient of dry friction at walls: "0.3", "static 0.4 at y_min"; else "".
 
-    ``name`` and ``value`` are those of any parameter. For a coefficient of 0 the result is "", too, except
-    for the sliding friction of a single wall.
+    ``name`` and ``value`` are those of any parameter. For a coefficient of 0 the result is "", except for the
+    sliding friction of a single wall: "0 at y_min".
     """
     owner, _, wall, quantity = name_parts(name)
     is_coefficient = owner in ("contact", "wall") and quantity in ("friction", "static_friction")
