@@ -1,4 +1,4 @@
-"""Adds to an error the option whose value the error refuses; both are shown as the user typed them."""
+"""Adds to an error the option whose value the error refuses, with option and value as the user typed them."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from chain_impact.scene.reading import value_text
 from chain_impact.simulation.record_scene import value_of
 
-START = r"(?:^|(?<=: ))"  # where the words of a fault begin: at the start, or after the name of the scene
+START = r"(?:^|(?<=: ))"  # matches where a fault begins: at the start of the error, or after ": "
 Change = tuple[int, int, str]
-"""A change of an error's text: index of the first character to replace, index after the last, new text."""
+"""A change of a text: index of the first character to replace, index after the last one, new characters."""
 
 
 def typed_in(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, str]]:
-    """Return each of the ``options`` that the ``words`` of a command have, with its value."""
+    """Return (option, value) for each word of a command that is one of the ``options``."""
     known, found = {*options}, []
     for word, following in zip(words, [*words[1:], ""], strict=True):
         option, equals, value = word.partition("=")
@@ -24,14 +24,14 @@ def typed_in(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, st
 
 
 def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
-    """Return an error that tells which option has the refused value.
+    """Return the text of an error with the option whose value the error refuses.
 
-    The option replaces the name of the value in the error, or is put before it. The error is unchanged if it
-    begins with an option, cites a line of a file, or names none of the values. An option whose name is
-    already in the error does not count.
+    The option replaces the name of the value in the text, or is put before this name. The text is returned
+    unchanged if it begins with an option, has the number of a line of a file, or has none of the values. An
+    option that is in the text before does not count.
 
     Args:
-        message: the error. What follows its first semicolon is a hint, which is not changed.
+        message: the text of the error. After the first semicolon follows a hint, which is not changed.
         typed: the options of the command, with their values.
     """
     fault = message.partition("; ")[0]
@@ -46,7 +46,10 @@ def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
 
 
 def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
-    """Yield each possible change that names an option in an error; ``with_option`` makes the leftmost one."""
+    """Yield each change by which ``fault``, an error, would name an option; the leftmost one is made.
+
+    ``value`` is the value of the option, as the user typed it.
+    """
     word, (name, equals, given) = option.lstrip("-").replace("-", "_"), value.partition("=")
     if option == "--stop-time":
         name, equals, given = "simulation.stop_time", "=", value
@@ -66,9 +69,9 @@ def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
 
 
 def _names(value: str) -> Iterator[tuple[str, str]]:
-    """Yield (regular expression, name) for each name or file in a value, which commas separate.
+    """Yield (regular expression, name) for each name or file in a value, in which commas separate them.
 
-    The expression matches this name only. Parts of the value without a letter, such as numbers, are left out.
+    The expression matches this name. Parts of the value without a letter, such as numbers, are left out.
     """
     yield from (
         (re.escape(part), part) for part in map(str.strip, value.split(",")) if re.search("[A-Za-z]", part)
@@ -76,7 +79,7 @@ def _names(value: str) -> Iterator[tuple[str, str]]:
 
 
 def _shown(given: str) -> set[str]:
-    """Return all forms in which an error may show a value: as typed, as read, and as a number."""
+    """Return all texts by which an error may show a value: as typed, as read, and as a number."""
     value = value_of(given)
     shown = {given, value_text(given), str(value), value_text(value)}
     return shown | {f"{value:g}", str(float(value))} if isinstance(value, int | float) else shown

@@ -1,4 +1,4 @@
-"""Reads plain data, such as the content of a TOML file, into a dataclass, by the metadata of its fields."""
+"""Reads plain data, such as the content of a TOML file, into dataclasses, by the metadata of their fields."""
 
 from __future__ import annotations
 
@@ -17,13 +17,12 @@ from chain_impact.scene.refusals import sentence
 from chain_impact.scene.similar_names import nearest, one_typo, proposed
 from chain_impact.scene.unit_text import number_hint, power_hint
 
-# the least similarity, from 0 to 1, to an unknown key at which ``nearest`` proposes a key; proposals of less
-# similar keys would mislead
+# the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
 ALIKE = 0.7
-MOST_PARTS = 8  # largest number of quantities of an owner that a message lists
+MOST_PARTS = 8  # largest number of quantities of an owner that a message lists; then follows …
 _ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
 _VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
-SHOWN = 60  # largest number of characters that a message shows of a value
+SHOWN = 60  # largest number of characters that a message has of a value; then follows ...
 
 
 class SceneError(ValueError):
@@ -33,22 +32,22 @@ class SceneError(ValueError):
     allowed.
 
     Attributes:
-        path: the path of the key in the scene file; empty if it is not known.
-        source: the name of the scene or file, with which the message begins; "" if ``fault`` has it.
-        name: the name of the refused value, which the message has next; "" if ``fault`` has it.
-        fault: the rest of the message: the value and what is allowed.
+        path: the path of the key in the scene file; () if it is not known.
+        source: the name of the scene or file, with which the message begins; "" for none.
+        name: the name of the refused value, which follows in the message; "" for none.
+        fault: the rest of the message, such as the value and the allowed values.
         line: the number of the line in the file, with which the message ends; None if it is not known.
     """
 
     def __init__(self, fault: str, path: DataPath = (), name: str = "") -> None:
-        """Store the parts of the message that are known where the fault is found."""
+        """Store the parts of the message that are known where the fault is found; others can be set later."""
         super().__init__(fault)
         self.path, self.name, self.fault = path, name, fault
         self.source = ""
         self.line: int | None = None
 
     def __str__(self) -> str:
-        """Return the message as a single line, also if a name or value in it has line breaks."""
+        """Return the message as one line, also if names or values in the message have line breaks."""
         before = f"{self.source}: " * bool(self.source) + self.name
         between = " " * (bool(self.name) and not self.fault.startswith(":"))
         at = "" if self.line is None else f" (at line {self.line})"
@@ -61,19 +60,22 @@ class SceneError(ValueError):
 
 
 def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
-    """Return the error for the key at ``path``: this path and the sentence of ``fault`` (refusals.py)."""
+    """Return the error on the key at ``path`` with the sentence on ``fault`` in refusals.py.
+
+    ``words`` replace the words in braces in the sentence.
+    """
     return refused(path, sentence(fault, **words))
 
 
 def refused(path: DataPath, fault: str) -> SceneError:
-    """Return the error with the text ``fault`` after the name of the key at ``path``."""
+    """Return the error whose name is the text of ``path``, or "scene" for (), with the fault ``fault``."""
     return SceneError(fault, path, path_text(path) or "scene")
 
 
 def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
-    """Return the error for a key at ``path`` that names no existing wall.
+    """Return the error on a key at ``path`` that names no existing wall; ``walls`` are the existing ones.
 
-    ``value`` has the first words of its sentence, such as "= 'roof' "; "" if the key itself is the name.
+    ``value`` are the first words of the sentence, such as "= 'roof' "; "" if the key itself is the name.
     """
     if not walls:
         return refusal(path, "no_walls")
@@ -81,7 +83,7 @@ def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneErr
 
 
 class SceneWarning(UserWarning):
-    """The warning, one line, of a value or motion that is valid, but probably a mistake of the user."""
+    """The warning, one line, on a value or motion that is valid, but probably a mistake of the user."""
 
 
 class UnknownNameError(SceneError, KeyError):
@@ -97,11 +99,11 @@ class UnknownNameError(SceneError, KeyError):
         *,
         otherwise: str = "`chain-impact info SCENE` lists the names",
     ) -> None:
-        """Make the message: ``name`` is ``what``, for example "not a parameter"; then follows the ``hint``.
+        """Make the message "<source>: <name> is <what>; <hint>", where ``what`` is such as "not a parameter".
 
-        Without a hint, the message names the most similar of ``names``. If none is similar, it lists names of
-        the same owner, such as ``joint[2]``; if there are none, it ends with ``otherwise``. If ``name`` is
-        several of ``names``, as "a b", the hint is how to separate them.
+        Without a hint, the message ends with the most similar of ``names``; if none is similar, with names of
+        the same owner, such as ``joint[2]``; if there are none, with ``otherwise``. If ``name`` is several of
+        ``names``, as "a b", the hint is how to separate these.
         """
         names, parts = list(names), re.split(r"[\s;]+", name) if isinstance(name, str) else []
         if len(parts) > 1 and {*parts} <= {*names}:
@@ -115,9 +117,9 @@ class UnknownNameError(SceneError, KeyError):
 
 
 def _names_of_owner(name: object, names: Collection[str]) -> str:
-    """Return "joint[2] has angle, torque" for ``joint[2].stop``; "" if no name has this owner.
+    """Return a text such as "joint[2] has angle, torque" for ``joint[2].stop``; "" if no name has this owner.
 
-    The result is also "" for a pattern such as ``*.stop``, because its owner ``*`` stands for all owners.
+    The result is also "" for a pattern such as ``*.stop``, in which ``*`` stands for all owners.
     """
     owner = str(name).rpartition(".")[0]
     alike = find_names(f"{owner}.*", names) if owner.strip("*") else []
@@ -134,11 +136,9 @@ def names_matching(
 ) -> list[str]:
     """Return the names that ``find_names`` finds for ``name``, in which ``*`` stands for any text.
 
-    If no name matches, the error ends with the text that the function ``hint`` returns for ``name``. If this
-    text is None, the error ends with the hint of ``UnknownNameError``, such as the most similar name.
-
     Raises:
-        UnknownNameError: when no name matches.
+        UnknownNameError: when no name matches. Its hint is the text that the function ``hint`` returns for
+            ``name`` or, if this is None, the class's own, such as the most similar name.
     """
     is_text = isinstance(name, str)
     matched = find_names(name, names) if is_text else []
@@ -148,9 +148,9 @@ def names_matching(
 
 
 def find_names(name: str, names: Iterable[str]) -> list[str]:
-    """Return a list of the name that equals ``name`` or its form in the FMU, else of all that match ``name``.
+    """Return ``[name]`` if ``names`` has it, or else ``[fmu_name(name)]`` if ``names`` has this.
 
-    In a match, ``*`` in ``name`` stands for any text.
+    Otherwise return all ``names`` that match ``name``, in which ``*`` stands for any text, also for none.
     """
     for spelling in (name, fmu_name(name)):
         if spelling in names:
@@ -158,14 +158,17 @@ def find_names(name: str, names: Iterable[str]) -> list[str]:
     if "*" not in name:
         return []
     first, *parts, last = map(re.escape, name.split("*"))
-    # For each part of ``name`` between two ``*``, only its first occurrence is tried (an atomic group).
-    # Trying all combinations of occurrences would take very long for some names.
+    # Of each part of ``name`` between two ``*``, only the first occurrence is tried (an atomic group),
+    # because to try all combinations of occurrences would take very long for some names.
     like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
     return [spelling for spelling in names if like.fullmatch(spelling)]
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
-    """Yield every table and key of a dataclass, for example `chain.links[].mass`, with its field."""
+    """Yield (name, field) for every table and key of a dataclass; a name is such as `chain.links[].mass`.
+
+    ``prefix`` is the beginning of all names.
+    """
     for entry in keys(table):
         key = prefix + entry.name
         yield key, entry
@@ -176,7 +179,7 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 
 def entry_type(kind: Any) -> Any:
-    """Return the type of a tuple's entries or a mapping's values; a union's first type; else ``kind``."""
+    """Return the type of a tuple's entries or a mapping's values, or a union's first type; else ``kind``."""
     item, *others = get_args(kind) or (kind,)
     return others[0] if get_origin(kind) is Mapping else item
 
@@ -185,8 +188,7 @@ class Reader:
     """Reads data into the dataclass ``root``, whose fields may be dataclasses, too.
 
     Attributes:
-        derived: the paths, in the data, of the values that the data do not have and a rule `Derived` has
-            given.
+        derived: the paths of the values that the data lack, and that a rule `Derived` has given instead.
     """
 
     def __init__(self, root: Any) -> None:
@@ -194,13 +196,13 @@ class Reader:
         self.derived: list[DataPath] = []
 
     def read(self, data: Any) -> Any:
-        """Return the dataclass for the data, or raise a SceneError."""
+        """Return the data as an object of ``root``, or raise a SceneError; append to ``derived``."""
         return self._table(self.root, data, (), {})
 
     def _table(self, table: Any, data: Any, path: DataPath, tables: Mapping[str, Any]) -> Any:
-        """Return `data` as an object of the dataclass `table`; refuse other data.
+        """Return `data`, from `path` on, as an object of the dataclass `table`; refuse other data.
 
-        `tables` has the keys and tables that have been read before, for rules that depend on them.
+        `tables` is name → value of the keys and tables that have been read before, for rules that use them.
         """
         if not isinstance(data, Mapping):
             raise refusal(path, "no_table", value=value_text(data))
@@ -215,8 +217,7 @@ class Reader:
             rule = extended(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
-                # a missing table that has no default itself is read as an empty one, so that its keys get
-                # their defaults
+                # a missing table without a default is read as an empty table, so that its keys get defaults
                 value = rule.get("default", {})
             if isinstance(value, Derived):
                 value = value.value(scope)
@@ -225,7 +226,7 @@ class Reader:
             if value is MISSING:
                 meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
                 raise refusal(where, "missing", meaning=meaning)
-            # None is a value that does not exist in this scene, for example the position of a missing wall
+            # None is the value of a key that this scene does not have, such as the position of a missing wall
             read = None if value is None else self._value(entry.type, rule, value, where, scope)
             values[entry.name] = scope[entry.name] = read
         return table(**values)
@@ -233,7 +234,7 @@ class Reader:
     def _value(
         self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
     ) -> Any:
-        """Return `value` as the type `kind` if the value keeps the `rule`; else raise a SceneError."""
+        """Return `value` as the type `kind` if it keeps the metadata `rule`; else raise a SceneError."""
         kind = without_none(kind)
         if is_dataclass(kind):
             return self._table(kind, value, path, tables)
@@ -280,9 +281,9 @@ class Reader:
         return tuple(self._value(item, rule, entry, (*path, i), tables) for i, entry in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the entries of a table whose keys are names given by users, such as [signals].
+        """Return name → entry as a dataclass object, for a table whose keys are names that users give.
 
-        Refuse other values.
+        An example is [signals]. Refuse other values.
         """
         if not isinstance(value, Mapping):
             raise refusal(path, "no_tables", value=value_text(value))
@@ -291,9 +292,9 @@ class Reader:
         }
 
     def _unknown(self, table: Any, path: DataPath, name: Any) -> str:
-        """Return the fault of an unknown key `name`, with the most similar key of this or another table.
+        """Return the fault on an unknown key `name` of `table`, with the most similar key of any table.
 
-        If no key is similar, the fault lists the keys of this table.
+        If no key is similar, the fault lists the keys of `table`.
         """
         name = value_text(name).strip("'")
         here = [entry.name for entry in keys(table)]
@@ -305,10 +306,10 @@ class Reader:
         return sentence("unknown", keys=", ".join(here))
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
-        """Return advice on a table ``value`` where a list of tables must be: where its wrong keys belong.
+        """Return advice on ``value``, one table in place of a list of tables: where its wrong keys belong.
 
-        A wrong key is a key that no table of the list, of type ``item``, can have, but another table can. The
-        advice names this other table.
+        A wrong key is one that the dataclass ``item`` of these tables lacks, but another table of the file
+        has. The result is "" without such keys.
         """
         moved = [
             self._keys()[key]
@@ -318,9 +319,9 @@ class Reader:
         return "".join(f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved)
 
     def _keys(self) -> dict[str, str]:
-        """Return a dict: last part of a key, as "length" → the whole key, as "chain.links[].length".
+        """Return last part of a key, such as "length" → the whole key, such as "chain.links[].length".
 
-        Of several keys with the same last part, only the first one is returned. Keys of tables to which users
+        Of several keys with the same last part, only the first one is there. Keys of tables to which users
         give names, such as signals, are left out.
         """
         return {
@@ -330,15 +331,15 @@ class Reader:
 
 @functools.cache
 def _origin(kind: Any) -> Any:
-    """Return the origin of a type, such as tuple for ``tuple[int, ...]``, from a cache.
+    """Return the origin of a type, such as tuple for ``tuple[int, ...]``; None for a type without origin.
 
-    Without the cache the function of the module typing is slower.
+    The results are cached, because the function of the module typing is slow.
     """
     return get_origin(kind)
 
 
 def _convert(kind: Any, value: Any) -> Any:
-    """Return `value` as a bool, str, int or finite float; None if it is not of the type `kind`."""
+    """Return `value` as the type `kind`: bool, str, int or float; None for another type, inf or NaN."""
     if kind in (bool, str):
         return value if isinstance(value, kind) else None
     if isinstance(value, bool) or not isinstance(value, Integral if kind is int else Real):
@@ -351,9 +352,10 @@ def _convert(kind: Any, value: Any) -> Any:
 
 
 def meant_number(value: Any, unit: str) -> str:
-    """Return a hint how to write a number that is given as text in another form; "" for any other text.
+    """Return a hint how to write a text with a number in another form; "" for any other value.
 
-    The text may have a unit, a power of ten, a decimal comma, or several values.
+    The text may have a unit that differs from ``unit`` by a prefix, a power of ten, a decimal comma, or
+    several values.
     """
     if not isinstance(value, str):
         return ""
@@ -364,19 +366,19 @@ def meant_number(value: Any, unit: str) -> str:
 
 
 def decimal_comma(value: Any) -> str:
-    """Return a hint how to write a number that is given as text with a decimal comma; "" for other values."""
+    """Return a hint how to write a number with a decimal comma, given as text; "" for any other value."""
     match = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {match[1]}.{match[2]}" if match else ""
 
 
 def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
-    """Return a hint that names the choice most similar to a wrong text; "" if none is similar."""
+    """Return a hint with the choice that is most similar to the wrong text ``value``; "" if none is."""
     near = proposed(value, choices) if choices and isinstance(value, str) else None
     return f"; the nearest is {near}" if near else ""
 
 
 def value_text(value: Any) -> str:
-    """Return the text of a value for a message: one line of limited length."""
+    """Return the text of a value for a message: one line of at most SHOWN characters, and "..." if cut."""
     try:
         text = str(value).lower() if isinstance(value, bool) else " ".join(repr(value).split())
     # an integer with too many digits, or a list with too many levels, has no text

@@ -16,13 +16,13 @@ from chain_impact.scene.signal_keys import Samples, Signal, unit_of
 from chain_impact.scene.signal_polynomials import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.unit_text import unit_text
 
-# [1] the smallest speed, relative to the largest speed of a sine, at which the sine counts as moving at its
-# start; a smaller speed is round-off
+# [1] the speed of a sine at its start, divided by the largest speed of the sine, up to which the sine counts
+# as at rest at its start, because the speed may be round-off
 AT_REST = 1e-12
 
 
 def check_signals(scene: Contents) -> None:
-    """Refuse signals that cannot drive their inputs; each check below has its own reason."""
+    """Refuse signals that cannot drive their inputs, and inputs that two signals drive."""
     owners: dict[str, str] = {}
     for name, signal in scene.signals.items():
         _check_inputs(scene, name, signal)
@@ -42,9 +42,9 @@ def _input(name: str) -> DataPath:
 
 
 def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
-    """Refuse a signal without inputs, with unknown inputs, or with inputs in several units.
+    """Refuse a signal without inputs, with inputs that the scene lacks, or with inputs in several units.
 
-    Only a table may drive inputs in several units, because it has a column for each.
+    Only a table may drive inputs in several units, because a table has a column for each input.
     """
     there = list(inputs_of(scene))
     if not signal.input:
@@ -62,9 +62,9 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
 
 
 def _check_numbers(name: str, signal: Signal) -> None:
-    """Refuse times that do not increase, and lists of times and values that are empty or differ in length.
+    """Refuse steps whose times do not increase, or whose lists of times and values differ in length.
 
-    The function also refuses a periodic table that does not fit its period.
+    A periodic table that does not fit its period is refused, too.
     """
     times, values = signal.times, signal.values
     if signal.samples is not None:
@@ -79,10 +79,10 @@ def _check_numbers(name: str, signal: Signal) -> None:
 
 
 def _check_period(name: str, signal: Signal, samples: Samples) -> None:
-    """Refuse a periodic table that is longer than its period, or whose end does not fit its beginning.
+    """Refuse a periodic table that lasts longer than its period, or whose end does not fit its beginning.
 
-    The end does not fit if the last row is one period after the first row and has other values. With the
-    interpolation ``hold``, these values may differ.
+    The end does not fit if the last row is one period after the first row and has other values. In a column
+    with the interpolation ``hold``, these values may differ. A table without a period is not refused.
     """
     period, lasts = signal.period, samples.times[-1] - samples.times[0]
     if period is None:
@@ -100,10 +100,16 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 
 
 def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse an interpolation at which a velocity of base or wall would jump; refuse periodic accelerations.
+    """Refuse a given interpolation with which a velocity of the base or a wall would jump.
 
-    A jump would be an impact of unknown strength. If accelerations were periodic, the velocity could grow
-    with each period. ``order`` is the number of times that the input is integrated to give a position.
+    A jump would be an impact of unknown strength. Refuse a period, too, if accelerations are driven, because
+    the velocity could grow with each period.
+
+    Args:
+        name: the name of the signal.
+        signal: the signal with the table.
+        driven: the input, a motion of the base or a wall.
+        order: how often the input is integrated over time to give a position.
     """
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
@@ -125,10 +131,10 @@ def _quoted(text: str) -> str:
 
 
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
-    """Refuse a signal at which the position or the velocity of base or wall would jump.
+    """Refuse a signal with which a position or velocity of the base or a wall would jump (SIGNAL_RULES).
 
-    The function also refuses periodic accelerations, and a sine whose frequency is 0 and stays 0 for an input
-    that is integrated: the integral of the sine would divide by zero.
+    Periodic accelerations are refused, too, and so is a sine whose frequency is 0 and stays 0 if the input is
+    integrated over time, because the integral of the sine would divide by zero.
     """
     order, moves = family(driven).index(driven), is_motion(driven)
     speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))

@@ -1,6 +1,6 @@
-"""Signals, functions of time that drive inputs of the scene: their defaults, table files and inputs.
+"""Signals, functions of time that drive inputs of the scene: defaults, table files, and the driven inputs.
 
-kernel/chain/signals.py computes their values.
+kernel/chain/signals.py computes the values of signals.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]
 TARGET_RATE = ".target_velocity"
-"""The end of the names of target velocities. Their signals come last: their values replace the derivatives of
-target angles and positions."""
+"""The end of the names of target velocities. Signals that drive these come last in the record, because their
+values replace the derivatives of target angles and positions that other signals drive."""
 
 
 class Driven(NamedTuple):
@@ -29,10 +29,10 @@ class Driven(NamedTuple):
     Attributes:
         signal: the name of the signal.
         input: the name of the input.
-        outputs: the names of the quantities that the signal determines: the integrals of the input over time,
-            the input, and the derivatives of the input, in this order.
-        knots: the number of polynomials that the signal needs.
-        is_steps: whether the signal has lists of times and values.
+        outputs: the names of the quantities that the signal determines (``family``): integrals of the input
+            over time, the input, and derivatives of the input, in this order.
+        knots: the number of polynomials for the input in the record.
+        is_steps: whether the form of the signal is "steps", with lists of times and values.
     """
 
     signal: str
@@ -43,15 +43,15 @@ class Driven(NamedTuple):
 
     @property
     def order(self) -> int:
-        """The number of integrations over time that lead from the driven input to the first of the outputs.
+        """The number of integrations over time from the driven input to the first of ``outputs``.
 
-        It is 2 for ``base.ax``, 1 for ``base.vx``, and 0 for ``base.x`` or a force.
+        It is 2 for ``base.ax``, 1 for ``base.vx`` or a belt's speed, and 0 for ``base.x`` or a force.
         """
         return self.outputs.index(self.input)
 
 
 def driven_by(scene: Contents) -> tuple[Driven, ...]:
-    """Return all inputs that signals drive, in the order of the record; target velocities come last."""
+    """Return all inputs that signals drive, in the order of the record: target velocities come last."""
     if not scene.signals:
         return ()
     driven = [
@@ -65,9 +65,9 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
 def family(name: str) -> tuple[str, ...]:
     """Return the names of the quantities that a signal determines if it drives the input ``name``.
 
-    They are integrals of the input over time, the input, and its derivatives, in this order. All of them are
-    names of inputs, except "" for the integral of a belt's speed, which has no name. A target velocity
-    determines only itself, not the target angle or position.
+    These are integrals of the input over time, the input, and derivatives of the input, in this order. All
+    are names of inputs, except "" for the integral of a belt's speed, which has no name. A signal that drives
+    a target velocity determines only this, not the target angle or position.
     """
     head, _, last = name.rpartition(".")
     if head == "base":
@@ -84,14 +84,14 @@ def family(name: str) -> tuple[str, ...]:
 def driven_alone(name: str) -> tuple[str, ...]:
     """Return the inputs that no other signal may drive if a signal drives the input ``name``.
 
-    For a motion of base or wall these are the position, the velocity and the acceleration, which follow from
-    each other; for any other input only the input itself.
+    For a position, velocity or acceleration of the base or a wall, these are all three, which follow from
+    each other; for any other input, only the input itself.
     """
     return family(name) if is_motion(name) else (name,)
 
 
 def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with defaults for its signals and with the contents of their table files.
+    """Return the scene with the defaults of its signals, and with the contents of the signals' table files.
 
     Relative paths of files begin at ``folder``.
     """
@@ -107,9 +107,10 @@ def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signal:
-    """Return the signal with the contents of its file, and with the full path of the file.
+    """Return the signal with the contents of its table file, and with the absolute path of this file.
 
-    Refuse a file that cannot be read, or lacks a column for an input.
+    Refuse a file that cannot be read, is no table of inputs, or lacks a column for an input. ``stop`` is the
+    end of the run [s].
     """
     path, key = (folder / (signal.file or "")).absolute(), ("signals", name, "file")
     try:
@@ -133,10 +134,10 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
 @lru_cache(16)
 def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, dict[str, Numbers]]:
-    """Return the times and columns of a table file, from a cache.
+    """Return the times [s] of a table file, and its other columns by name; the results are cached.
 
-    The arguments ``_changed``, the time of the last change, and ``_size`` [byte] make that a changed file is
-    read again.
+    ``_changed`` is the time of the file's last change, ``_size`` the size of the file [byte]: with other
+    values of these, the file is read again. ``stop`` is the end of the run [s].
     """
     times, columns = samples_of(read_table(path), stop)
     return tuple(times.tolist()), {name: tuple(column.tolist()) for name, column in columns.items()}
@@ -145,7 +146,8 @@ def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, 
 def _completed(name: str, signal: Signal) -> Signal:
     """Return the signal with the defaults of its form.
 
-    An unsuitable name, a missing key, and a key that the signal's form does not have are refused.
+    Refuse a ``name`` that is no identifier, a signal without a required key, and one with a key that its form
+    does not have.
     """
     own = FORMS[signal.form]
     if not name.isidentifier():

@@ -14,13 +14,14 @@ SHAPES = ("smooth", "linear", "trapezoid")
 
 
 class Form(NamedTuple):
-    """A form of signals, such as a ramp or a sine: the keys of such a signal, and its number of polynomials.
+    """A form of signals, such as a ramp: the keys, and the number of polynomials, of a signal of this form.
 
     Attributes:
         required: the keys that the file must give.
-        optional: the keys that the file may leave out → their defaults.
-        knots: the number of polynomials of the signal, without the sine that the form of a sine adds to
-            them; None if the given values decide the number. For a trapezoid see ``knots_of``.
+        optional: key that the file may leave out → its default.
+        knots: the number of polynomials of the signal, which do not include the sine of a form "sine"; None
+        if
+            the values of the signal decide the number. For a trapezoid see ``knots_of``.
     """
 
     required: tuple[str, ...]
@@ -29,7 +30,7 @@ class Form(NamedTuple):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The names of all keys that a signal of this form may have."""
+        """The keys that a signal of this form may have, beside ``input`` and ``form``."""
         return (*self.required, *self.optional)
 
 
@@ -44,7 +45,7 @@ FORMS = {
     "steps": Form(("times", "values"), {}, None),
     "table": Form(("file",), {"interpolation": None, "period": None}, None),
 }
-"""Name of a form → the form, in the order of the kernel's numbers of forms.
+"""Name of a form → the form; the index of a form is its number in the kernel.
 
 For a ramp with the shape "trapezoid", ``knots_of`` (signal_polynomials.py) has the number of polynomials.
 """
@@ -56,41 +57,46 @@ _UNITS = {template: unit for inputs in INPUTS_OF.values() for template, unit in 
 def unit_of(name: str) -> str:
     """Return the unit of an input.
 
-    A misspelt name is refused only after the values are read. Until then it has the unit of the input with
-    the most similar name, or "1" if no name is similar.
+    Another name than that of an input, which is refused after reading, gets the unit of the input with the
+    most similar name, or "1" if no name is similar.
     """
     template = next((known for known in _UNITS if is_like(name, known)), nearest(name, _UNITS))
     return _UNITS[template] if template else "1"
 
 
 def _unit_of_values(tables: Mapping[str, Any]) -> str:
-    """Return the unit of a signal's values: the unit of the first input in the signal's list ``input``.
+    """Return the unit of a signal's values: that of the first of the signal's inputs, or "1" without inputs.
 
-    The result is "1" if the list is empty.
+    ``tables`` has the values of the signal's keys that have been read before.
     """
     return unit_of(tables["input"][0]) if tables["input"] else "1"
 
 
 def _value(description: str) -> Any:
-    """Return the dataclass field for a number, or a list of numbers, in the unit of the driven input."""
+    """Return the dataclass field for a key whose numbers have the unit of the driven input."""
     return quantity("1", description, None, unit_by=_unit_of_values)
 
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """The contents of a table file: times [s] and the values of each input, each of shape (T,)."""
+    """The contents of a table file, with T rows.
+
+    Attributes:
+        times: the times of the rows [s], shape (T,).
+        columns: for each input that the signal drives, a pair of its name and its values, shape (T,).
+    """
 
     times: tuple[float, ...]
     columns: tuple[tuple[str, tuple[float, ...]], ...]
 
     def values(self, name: str) -> tuple[float, ...]:
-        """Return the values of an input in the table, one for each time."""
+        """Return the values of the input ``name``, one for each time."""
         return dict(self.columns)[name]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signal:
-    """A signal, which drives inputs over time; a key that the signal's form does not have is None."""
+    """A signal, which drives inputs over time; keys that the signal's form does not have are None."""
 
     input: tuple[str, ...] = quantity(
         "", "the input that it drives, or a list of them", pattern=INPUT, or_one=True

@@ -1,6 +1,6 @@
-"""The data of signals that the kernel's record has, and the values of signals at the start of a run.
+"""The data of signals in the kernel's record, and the values of signals at the start of a run.
 
-kernel/chain/signals.py evaluates the data; its functions also give the values here.
+Functions of kernel/chain/signals.py evaluate the data, in a run and here.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ NUMBERS = (
     *("start", "rise", "initial", "final", "duration"),
 )
 """The keys of signals whose values are single numbers, except ``period``. The record has 0 for a key that the
-signal's form does not use."""
-# [1] largest distance in time between the last row of a periodic table and the end of the period, relative to
-# the period, that counts as zero
+form of the signal does not have."""
+# [1] the time between the last row of a periodic table and the end of the first period, divided by the
+# period, up to which both count as equal
 CLOSED = 1e-9
 
 
 def value_at_start(signal: Signal, driven: str, stop: float) -> float:
-    """Return the value at t = 0 of an input that a signal drives, in a run until ``stop`` [s]."""
+    """Return the value at t = 0 of the input ``driven`` that a signal drives, in a run until ``stop`` [s]."""
     knots = knots_of(signal, driven)
     row, knot = np.zeros((), signal_dtype(1, knots)), np.zeros((), knot_dtype(knots))
     write_signal({"signal": row, "knot": knot}, 0, signal, driven, stop)
@@ -37,16 +37,16 @@ def value_at_start(signal: Signal, driven: str, stop: float) -> float:
 
 
 def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> None:
-    """Write a signal to row j of the record's part ``signal``, and its polynomials to the part ``knot``.
+    """Write a signal to entry j of the record's part ``signal``, and its polynomials to the part ``knot``.
 
-    All fields of the row must be 0, except its ``order`` and ``first``, the index of its first polynomial in
-    ``knot``, which the caller has set.
+    The caller has set two fields of the entry: ``order``, and ``first``, the index in ``knot`` of its first
+    polynomial. All other fields of the entry must be 0.
 
     Args:
-        d: the parts ``signal`` and ``knot`` of the record.
-        j: the row.
+        d: the parts ``signal`` and ``knot`` of the record, by name.
+        j: the index of the entry.
         signal: the signal.
-        driven: the input that the row drives.
+        driven: the input that the entry is for.
         stop: the end of the run [s].
     """
     fields = d["signal"]
@@ -66,7 +66,7 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
 
 
 def knots_of(signal: Signal, driven: str) -> int:
-    """Return the number of polynomials that describe a signal for an input that it drives."""
+    """Return the number of polynomials in the record for a signal and the input ``driven``."""
     if signal.samples is not None:
         count = len(signal.samples.times)
         if signal.period:
@@ -78,19 +78,20 @@ def knots_of(signal: Signal, driven: str) -> int:
 
 
 def joined_by(signal: Signal, driven: str) -> str:
-    """Return how the rows of a table are interpolated for an input: ``hold``, ``linear`` or ``spline``.
+    """Return the interpolation between the rows of a table for an input: ``hold``, ``linear`` or ``spline``.
 
-    The default is ``spline`` for a motion of base or wall, so that positions and velocities do not jump, and
-    ``hold`` for any other input. ``simulate`` has the same defaults for samples that Python gives.
+    If the file gives none, it is ``spline`` for a motion of the base or a wall, so that positions and
+    velocities do not jump, and ``hold`` for any other input. ``simulate`` has the same defaults for samples
+    in Python.
     """
     return signal.interpolation or ("spline" if is_motion(driven) else "hold")
 
 
 def is_closed(signal: Signal) -> bool:
-    """Return whether the last row of a periodic table lies one period after its first row.
+    """Return whether the last row of a periodic table is one period after the first row, up to round-off.
 
     Both rows then stand for the same time in the period, so they must have the same values, except with
-    ``hold``.
+    ``hold``. The signal must have a table.
     """
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
@@ -98,17 +99,22 @@ def is_closed(signal: Signal) -> bool:
 
 
 def is_position(name: str) -> bool:
-    """Return whether an input is a coordinate of the base, or the displacement of a wall."""
+    """Return whether the input ``name`` is a coordinate of the base, or the displacement of a wall."""
     return name in ("base.x", "base.y") or name.endswith(".displacement")
 
 
 def is_motion(name: str) -> bool:
-    """Return whether an input is a position, velocity or acceleration of the base or of a wall."""
+    """Return whether the input ``name`` is a position, velocity or acceleration of the base or of a wall.
+
+    The speed of a belt is none of these.
+    """
     return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
 
 
 def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return the polynomials of a table for one input, after ``order`` integrations over time.
+    """Return the piecewise polynomial of a table for one input, after ``order`` integrations over time.
+
+    All integrals are 0 at t = 0.
 
     Args:
         signal: the signal with the table.
@@ -117,9 +123,9 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         stop: end of the run [s].
 
     Returns:
-        The start of each polynomial, shape (R,) [s]; the coefficients of the powers of the time since this
-            start, shape (R, P); and the growth of the last integral over one period, 0 without a period or
-            an integration.
+        The start of each polynomial, shape (R,) [s]; the coefficients of the powers 0 to P − 1 of the time
+            since this start, shape (R, P); and the growth of the last integral over one period, 0 without a
+            period or an integration. With a period, these are the polynomials of one period.
     """
     assert signal.samples
     at, values = np.array(signal.samples.times), np.array(signal.samples.values(driven))
@@ -128,15 +134,16 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         at, values = np.append(at, at[0] + period), np.append(values, values[0])
     at, powers = _interpolated(signal, driven, at, values, stop)
     if not period:
-        # the input has the first value before the table begins, and the last value from the table's end on
+        # the input has the first value of the table before the table begins, and the last value from its end
+        # on
         constants = np.zeros((2, powers.shape[1]))
         constants[:, 0] = values[[0, -1]]
         at, powers = np.append(at[0], at), np.concatenate([constants[:1], powers, constants[1:]])
     ends, gain, periods, begin = np.append(at[1:], at[-1]), 0.0, 0, 0.0
     if period:
         at, ends = at[:-1], at[1:]
-        # The table repeats, so the input at the start of the run, t = 0, is that of the table at the time
-        # ``begin``: ``periods`` whole periods earlier, or later if ``periods`` is negative.
+        # The table repeats, so the input at the start of the run, t = 0, has the value of the table at the
+        # time ``begin``, which is ``periods`` whole periods earlier, or later if ``periods`` is negative.
         periods = math.floor(-at[0] / period)
         begin = -periods * period
     for _ in range(order):
@@ -151,11 +158,11 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
 def _interpolated(
     signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the interpolation of a table by R polynomials, as two arrays.
+    """Return the interpolation of a table by R polynomials between its first and its last row, as two arrays.
 
-    The first has the starts of the polynomials and the end of the last one, shape (R + 1,) [s]; the second
-    the coefficients of the powers of the time since the start of each polynomial, shape (R, P). A table with
-    a single row gives no polynomial.
+    The first has the starts of the polynomials and the end of the last one, shape (R + 1,) [s]. The second
+    has the coefficients of the powers 0 to P − 1 of the time since the start of each polynomial, shape (R,
+    P). A table with a single row gives R = 0. ``at`` and ``values`` are times [s] and values of the rows.
     """
     kind = joined_by(signal, driven)
     if kind == "hold" or len(at) == 1:
@@ -208,17 +215,18 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
 
 
 def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right") -> np.ndarray:
-    """Return the values of a piecewise polynomial at ``times``; its polynomials begin at the times ``at``.
+    """Return the values of a piecewise polynomial at ``times`` [s].
 
-    Before the first of these times, the first polynomial holds. At a jump, ``side`` ("left" or "right") says
-    which of the two polynomials gives the value.
+    Polynomial k has the coefficients ``powers[k]`` and begins at the time ``at[k]``; the first one also holds
+    before, the last one for all later times. At a start ``at[k]``, polynomial k gives the value if ``side``
+    is "right", and the polynomial before it if ``side`` is "left".
     """
     k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
     return _at(powers[k], times - at[k])
 
 
 def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the value of each polynomial at its own argument; row k of ``powers`` belongs to ``x[k]``."""
+    """Return the value of polynomial k at ``x[k]``, for all k; row k of ``powers`` has its coefficients."""
     total = np.zeros(len(x))
     for column in powers.T[::-1]:
         total = total * x + column
