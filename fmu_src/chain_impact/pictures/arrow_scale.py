@@ -79,7 +79,7 @@ class ArrowScale:
             below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
             label = axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), **below)
             box = label.get_window_extent()
-            if box.x1 > free:  # only in a small film
+            if box.x1 > free:  # in a small film, this number would touch its right neighbour
                 label.remove()
                 continue
             axes.plot([left + at], [y], "|", **marks)

@@ -86,7 +86,7 @@ def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -
         speed: the speed that the user gives, which is returned. If it is None, the speed is 1 or, to show a
             fast sine that drives an input, a lower one, but at least ``slowest``.
         rate: frames per second on the screen.
-        slowest: the least speed that is chosen for a sine, if it is below 1.
+        slowest: the least speed that is chosen for a sine; a number above 1 counts as 1.
     """
     fastest = fastest_sine(recording)
     enough = rate / (FRAMES_OF_SINE * fastest) if fastest else np.inf

@@ -141,8 +141,8 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, m
 def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
     """Return what marks at walls or, if ``is_stop``, at stops of joints show: words, unit, values (I,).
 
-    The values are those of ``strengths`` or, if none of these is known, impact speeds; 0 for impacts of the
-    other kind.
+    The values are those of ``strengths`` or, if none of these is known, impact speeds. An impact at a stop of
+    a joint has the value 0 unless ``is_stop``, and any other impact has the value 0 if ``is_stop``.
     """
     words, unit, values = strengths(recording, is_stop=is_stop)
     if not values.any():

@@ -44,7 +44,7 @@ from chain_impact.recording.view import ball_of
 # the largest number of strong poses between start and end, which are those at the fastest impacts
 MOST_STRONG_POSES = 6
 CANDIDATES = 60  # strong poses are chosen among the poses at the CANDIDATES fastest impacts
-FAINT_POSES = 40  # the largest number of faint poses, from rows of the recording at equal distances
+FAINT_POSES = 40  # the largest number of faint poses, from rows with equally spaced indices
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
 # STRONG_APART of strong ones. The pose at the fastest impact is always kept.
 FAINT_APART, STRONG_APART = 0.03, 0.1
@@ -191,7 +191,7 @@ def by_speed(recording: Recording) -> np.ndarray:
 
 
 def draw_faint(axes: Axes, recording: Recording) -> None:
-    """Draw the chain faintly in rows of the recording at equal distances, without poses that look alike."""
+    """Draw the chain faintly in rows with equally spaced indices, without poses that look alike."""
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
     poses = recording.points[rows]
     poses = poses[apart(poses, FAINT_APART * seen_size(recording))]

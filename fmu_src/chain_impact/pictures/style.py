@@ -35,8 +35,8 @@ PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.
 
 The first four are from Okabe and Ito, Color Universal Design (2008); the other colours there, except black,
-are too pale for lines on white. The last two are dark, so that colour-blind readers can tell them from the
-first four.
+are too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from
+the first four.
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
 """Greys: GREY of curves in the background, PALE of a grid's lines, INK of text and outlines."""

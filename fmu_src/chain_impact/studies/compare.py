@@ -227,9 +227,10 @@ def _why_none(scene: Scene, notes: Sequence[str]) -> str:
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
-    """Return the ids of the laws to compare in the order of the registry: ``laws``, or all laws without any.
+    """Return the ids of the laws to compare, in the order of the registry.
 
-    If none of these laws allows the scene's exponents, the scene's own law is added at the end.
+    These are ``laws`` or, if there are none, all laws. If none of these allows the scene's exponents, the
+    scene's own law is added at the end.
 
     Raises:
         UnknownNameError: when an id in ``laws`` does not exist.

@@ -82,7 +82,7 @@ def formatted(value: float, form: str) -> str:
 
 
 def legend(comparison: LawRuns) -> str:
-    """Return sentences on the columns' meaning and, if stops have their own law, that they keep it."""
+    """Return sentences on the meaning of the columns and, if stops have their own law, on this law."""
     scene = comparison.scene
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (
@@ -97,9 +97,9 @@ def advice(comparison: LawRuns) -> str:
     """Return a sentence with the laws that realise the prescribed restitution in the first impact.
 
     If the impact is free and several laws realise the restitution, the sentence advises one of these laws. If
-    the impact is not free, the sentence tells laws of impulses, which realise the restitution in any scene,
-    from laws with a force, and a second sentence gives the restitutions that can be reached. If other forces
-    press the contact again before it ends (``pressed_again``), the first sentence tells only this.
+    the impact is not free, the sentence lists laws of impulses, which realise the restitution in any scene,
+    before laws with a force, and a second sentence gives the restitutions that can be reached. If other
+    forces press the contact again before it ends (``pressed_again``), the first sentence tells only this.
     """
     e = comparison.contact.restitution
     if comparison.pressed_again:

@@ -15,8 +15,8 @@ from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
 # An impact is free if its restitution without losses differs from 1, and its restitution with the exact law
-# from e, by at most FREE_TOLERANCE. If a realised restitution exceeds 1 by more, other forces drive the
-# contact apart.
+# from e, by at most FREE_TOLERANCE. If a realised restitution exceeds 1 by more than this, other forces drive
+# the contact apart.
 FREE_TOLERANCE = 0.05
 
 
@@ -33,7 +33,7 @@ class LawRun:
         law: the id of the law.
         exponent: exponent n at the wall or stop of the first impact; without a first impact, that of the
             scene, or the exponent that the law needs.
-        stiffness: stiffness K at the same wall or stop [N/m^n].
+        stiffness: stiffness K at the same wall or stop [N/m^n]; at a stop of a joint [N·m/rad^n].
         restitution: the realised restitution of the first impact.
         peak_force: peak force of the first impact [N]; 0 for an impulse.
         max_penetration: largest penetration in the first impact [m].

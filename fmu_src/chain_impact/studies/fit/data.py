@@ -27,7 +27,7 @@ ONSET, DURATION = "onset", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
 MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
-"""The quantities of an impact that a fit uses; across a wall, POSITION would have hardly any error."""
+"""The quantities of an impact that a fit uses: not POSITION, as it has hardly any error across a wall."""
 # the hint for a column that looks like times, in a table of impacts without the column ``onset``
 CALL_ONSET = "; call the column {} onset, if it has the onsets of impacts in seconds"
 # If impacts were measured, the model runs until LATE times the last measured time, because an impact of the

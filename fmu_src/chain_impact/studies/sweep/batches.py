@@ -78,7 +78,7 @@ def hand_out(
 ) -> Generator[tuple[Span, Outcome]]:
     """Divide spans of runs into batches; yield each batch with its result, in the order in which they end.
 
-    An error of ``do`` or ``check`` ends the iteration. At its end, batches that have not begun are cancelled.
+    An error of ``do`` or ``check`` ends the iteration. Batches that have not begun are then cancelled.
 
     Args:
         executor: executes the batches in threads of this machine, or on the machines of a cluster.

@@ -104,7 +104,7 @@ class Dataset:
                 path.unlink()
 
     def is_complete(self) -> bool:
-        """Return whether the folder has all runs of the sweep, in files without a fault; it is only read.
+        """Return whether the folder, which is only read, has all runs of the sweep in files without a fault.
 
         If the folder has a manifest, ``files`` gets the files that the manifest lists.
 

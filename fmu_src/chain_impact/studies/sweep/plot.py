@@ -168,7 +168,7 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
 
 
 def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
-    """Return the parameters whose value in the scene the picture marks (``maps.SCENE_MARK``), if it has one.
+    """Return the parameters of which the picture can mark the value in the scene (``maps.SCENE_MARK``).
 
     These are, with curves, the parameter of the horizontal axis; with histograms, the parameters over which
     samples are drawn; with maps, both parameters if ``own_value`` has a value of both; with dots, none.

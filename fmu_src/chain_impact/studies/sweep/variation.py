@@ -66,8 +66,8 @@ class Variation:
     def at(self, parts: np.ndarray) -> np.ndarray:
         """Return the values at the fractions ``parts`` (0 ≤ x < 1) of the interval, or of the list of values.
 
-        A fraction of an interval counts from the first end; in a logarithmic interval it is that of the
-        logarithm. From a list of n values, a fraction x selects the value with the index ⌊n x⌋.
+        A fraction of an interval counts from the first end; in a logarithmic interval it is a fraction of the
+        difference of the logarithms. From a list of n values, a fraction x selects the index ⌊n x⌋.
         """
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
