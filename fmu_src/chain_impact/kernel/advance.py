@@ -239,7 +239,7 @@ def latch_again(d):
 
 
 def apply_laws(d):
-    """Update what depends on the laws: latched values, held contacts, friction modes and sides of kinks."""
+    """Update latched values, held contacts, modes of friction and drives, and sides of kinks, to the laws."""
     latch_again(d)
     renew_modes(d, belts_jump(d))
 

@@ -147,7 +147,7 @@ def zhiying_qishao(e):
     "Ye, Li & Zhu", "2009, Earthq Eng Struct Dyn 38:1135", "8(1−e)/(5e)", (0.54, 1.0), "A", allows_zero=False
 )
 def ye(e):
-    """Pounding of buildings; the formula that Flores et al. found too."""
+    """For pounding of buildings; Flores et al. have the same formula."""
     return 1.6 * (1.0 - e) / e
 
 
@@ -182,7 +182,7 @@ def hu_guo(e):
     "Carvalho & Martins", "2019, Mech Mach Theory 139:174", "(3/2)(1−e)(11−e)/(1+9e)", (0.21, 1.0), "A"
 )
 def carvalho_martins(e):
-    """A rational fit to the exact relation, in use down to e ≈ 0.2."""
+    """A rational fit to the exact relation, usable down to e ≈ 0.2."""
     return 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e)
 
 

@@ -350,7 +350,7 @@ def note_squeezed(d, tolerated):
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return the least number of violations so far, and how many more pivots may leave it; < 0: too many."""
+    """Return the least number of violations so far, and how many pivots may still fail to reduce it."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
