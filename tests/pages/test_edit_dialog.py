@@ -86,6 +86,7 @@ def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
     edit(page, "link[3].joint_max", "80 deg")
     edit(page, "box.x_min", "")
     page.get_by_role("button", name="Add a wall").click()
+    assert page.evaluate("document.activeElement.ariaLabel") == "wall.wall1.x", "it goes to the new row"
     edit(page, "wall.wall1.angle", "-0.2")
     assert refusal(page) == ""
     scene = downloaded(page, tmp_path)
@@ -284,7 +285,7 @@ def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
     page.get_by_role("button", name="Edit…").click()
     edit(page, "link[1].height", "0.1")
     edit(page, "link[2].center_of_mass_offset", "0.03")
-    page.get_by_role("button", name="Add a point of a link").click()
+    page.get_by_role("button", name="Add a point").click()
     edit(page, "point[9].name", "heel")
     edit(page, "point[9].link", "2")
     edit(page, "point[9].y", "0.08")

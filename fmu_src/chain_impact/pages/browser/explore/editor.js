@@ -26,9 +26,8 @@ export class Editor {
       this.#say("");
       this.dialog.showModal();
     });
-    find("add-link").addEventListener("click", () => this.#change(addLink));
-    find("add-point").addEventListener("click", () => this.#change(addPoint));
-    find("add-wall").addEventListener("click", () => this.#change(addWall));
+    Object.entries({ link: addLink, point: addPoint, wall: addWall }).forEach(([part, add]) =>
+      find(`add-${part}`).addEventListener("click", () => this.#add(add, find(`edit-${part}s`))));
     find("edit-base").addEventListener("change", ({ target }) => this.#change((file) => setBase(file, target.value)));
     find("edit-choose").addEventListener("click", () => find("edit-file").click());
     find("edit-file").addEventListener("change", ({ target }) => {
@@ -80,6 +79,15 @@ export class Editor {
       onFault(error);
       return refusalText(error);
     });
+  }
+
+  /** Add a part to the scene as `#change` does, and go to its row, the last one of a table, unless the part is refused. */
+  #add(edit, table) {
+    let isAdded = true;
+    this.#change(edit, () => {
+      isAdded = false;
+    });
+    if (isAdded) [...table.querySelectorAll("tbody tr:not(.told)")].at(-1).querySelector("input").focus();
   }
 
   /** Apply a function, `edit`, to the contents of the scene that the page shows; return words for what the edit also removes. */
@@ -161,7 +169,7 @@ export class Editor {
     const atPoint = ["x", "y"].map((axis) => `${axis}, ${unitText(this.tables.wall.point.each.unit)}`);
     const ofWalls = ["Wall", ...atPoint, ...this.#heads("wall"), ""];
     this.#fill(find("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
-    find("edit-walls").hidden = file.walls.length === 0;
+    find("edit-walls").hidden = find("edit-walls-title").hidden = file.walls.length === 0;
     [...this.#refused.keys()].filter((name) => !this.#edits.has(name)).forEach((name) => this.#refused.delete(name));
   }
 
