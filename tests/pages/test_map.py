@@ -188,6 +188,7 @@ def test_a_ranking_of_impulses_knows_numbers_but_no_force(show):
     page.locator("#map-output").select_option("peak_force")
     page.locator("#map-ranking-text").get_by_text("Largest force at a wall is not known").wait_for()
     assert page.evaluate(RANKED) == []
+    assert page.locator("#map-canvas").is_visible(), "the map stays where there is no list"
 
 
 def test_a_map_of_rigid_stops_counts_impacts_and_has_no_force_of_0(show):

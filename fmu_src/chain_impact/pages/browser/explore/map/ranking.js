@@ -36,18 +36,26 @@ export class Ranking {
   constructor(changes, { startEngines, wordsOf, choose }) {
     Object.assign(this, { changes, startEngines, wordsOf, choose });
     [this.button, this.list, this.text] = ["map-rank", "map-ranking", "map-ranking-text"].map(find);
-    this.button.addEventListener("click", () => this.#show(this.list.hidden));
+    this.button.addEventListener("click", () => this.#show(this.text.hidden));
     find("map-output").addEventListener("change", () => this.#draw());
     find("map").addEventListener("close", () => this.#show(false));
   }
 
-  /** Show the list in place of the map, or the map again. */
+  /** Begin the list, which takes the place of the map when it has entries, or show the map again. */
   #show(isShown) {
-    this.list.hidden = this.text.hidden = !isShown;
-    find("map-frame").hidden = find("map-text").hidden = isShown;
+    this.text.hidden = !isShown;
+    find("map-text").hidden = isShown;
+    this.#fill([]);
     this.button.setAttribute("aria-pressed", isShown);
     this.#stop();
     if (isShown) this.#rank();
+  }
+
+  /** Fill the list, which is shown in place of the map if it has entries. */
+  #fill(rows) {
+    this.list.replaceChildren(...rows);
+    this.list.hidden = !rows.length;
+    find("map-frame").hidden = rows.length > 0;
   }
 
   #stop() {
@@ -66,7 +74,6 @@ export class Ranking {
     const waiting = [{ name: first, sign: 0, value: changes.valueOf(first) }, ...steps];
     const shown = { outputs, runs: [], count: waiting.length };
     this.shown = shown;
-    this.list.replaceChildren();
     const work = async (engine) => {
       while (waiting.length) {
         const step = waiting.shift();
@@ -87,8 +94,8 @@ export class Ranking {
 
   /** List the effects on the chosen output, if all runs are done. */
   #draw() {
-    const { shown, list, text } = this;
-    if (list.hidden || shown?.runs.length !== shown?.count) return;
+    const { shown, text } = this;
+    if (text.hidden || shown?.runs.length !== shown?.count) return;
     const output = shown.outputs.find(({ name }) => name === find("map-output").value);
     const valueOf = ({ values }) => values && !output.isPlace ? outputIn(values, output) : null;
     const base = valueOf(shown.runs.find(({ sign }) => sign === 0));
@@ -99,7 +106,7 @@ export class Ranking {
       .sort((one, other) => Math.abs(other.change) - Math.abs(one.change));
     const some = effects.filter(({ change }) => Math.abs(change) > LEAST_SHARE * Math.abs(base));
     const largest = Math.abs(some[0]?.change);
-    list.replaceChildren(...(base === null ? [] : some.slice(0, MOST_EFFECTS)).map(({ name, change }) => {
+    this.#fill((base === null ? [] : some.slice(0, MOST_EFFECTS)).map(({ name, change }) => {
       const ends = [50, 50 + (50 * change) / largest].sort((a, b) => a - b).map((end) => `${end}%`);
       const bar = make("span", { className: "effect-bar" });
       ["--from", "--to"].forEach((key, k) => bar.style.setProperty(key, ends[k]));
