@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import ANGLE_AXIS, MAP, draw_map
+from tests.pages.in_pages import ANGLE_AXIS, MAP, PHONE, draw_map
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -176,3 +176,42 @@ def test_the_label_of_a_run_covers_no_number_and_tablets_have_all_columns(show):
         page.locator("#map-canvas").hover(position={"x": share * box["width"], "y": share * box["height"]})
         page.locator(".map-label-text").wait_for()
         assert page.evaluate(HIDDEN) == 0
+
+
+TEXTS = """(kind) => [...document.querySelectorAll(`#map-scales ${kind}`)].map((one) => {
+  const [{ left, right, top, bottom }, frame] =
+    [one, document.getElementById("map-frame")].map((part) => part.getBoundingClientRect());
+  return [one.textContent, left - frame.left, right - frame.left, top, bottom, frame.width];
+})"""
+"""Each text of a kind in a map, its edges, and the width of the map's frame."""
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm"])
+def test_the_texts_of_a_map_are_whole_on_a_phone(show, model):
+    """The title of crowded colours has two lines, and names of places keep apart from each other."""
+    page = show(model, {"simulation.stop_time": 0.6}, viewport=PHONE)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text("A preview of").wait_for()
+    for output in page.locator("#map-output option").evaluate_all("all => all.map(({ value }) => value)"):
+        page.locator("#map-output").select_option(output)
+        found = page.evaluate(TEXTS, "text")
+        assert [text for text, left, right, *_, width in found if left < -1 or right > width + 1] == []
+        values = page.evaluate(TEXTS, ".map-value")
+        for k, (text, left, right, top, bottom, _) in enumerate(values):
+            for other in values[k + 1 :]:
+                is_apart = right < other[1] or other[2] < left or bottom < other[3] + 3 or other[4] < top + 3
+                assert is_apart, (output, text, other[0])
+    if model == "four_link_box":
+        page.locator("#map-output").select_option("peak_force")
+        titles = [text for text, *_ in page.evaluate(TEXTS, "text:not(.map-value)")]
+        assert titles[-2:] == ["Largest force at a wall, kN", "(each colour for as many runs)"]
+
+
+def test_values_that_differ_by_round_off_have_one_colour(script):
+    values = [0.1 + 0.2, 0.3, 0.3]
+    function = """(values) => {
+      const { ends, shareOf } = colourScale(values, false);
+      return [ticksBetween(...ends, 3).length, new Set(values.map(shareOf)).size];
+    }"""
+    assert script.evaluate(function, values) == [1, 1]
+    assert script.evaluate(function, [0.3, 0.31, 0.32])[1] == 3

@@ -1,13 +1,19 @@
 // Round numbers for the ticks of an axis.
 
 const TICK_STEPS = [5, 2.5, 2, 1]; // allowed distances between ticks, as multiples of a power of ten
+const EQUAL = 1e-9; // numbers whose difference is at most this, relative to the larger one, differ by round-off and count as equal
+
+/** Return whether two numbers, of which the first is not larger, are equal up to round-off. */
+export function areSame(low, high) {
+  return high - low <= EQUAL * Math.max(Math.abs(low), Math.abs(high));
+}
 
 /**
  * Return the ticks of an axis from `low` to `high`: multiples of the largest round step that gives at least `fewest` of them; there are at
  * most 10. With `whole` all of them are whole numbers, and there may be fewer. An axis without a length has one tick, `low`.
  */
 export function ticksBetween(low, high, fewest = 4, whole = false) {
-  if (!(high > low && high - low < Infinity)) return [low];
+  if (areSame(low, high) || !(high - low < Infinity)) return [low];
   const power = 10 ** Math.floor(Math.log10(high - low));
   const endsOf = (step) => [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
   const steps = [power, power / 10].flatMap((unit) => TICK_STEPS.map((factor) => factor * unit));

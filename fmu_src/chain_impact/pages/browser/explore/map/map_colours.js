@@ -1,5 +1,6 @@
 // The colours of the map, chosen as in `map_colours.py`: their ends, and whether they are logarithmic or in steps.
 
+import { areSame } from "../../base/ticks.js";
 import { axisScale } from "./map_scales.js";
 
 // colours at equal distances along viridis, a colour map of matplotlib (CC0), as [red, green, blue]
@@ -78,7 +79,8 @@ export function colourScale(outputs, areCounts) {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);
   if (!values.length) return null;
   const extremes = [values[0], values.at(-1)];
-  if (areCounts && extremes[0] < extremes[1]) {
+  if (areSame(...extremes)) return { extremes, ends: extremes, isLogarithmic: false, shareOf: () => 0.5 };
+  if (areCounts) {
     const bins = countBins(...extremes);
     const shareOf = (value) => bins.findLastIndex((limit) => limit < value) / (bins.length - 2);
     return { extremes, ends: [bins[0], bins.at(-1)], bins, shareOf };

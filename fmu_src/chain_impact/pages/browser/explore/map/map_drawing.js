@@ -8,6 +8,7 @@ import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_
 
 const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
 const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
+const LINE = 13; // [pixels] distance of two lines of the title of the colours
 const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
 // [pixels] free space around the canvas for axes and scale; the style sheet must have the same lengths
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
@@ -91,6 +92,15 @@ export class MapDrawing {
     return this.scales.plain(withMinus(text)).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
   }
 
+  /** Write the title of the colours, with its `note` in the same line or, if this is wider than the drawing, in the next line. */
+  #writeTitle(title, note, middle, y) {
+    const room = 2 * Math.min(middle, this.frame.clientWidth - middle);
+    const whole = this.#write(title + note, middle, y, "middle");
+    if (!note || whole.node.getComputedTextLength() <= room) return;
+    whole.plain(title);
+    this.#write(note.replace(/^,? /, ""), middle, y + LINE, "middle");
+  }
+
   /** Draw the scale of the colours with its numbers and its title, which names extremes beyond the ends of the colours. */
   #drawColours(left, top, width, output, scale) {
     const { factor, text } = scaledTo(output, scale);
@@ -106,7 +116,7 @@ export class MapDrawing {
     });
     const beyond = scale ? beyondEnds(scale, factor) : "";
     const equal = scale?.knots ? " (each colour for as many runs)" : "";
-    this.#write(titleOf(quantityOf(output.name), text) + beyond + equal, left + width / 2, top + 34, "middle");
+    this.#writeTitle(titleOf(quantityOf(output.name), text), beyond + equal, left + width / 2, top + 32);
   }
 }
 

@@ -3,12 +3,13 @@
 import { digits, numberText, withMinus } from "../../base/format.js";
 import { scaledTo } from "./map_scales.js";
 
-const [NUMBERS_BESIDE, NUMBERS_ABOVE] = [44, 38]; // [pixels] least distances between two numbers, beside and above each other
-const [NUMBER_WIDTH, NUMBER_HEIGHT] = [34, 11]; // [pixels] size of a number
+const [BETWEEN, NUMBERS_ABOVE] = [10, 38]; // [pixels] least space beside a number, and least distance of two numbers above each other
+const [LEAST_WIDTH, NUMBER_HEIGHT] = [34, 11]; // [pixels] least width that a number counts to have, and its height
+const SIGN = 7; // [pixels] width of a sign of a number or of the label of a run
 const RING_SIZE = 13; // [pixels] diameter of the ring at the present run
 const MARK_RIM = 2; // [pixels] width of the mark around a run
 const BLACK_FROM = 0.45; // fraction of the scale of colours from which on a number is black
-const [LABEL_SIGN, LABEL_PAD] = [7, 5]; // [pixels] width of a sign in the label of a run, and the label's free space at both sides
+const LABEL_PAD = 5; // [pixels] free space at both sides of the label of a run
 
 /** Return an output as short text: the name of a place, or a number in the unit of the map, without this unit. */
 function outputText(value, { output, scale }) {
@@ -19,9 +20,12 @@ function outputText(value, { output, scale }) {
   return withMinus(size === 0 || (size >= 1e-3 && size < 1e6) ? digits(shown) : numberText(Number(shown.toPrecision(3))));
 }
 
-/** Return for the number beside the ring at [x, y]: x of its end at the ring (`from`), `y`, its `anchor`, and x of the `middle` of both. */
-function ringOf([x, y], { left, width }) {
-  const [side, anchor] = x > left + width - NUMBERS_BESIDE ? [-1, "end"] : [1, "start"];
+/**
+ * Return for the number beside the ring at [x, y]: x of its end at the ring (`from`), `y`, its `anchor`, and x of the `middle` of both.
+ * `wide`: width of a number [pixels].
+ */
+function ringOf([x, y], { left, width }, wide) {
+  const [side, anchor] = x > left + width - wide - BETWEEN ? [-1, "end"] : [1, "start"];
   return { from: x + side * RING_SIZE, middle: x + side * 1.3 * RING_SIZE, y, anchor };
 }
 
@@ -36,15 +40,17 @@ export function markRuns(scales, map, place, { present, chosen }) {
   const middle = (index) => [place.left + (index % points + 0.5) * width, place.top + (points - Math.floor(index / points) - 0.5) * height];
   const write = (value, [x, y], kind, anchor = "middle") => scales.plain(outputText(value, map))
     .attr({ x, y: y + 4, "text-anchor": anchor, fill: scale.shareOf(value) > BLACK_FROM ? "#000" : "#fff" }).addClass(`map-value ${kind}`);
-  const steps = [Math.ceil(NUMBERS_BESIDE / width), Math.ceil(NUMBERS_ABOVE / height)];
+  const texts = results.filter(Number.isFinite).map((value) => outputText(value, map));
+  const wide = texts.reduce((most, { length }) => Math.max(most, SIGN * length), LEAST_WIDTH);
+  const steps = [Math.ceil((wide + BETWEEN) / width), Math.ceil(NUMBERS_ABOVE / height)];
   const isWritten = (number, k) => number % steps[k] === Math.floor(steps[k] / 2);
-  const ring = present && ringOf(present.at, place);
+  const ring = present && ringOf(present.at, place, wide);
   const written = ring ? [[ring.middle, ring.y]] : []; // the middles of all numbers
   results.forEach((value, index) => {
     const at = middle(index);
-    const isFree = !ring || Math.abs(at[0] - ring.middle) > 0.85 * NUMBERS_BESIDE || Math.abs(at[1] - ring.y) > RING_SIZE;
+    const isFree = !ring || Math.abs(at[0] - ring.middle) > 0.85 * (wide + BETWEEN) || Math.abs(at[1] - ring.y) > RING_SIZE;
     const isThere = isWritten(index % points, 0) && isWritten(Math.floor(index / points), 1);
-    const isInside = Math.min(at[0] - place.left, place.left + place.width - at[0]) >= NUMBER_WIDTH / 2;
+    const isInside = Math.min(at[0] - place.left, place.left + place.width - at[0]) >= wide / 2;
     if (!isThere || !isFree || !isInside || !Number.isFinite(value)) return;
     write(value, at, "");
     written.push(at);
@@ -57,21 +63,21 @@ export function markRuns(scales, map, place, { present, chosen }) {
   const [x, y] = middle(chosen);
   ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
     scales.rect(width + 2 * MARK_RIM, height + 2 * MARK_RIM).center(x, y).addClass(kind));
-  if (Number.isFinite(results[chosen])) writeLabel(scales, map, place, { value: results[chosen], x, y, height, written });
+  if (Number.isFinite(results[chosen])) writeLabel(scales, map, place, { value: results[chosen], x, y, height, written, wide });
 }
 
 /**
  * Write the output `value` of the run with the middle `x`, `y` and a `height`: above or below it, and so near that the text covers none of
- * the numbers with the middles `written`, if there is such a place.
+ * the numbers with the middles `written` and the width `wide`, if there is such a place.
  */
-function writeLabel(scales, map, { left, top, width }, { value, x, y, height, written }) {
+function writeLabel(scales, map, { left, top, width }, { value, x, y, height, written, wide: number }) {
   const text = [outputText(value, map), scaledTo(map.output, map.scale).text].filter(Boolean).join("\u202f");
-  const [wide, high] = [text.length * LABEL_SIGN + 2 * LABEL_PAD, 18];
+  const [wide, high] = [text.length * SIGN + 2 * LABEL_PAD, 18];
   const middle = Math.min(Math.max(x, left + wide / 2), left + width - wide / 2);
   const least = height / 2 + MARK_RIM + high / 2 + 2;
   const places = [0, 6, 12, 18, 24, 30].flatMap((more) => [y - least - more, y + least + more]).filter((at) => at - high / 2 > top);
   const covers = (at) => written.some(([across, down]) =>
-    Math.abs(across - middle) < (wide + NUMBER_WIDTH) / 2 && Math.abs(down - at) < (high + NUMBER_HEIGHT) / 2);
+    Math.abs(across - middle) < (wide + number) / 2 && Math.abs(down - at) < (high + NUMBER_HEIGHT) / 2);
   const at = places.find((one) => !covers(one)) ?? places[0];
   scales.rect(wide, high).radius(5).center(middle, at).addClass("map-label");
   scales.plain(text).attr({ x: middle, y: at + 4, "text-anchor": "middle" }).addClass("map-number map-label-text");
