@@ -80,7 +80,7 @@ def add(verbs: Verbs) -> None:
 
 
 def size(text: str) -> tuple[int, int]:
-    """Return width and height [pixels] from a text such as 960x540; refuse other texts and wrong sizes."""
+    """Return width and height [pixels] from a text such as 960x540; refuse sides not from 160 to 4096."""
     least, most = 160, 4096
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):

@@ -220,8 +220,8 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
     """Yield for each parameter or input with derivatives a heading and a table with the changes of impacts.
 
-    The heading has a small change of the parameter, such as 1 %. The table has the changes of the impacts
-    that follow to first order: of the onset in ms, of other quantities in percent. After all tables,
+    The heading has a small change of the parameter, such as 1 %. The table has the changes of the impacts by
+    this change, to first order: of the onset in ms, of other quantities in percent. After all tables,
     sentences tell of derivatives that do not exist, are one-sided or inexact. Nothing is yielded if the run
     has no derivatives.
     """

@@ -297,7 +297,7 @@ def report(
 
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
-    """Draw the derivatives of a recording or, if ``has_derivatives`` is false, its motion and energies."""
+    """Draw the derivatives of a recording or, if ``has_derivatives`` is false, motion, energies, impacts."""
     from chain_impact.pictures import FIGURE_SIZE, draw_figure, fill, fill_sensitivities, usual_size
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)

@@ -47,8 +47,8 @@ SCALAR = ("-fno-slp-vectorize",)
 PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
 INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
-# A Python program that runs lower.py from the folder of this package, its first argument. PYTHONPATH cannot
-# name this folder: where pip builds a wheel, pip hides the folder of an editable installation.
+# A Python program that runs lower.py; its first argument is the folder that contains this package. PYTHONPATH
+# cannot name this folder: where pip builds a wheel, pip hides the folder of an editable installation.
 LOWER = """import runpy, sys
 sys.path.insert(0, sys.argv.pop(1))
 runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sys=True)"""

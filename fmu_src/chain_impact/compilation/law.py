@@ -1,8 +1,8 @@
 """A user's own contact law as a C function, which is linked to a kernel.
 
 In a law, exp, expm1, log, log1p, pow, sin and cos are the kernel's own functions, whose results have the same
-bits on every machine. The other functions of ``math`` that numba does not write as code are those of the
-platform's C library or, in a browser, of ``Math``.
+bits on every machine. Most other functions of ``math`` are those of the platform's C library or, in a
+browser, of ``Math``.
 """
 
 from __future__ import annotations

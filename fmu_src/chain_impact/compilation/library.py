@@ -40,8 +40,7 @@ def kernel_library(
 
     Raises:
         BuildError: when the user's law or a compiler fails, when a kernel must be compiled without a
-        compiler,
-            or when there is no kernel for this machine.
+            compiler, or when there is no kernel for this machine.
     """
     if not platform:
         raise BuildError(nowhere())
@@ -81,7 +80,7 @@ def browser_module(law_file: str = "") -> Path:
 
     Raises:
         BuildError: as for ``kernel_library``, and when the law calls a function that the module does not
-        have.
+            have.
     """
     law = _law(law_file) if law_file else None
     name = f"{_law_name(law)}-{browser.MODULE}" if law else browser.MODULE
@@ -107,8 +106,8 @@ def browser_module(law_file: str = "") -> Path:
 def _lowered_kernel(what: str) -> str:
     """Return the text of a part of the kernel, KERNEL or DERIVATIVES, in LLVM's language.
 
-    The part is ready, from the cache, or newly lowered. It fits all scenes: ``compilers.complete`` adds
-    sizes.
+    The part is ready, from the cache, or newly lowered. The text fits all scenes: ``compilers.complete`` adds
+    the sizes.
     """
 
     def lower(module: Path) -> None:

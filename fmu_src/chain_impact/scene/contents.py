@@ -1,4 +1,4 @@
-"""What a scene file contains: its keys and tables at the top level, and values that follow from these alone.
+"""The contents of a scene file: the keys and tables at its top level, and values that follow from these.
 
 Modules that check, change or describe a scene use ``Contents``; users get ``Scene`` from ``scene.py``.
 """

@@ -83,8 +83,8 @@ LISTS = {
         values={"name": "name", "number": "order"},
     ),
 }
-"""Name → list of parts of a scene. In rules, a name without a dot is a list, a fact, a count or a member's
-value."""
+"""Name of a list of parts of a scene → its meaning and rules. In rules, a name without a dot is that of a
+list, a fact, a count or a value of a member."""
 
 
 class Fact(NamedTuple):

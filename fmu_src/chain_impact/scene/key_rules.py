@@ -37,7 +37,7 @@ class KeyRules(TypedDict, total=False):
     entries: tuple[int, int]  # least and largest allowed number of entries of the list
     # whether `true` may replace a list of names: it means all names, and is stored as the name "*"
     or_true: bool
-    # whether `with_values` may change the key without reading the whole scene again (fast_values.py)
+    # whether `with_values` may change the value without reading the whole scene again (fast_values.py)
     alone: bool
     or_one: bool  # whether one text may be given in place of a list with this text alone
     # the head of the key's column in the page's editor of the scene; without it, the editor has no column for

@@ -19,9 +19,8 @@ class Form(NamedTuple):
     Attributes:
         required: the keys that the file must give.
         optional: key that the file may leave out → its default.
-        knots: the number of polynomials of the signal, which do not include the sine of a form "sine"; None
-        if
-            the values of the signal decide the number. For a trapezoid see ``knots_of``.
+        knots: the number of polynomials of the signal, which do not include the sine of the form "sine";
+            None if the values of the signal decide the number. For a trapezoid see ``knots_of``.
     """
 
     required: tuple[str, ...]
@@ -57,7 +56,7 @@ _UNITS = {template: unit for inputs in INPUTS_OF.values() for template, unit in 
 def unit_of(name: str) -> str:
     """Return the unit of an input.
 
-    Another name than that of an input, which is refused after reading, gets the unit of the input with the
+    A name that is no input is refused only after reading. Until then, it has the unit of the input with the
     most similar name, or "1" if no name is similar.
     """
     template = next((known for known in _UNITS if is_like(name, known)), nearest(name, _UNITS))

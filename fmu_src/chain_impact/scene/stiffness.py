@@ -22,8 +22,8 @@ def sphere_plane_stiffness(
         radius: R of the sphere [m].
         young_1: E₁, Young's modulus of the sphere [Pa].
         poisson_1: ν₁, Poisson's ratio of the sphere, above −1 and at most 0.5.
-        young_2: E₂ of the plane [Pa].
-        poisson_2: ν₂ of the plane, in the same range.
+        young_2: E₂, Young's modulus of the plane [Pa].
+        poisson_2: ν₂, Poisson's ratio of the plane, above −1 and at most 0.5.
 
     Warns:
         SceneWarning: when a Young's modulus is so small that it is probably in GPa, or the radius so large

@@ -26,7 +26,7 @@ _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Box:
-    """The walls along the axes; a missing key (None) is a missing wall."""
+    """The walls of the box, each parallel to x or y; a missing key (None) is a missing wall."""
 
     x_min: float | None = quantity("m", "left wall", None, label="left")
     x_max: float | None = quantity("m", "right wall", None, label="right")
@@ -179,7 +179,7 @@ class Outputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Initial:
-    """The state of the chain at time 0."""
+    """The state of the chain at the start of a run."""
 
     position: tuple[float, float] = quantity("m", "position of the base", (0.0, 0.0), alone=True)
     joint_angles: tuple[float, ...] | None = quantity(

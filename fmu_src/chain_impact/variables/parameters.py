@@ -353,7 +353,7 @@ PARAMETERS = (
         smooth=False,
     ),
 )
-"""All parameters that scenes can have."""
+"""The kinds of all parameters that scenes can have, in blocks."""
 FOLLOWING = tuple(
     kind.record_path[:2] for _, kinds in PARAMETERS for kind in kinds if kind.given and kind.tunable
 )

@@ -254,8 +254,7 @@ class PreparedScene:
 
         Args:
             varied: the parameters and inputs with respect to which the kernel computes derivatives; by
-            default
-                those of ``varied``, with respect to which the FMU has derivatives.
+                default those with respect to which the FMU has derivatives.
         """
         varied = self.varied if varied is None else varied
         memory = new_record(self.scene, self.structure, self.common)
