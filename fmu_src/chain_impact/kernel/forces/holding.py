@@ -158,8 +158,8 @@ def project_state(d, y):
     """Project the state y, whose points are located, onto the constraints, so that errors do not add up.
 
     A held contact gets the clearance g = 0 and its rate ġ = 0. A sticking element moves to its anchor along
-    its tangent and loses its tangential speed. If the change of coordinates were too large, points are only
-    moved out of rigid walls, or nothing is moved (``solve_positions``). If any element sticks, each contact
+    its tangent and loses its tangential speed. If the change of coordinates were too large, rigid walls may
+    only push points out, or nothing is moved (``solve_positions``). If any element sticks, each contact
     with a force law resists the projection like a large mass (``contact_resistance``): at a stiff wall, a
     change of the clearance would act as an impact.
 
@@ -284,8 +284,9 @@ def solve_positions(d):
     - No rigid wall holds a point, and the change would leave more than LARGEST_REMAINING_RESIDUAL of the
       residuals of sticking elements, for example at two corners of a box.
 
-    If the function gives up the change, and a rigid wall holds a point, only points in a rigid wall, with g <
-    target for the clearance g, are moved out. If no rigid wall holds a point, nothing is moved.
+    If the function gives up the change, and a rigid wall holds a point, the walls may only push: points in a
+    wall, with g < target for the clearance g, are moved out, and sticking elements to their anchors. If no
+    rigid wall holds a point, nothing is moved.
     """
     constraints, size, far, asked, moved, left = (
         d.constraints,

@@ -52,7 +52,7 @@ from chain_impact.kernel.rows.geometry import (
 # where the mobility is small, the impedance is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times
 # the mean mass of a link; with a larger impedance the residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
-FOLD_RESIDUAL = 1e-3  # a fold is near if the first iteration leaves more than this part of the residual
+FOLD_RESIDUAL = 1e-3  # at rigid walls, a fold is near if the first iteration leaves more of the residual
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
 # mean mass of a link. This iteration finds the forces up to about a thousandth. Without it, the round-off of
 # the whole motion, times the large D of the other iterations, would stay in the forces against motions that
