@@ -62,8 +62,7 @@ class _Model(models.PrimitiveModel):
         super().__init__(manager, kind, ir.LiteralStructType([ir.DoubleType(), VECTOR], packed=True))
 
 
-# ---- code in LLVM's language
-# --------------------------------------------------------------------------------
+# ---- code in LLVM's language ------------------------------------------------------------------------------
 
 
 def _made(builder: ir.IRBuilder, value: ir.Value, slopes: ir.Value) -> ir.Value:
@@ -99,8 +98,7 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
     lower_cast(_kind, Dual)(_cast)
 
 
-# ---- types of results
-# -----------------------------------------------------------------------------------------
+# ---- types of results -------------------------------------------------------------------------------------
 
 
 def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:
@@ -335,8 +333,7 @@ _declare(bool, boolean)
 _lower(bool, _truth, Dual)
 
 
-# ---- functions of kernel/tangent/duals.py, which read and make dual numbers
-# ---------------------------------
+# ---- functions of kernel/tangent/duals.py, which read and make dual numbers -------------------------------
 
 
 def _carried(
