@@ -1,6 +1,6 @@
 """The structure of a scene, and the tables of conditions, counts and owners, which pages evaluate as well."""
 
-# Tests: variables/owners.py
+# Tests: variables/owners.py, variables/row_text.py
 
 import re
 from dataclasses import fields
@@ -16,7 +16,6 @@ from chain_impact.scene.names import INPUTS_OF
 from chain_impact.scene.rules import names_in, tree
 from chain_impact.scene.scene import scene_keys
 from chain_impact.scene.tables import Inputs, Material, Outputs
-from chain_impact.variables import outputs
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import (
     COUNTS_OF,
@@ -25,6 +24,7 @@ from chain_impact.variables.owners import (
     RECORD,
 )
 from chain_impact.variables.parameters import PARAMETERS
+from chain_impact.variables.row_text import rows_block
 from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
 from tests.variables.everything import CART, EVERYTHING
@@ -91,7 +91,7 @@ def test_the_conditions_of_variables_are_known():
 )
 def test_a_wrong_row_of_outputs_is_named(row):
     with pytest.raises(ValueError, match=re.escape(row)):
-        outputs._block(part="output", owner_kind="joint", prefix="joint[{n}]", rows=row)
+        rows_block(part="output", owner_kind="joint", prefix="joint[{n}]", rows=row)
 
 
 def test_no_owner_changes_what_holds_for_its_scene():

@@ -1,106 +1,23 @@
-"""The inputs and outputs in the table of variables, one row for each kind; kind.py explains the attributes.
+"""The inputs and outputs in the table of variables, one row for each kind; row_text.py explains the rows.
 
-The cells of a row are the name without the prefix, the unit, the description, and attributes. Attributes are
-those of ``Kind``, and ``field``: the path of the record's field in its part, if it is not the name in the
-row. Rows of inputs lack name and unit, which ``INPUTS_OF`` has. A row with {axis} stands for two rows: for x,
-where {j} is 0, and for y, where {j} is 1. The value references follow the order of the rows.
+The value references follow the order of the rows.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator, Mapping, Sequence
-from types import MappingProxyType
-from typing import Any
-
-from chain_impact.scene.names import AT, AXES, INPUTS_OF
+from chain_impact.scene.names import INPUTS_OF
 from chain_impact.variables.kind import (
     CONTACT,
     IMPACT,
     JOINT,
     LINK,
     MOTION,
-    NEXT,
     POINT,
     SLIDER,
     WALL,
-    Block,
-    Kind,
-    block,
 )
-
-
-def _block(
-    *,
-    part: str,
-    owner_kind: str,
-    prefix: str,
-    rows: str,
-    names: Mapping[str, str] = MappingProxyType({}),
-    array: bool = False,
-    **other: Any,
-) -> Block:
-    """Return a block of kinds whose values are in one part of the record.
-
-    Args:
-        part: the part of the record.
-        owner_kind: the kind of owner.
-        prefix: the first part of the names.
-        rows: the rows of the table. ``{at}``, the index of the owner, is appended to the path of a field that
-            has neither ``{at}`` nor ``{next}``, unless ``owner_kind`` is "one" or "slider".
-        names: whole name → unit, for rows that lack name and unit: row k has the k-th name that begins with
-            ``prefix``.
-        array: whether the values of all owners form an array with the name <owner_kind>.<name in the row>.
-        other: attributes that all kinds have, and further arguments of ``block``.
-    """
-    kinds, head = list[Kind](), f"{prefix}."
-    given = [(name.removeprefix(head), unit) for name, unit in names.items() if name.startswith(head)]
-    for number, (axis, cells) in enumerate(_rows(rows)):
-        whole = (*given[number], *cells) if given else cells
-        try:
-            kinds.append(_kind(part, owner_kind, axis, array, whole))
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"the row {' | '.join(whole)!r} of {prefix or part} is wrong: {error}") from None
-    return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | other)
-
-
-def _kind(part: str, owner_kind: str, axis: str, array: bool, cells: Sequence[str]) -> Kind:
-    """Return the kind that the cells of one row describe; wrong cells raise TypeError or ValueError."""
-    name, unit, text, *more = cells
-    attributes: dict[str, Any] = {"array": f"{owner_kind}.{name}" if array else "", "field": name}
-    attributes |= dict(_attribute(attribute, unit) for cell in more for attribute in cell.split())
-    name, field = (template.replace("{axis}", axis) for template in (name, attributes.pop("field")))
-    steps = [int(step) if step.isdecimal() else step for step in field.split(".")]
-    index = [] if owner_kind in ("one", "slider") or AT in steps or NEXT in steps else [AT]
-    path = (part, *steps, *index)
-    return Kind(name=name, unit=unit, text=text, record_path=path, axis=axis, **attributes)
-
-
-def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
-    """Yield (axis, cells) for each row of the table ``text``.
-
-    A row with {axis} is yielded for x and for y; the axis of any other row is "".
-    """
-    for line in text.strip().splitlines():
-        for j, axis in enumerate(AXES if "{axis}" in line else ("",)):
-            yield axis, [cell.strip().replace("{j}", str(j)) for cell in line.split("|")]
-
-
-def _attribute(text: str, unit: str) -> tuple[str, Any]:
-    """Return the name and value of an attribute that a row has as text, such as ``minimum=0``.
-
-    An attribute without "=" has the value True. The value of ``minimum`` or ``maximum`` is a float if the row
-    has a ``unit``, else an int, or the name of a number; that of ``when`` is a tuple. All others are texts.
-    """
-    name, _, value = text.partition("=")
-    if name == "when":
-        return name, (value,)
-    if name in ("minimum", "maximum") and not value.isidentifier():
-        return name, float(value) if unit else int(value)
-    return name, value or True
-
+from chain_impact.variables.row_text import rows_block
 
 INPUTS = (
-    _block(
+    rows_block(
         part="given",
         owner_kind="joint",
         prefix="joint[{n}]",
@@ -109,7 +26,7 @@ INPUTS = (
         when=("inputs.joint_torques",),
         causality="input",
     ),
-    _block(
+    rows_block(
         part="given",
         owner_kind="joint",
         prefix="joint[{n}]",
@@ -121,7 +38,7 @@ INPUTS = (
         when=("inputs.joint_targets",),
         causality="input",
     ),
-    _block(
+    rows_block(
         part="given",
         owner_kind="slider",
         prefix="slider",
@@ -131,7 +48,7 @@ INPUTS = (
         when=("inputs.slider_force",),
         causality="input",
     ),
-    _block(
+    rows_block(
         part="given",
         owner_kind="slider",
         prefix="slider",
@@ -144,7 +61,7 @@ INPUTS = (
         when=("inputs.joint_targets",),
         causality="input",
     ),
-    _block(
+    rows_block(
         part="given",
         owner_kind="one",
         prefix="tip",
@@ -153,7 +70,7 @@ INPUTS = (
         when=("inputs.tip_force",),
         causality="input",
     ),
-    _block(
+    rows_block(
         part=MOTION,
         owner_kind="one",
         prefix="base",
@@ -166,7 +83,7 @@ INPUTS = (
         when=("inputs.base_motion",),
         causality="input",
     ),
-    _block(
+    rows_block(
         part=MOTION,
         owner_kind="moving wall",
         prefix="wall.{name}",
@@ -184,7 +101,7 @@ INPUTS = (
 """The kinds of all inputs that scenes can ask for."""
 
 OUTPUTS = (
-    _block(
+    rows_block(
         part="output",
         owner_kind="point",
         prefix="point[{n}]",
@@ -196,7 +113,7 @@ OUTPUTS = (
         heading=POINT,
         when=("outputs.points",),
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="link",
         prefix="link[{n}]",
@@ -210,7 +127,7 @@ OUTPUTS = (
         array=True,
         is_terminal=False,
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="joint",
         prefix="joint[{n}]",
@@ -220,7 +137,7 @@ OUTPUTS = (
         """,
         heading=JOINT,
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="slider",
         prefix="slider",
@@ -231,7 +148,7 @@ OUTPUTS = (
         """,
         heading=SLIDER,
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="slider",
         prefix="slider",
@@ -242,7 +159,7 @@ OUTPUTS = (
         heading=SLIDER,
         when=("outputs.contacts", "may_have_friction"),
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="contact",
         prefix="contact[{n}].{name}",
@@ -260,7 +177,7 @@ OUTPUTS = (
         array=True,
         is_terminal=False,
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="moving wall",
         prefix="wall.{name}",
@@ -271,7 +188,7 @@ OUTPUTS = (
         heading=WALL,
         when=("outputs.contacts",),
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="stop",
         prefix="joint[{n}]",
@@ -283,7 +200,7 @@ OUTPUTS = (
         heading=JOINT,
         when=("outputs.contacts",),
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="joint with friction",
         prefix="joint[{n}]",
@@ -294,7 +211,7 @@ OUTPUTS = (
         heading=JOINT,
         when=("outputs.contacts",),
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="one",
         prefix="energy",
@@ -310,7 +227,7 @@ OUTPUTS = (
         when=("outputs.energies",),
         is_terminal=False,
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="joint",
         prefix="joint[{n}]",
@@ -324,7 +241,7 @@ OUTPUTS = (
         heading=JOINT,
         when=("outputs.loads",),
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="slider",
         prefix="slider",
@@ -335,7 +252,7 @@ OUTPUTS = (
         heading=SLIDER,
         when=("outputs.loads",),
     ),
-    _block(
+    rows_block(
         part="output",
         owner_kind="touched wall",
         prefix="wall.{name}",
@@ -346,7 +263,7 @@ OUTPUTS = (
         heading=WALL,
         when=("outputs.loads",),
     ),
-    _block(
+    rows_block(
         part="impact",
         owner_kind="one",
         prefix="impact",
@@ -359,7 +276,7 @@ OUTPUTS = (
         """,
         is_terminal=False,
     ),
-    _block(
+    rows_block(
         part="latest",
         owner_kind="impact",
         prefix="impact[{n}]",
@@ -378,7 +295,7 @@ OUTPUTS = (
         array=True,
         is_terminal=False,
     ),
-    _block(
+    rows_block(
         part="statistics",
         owner_kind="one",
         prefix="solver",
