@@ -1,10 +1,10 @@
 """Answers of independent models that are stored in files, because each takes seconds to compute.
 
 The name of a file is a hash of the model's arguments and of the model's sources in the tests, without words
-and without the folders of modules: a docstring may change, and a module may move. The hash contains the scene
-that was read, but not the sources of chain_impact.scene, which reads scenes. An answer without a file is
-computed and stored. ``python -m tests.helpers.models.kept_answers`` computes all answers again; the new files
-must be committed.
+and without imports from this repository: a docstring may change, and a module may move. The hash contains
+the scene that was read, but not the sources of chain_impact.scene, which reads scenes. An answer without a
+file is computed and stored. ``python -m tests.helpers.models.kept_answers`` computes all answers again; the
+new files must be committed.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from chain_impact.scene.scene import Scene, scene_to_dict
 
 TESTS_FOLDER = Path(__file__).parents[2]
 FOLDER = TESTS_FOLDER / "oracle_answers"
-ROOM = "tests.helpers"
+ROOM, PACKAGE = "tests.helpers", "chain_impact"
 OWN_NAME = f"{ROOM}.models.kept_answers"
 TESTS = (
     *("scenarios/test_body_motions.py", "scenarios/test_derivatives.py", "scenarios/test_models.py"),
@@ -91,21 +91,23 @@ def imported(source: str) -> list[str]:
     """Return the helpers that a source imports."""
     assert "import tests" not in source, "only `from tests… import` is followed"
     found = []
-    for arrow in filter(imports_helpers, ast.walk(ast.parse(source))):
+    for arrow in (node for node in ast.walk(ast.parse(source)) if imports_from(node, ROOM)):
         whole = file_of(arrow.module).exists()
         found += [arrow.module] if whole else [f"{arrow.module}.{one.name}" for one in arrow.names]
     return found
 
 
-def imports_helpers(node: ast.AST) -> bool:
-    return isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith(f"{ROOM}.")
+def imports_from(node: ast.AST, *packages: str) -> bool:
+    return isinstance(node, ast.ImportFrom) and f"{node.module}.".startswith(
+        tuple(f"{package}." for package in packages)
+    )
 
 
 def code(source: str) -> str:
-    """Return the lines of a source without its docstrings, lines of comment, and imports of helpers."""
+    """Return the lines of a source without docstrings, comments, and imports from this repository."""
     lines = source.splitlines()
     for node in ast.walk(ast.parse(source)):
-        if imports_helpers(node) or is_docstring(node):
+        if imports_from(node, ROOM, PACKAGE) or is_docstring(node):
             lines[node.lineno - 1 : node.end_lineno] = [""] * (node.end_lineno - node.lineno + 1)
     return "\n".join(line for line in lines if line and not line.lstrip().startswith("#"))
 
