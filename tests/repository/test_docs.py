@@ -243,11 +243,12 @@ def test_files_that_an_addition_changes_exist():
     assert missing == []
 
 
-def test_the_entry_of_joint_effects_names_all_files_of_its_example():
+@pytest.mark.parametrize(("entry", "example"), [("joint effect", "joint_armature"), ("input", "tip_force")])
+def test_an_entry_names_all_files_of_its_example(entry, example):
     package = ROOT / "fmu_src" / "chain_impact"
     found = additions()
-    named = (*found["scene key"], *found["joint effect"])
-    files = [file for file in package.rglob("*.py") if "joint_armature" in file.read_text(encoding="utf-8")]
+    named = (*found["scene key"], *found[entry])
+    files = [file for file in package.rglob("*.py") if example in file.read_text(encoding="utf-8")]
     assert len(files) >= 4
     assert [str(file) for file in files if not file.as_posix().endswith(named)] == []
 
