@@ -44,7 +44,7 @@ STATUS_TEXT = {
     "stop.minimum_impact_speed or lower stop.restitution; for walls that move, leave more room between them; "
     "for a joint at its joint_torque_limit, lower its joint_stiffness; for a slider at its force_limit, "
     "lower slider.stiffness",
-    STARTS_INSIDE_WALL: "a contact point starts beyond a wall, or a joint beyond a stop",
+    STARTS_INSIDE_WALL: "a contact point starts beyond a wall, or a joint or slider beyond a stop",
     RESTITUTION_NOT_ALLOWED: "the contact law does not allow this restitution",
     UNKNOWN_LAW: "contact.model is not the number of a law",
     UNKNOWN_METHOD: "solver.method is not the number of a method",
