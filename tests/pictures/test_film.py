@@ -20,7 +20,7 @@ from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.film_caption import CAPTION_FRAMES, caption_starts
 from chain_impact.pictures.film_charts import largest_forces
-from chain_impact.pictures.film_figure import CHAIN, FILM_STYLE, FORCE, Film
+from chain_impact.pictures.film_figure import CHAIN, FILM_STYLE, FORCE, ROOM, Film
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import LOAD, force_text
@@ -75,6 +75,21 @@ def test_a_gif_lasts_as_long_as_the_motion_on_the_screen(recording, tmp_path):
         picture = np.asarray(shown.convert("RGB"))
         assert coloured(picture, CHAIN) > 100
         assert picture[2, SIZE[0] // 2].tolist() == [255, 255, 255]
+
+
+def test_the_charts_stretch_slow_motion_so_that_the_cursor_moves_evenly(recording):
+    times, _ = frame_times(0.0, 0.52, slow_spans(recording))
+    page = Film(Figure(figsize=ROOM), recording, times)
+    energies, forces = (cursor.axes for cursor in page.cursors)
+    assert forces.get_xlabel() == "time [s], stretched in slow motion"
+    for axes in (energies, forces):
+        at = axes.transData.transform(np.column_stack([times, 0.0 * times]))[:, 0]
+        np.testing.assert_allclose(np.diff(at), (axes.bbox.width / (len(times) - 1)), rtol=0.01)
+    numbers = [float(text.get_text()) for text in forces.get_xticklabels()]
+    assert numbers == forces.get_xticks().tolist()
+    assert numbers[0] == 0.0
+    even = Film(Figure(figsize=ROOM), recording, np.linspace(0.0, 0.52, 99)).cursors[-1].axes
+    assert (even.get_xlabel(), even.get_xscale()) == ("time [s]", "linear")
 
 
 def test_walls_may_have_the_names_of_stops_that_the_chain_does_not_have():

@@ -1,4 +1,8 @@
-"""The charts beside the motion in a film: the energies over time and, below them, the largest forces."""
+"""The charts beside the motion in a film: the energies over time and, below them, the largest forces.
+
+The axis of time is that of the screen: times in slow motion take more of it, so that the course of an impact
+is seen.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +22,17 @@ from chain_impact.recording.stick_slip import SLIDER_STOP, WALL
 FORCE = "#d9480f"  # the colour of wall forces in a film
 CHARTS = (0.69, 0.12, 0.29, 0.6)
 """The room for the charts: left, bottom, width and height, relative to the size of the figure."""
+# Lengths relative to the axis of time. EVEN: positions that differ by less look equal; TICK_GAP: the least
+# distance of two numbers; AT_END: a number that is beyond the end by at most this is at the end.
+EVEN, TICK_GAP, AT_END = 0.01, 0.13, 1e-9
 # heights of the chart of forces and of the space above this chart, relative to the height of the figure
 STRIP, ABOVE_STRIP = 0.13, 0.075
 
 
-def draw_charts(figure: Figure, recording: Recording, top: float) -> list[Line2D]:
+def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: float) -> list[Line2D]:
     """Draw the charts; return their cursors, vertical lines at the time of a frame; the energies' is first.
 
+    ``times`` has the time of the recording that each of the F frames shows [s], ascending, shape (F,).
     Without forces at walls or in joints there is no chart of forces. The legend of the energies must end
     below ``top``, a height above the foot of the figure [pixels].
     """
@@ -37,12 +45,38 @@ def draw_charts(figure: Figure, recording: Recording, top: float) -> list[Line2D
         _draw_forces(panels[1], recording, forces)
         panels[0].tick_params(labelbottom=False)
     _draw_energies(panels[0], recording, top)
-    start, end = recording.time[[0, -1]]
     for axes in panels:
         mark_impacts(axes, recording)
-        axes.set_xlim(start, end)
-    panels[-1].set_xlabel("time [s]")
-    return [axes.axvline(start, color=INK, linewidth=1.0, animated=True) for axes in panels]
+        axes.set_xlim(*recording.time[[0, -1]])
+        is_stretched = stretch(axes, times)
+    panels[-1].set_xlabel("time [s], stretched in slow motion" if is_stretched else "time [s]")
+    return [axes.axvline(times[0], color=INK, linewidth=1.0, animated=True) for axes in panels]
+
+
+def stretch(axes: Axes, times: np.ndarray) -> bool:
+    """Scale an axis of time as the screen does, so that the cursor moves evenly; return whether this differs.
+
+    The numbers are times of the recording. ``times`` is as in ``draw_charts``; if the frames do not show the
+    whole axis, it stays as it is.
+    """
+    frames, ends = np.linspace(0.0, 1.0, len(times)), axes.get_xlim()
+    give_ticks(axes)
+    is_whole = np.allclose(times[[0, -1]], ends, rtol=0.0, atol=AT_END * np.ptp(ends))
+    if not is_whole or np.abs(frames - np.interp(times, ends, (0.0, 1.0))).max() < EVEN:
+        return False
+    ticks = axes.get_xticks()
+    ticks = ticks[np.abs(ticks - ticks.clip(*ends)) <= AT_END * np.ptp(ends)]
+    at = np.interp(ticks, times, frames)
+    axes.set_xscale(
+        "function", functions=(lambda t: np.interp(t, times, frames), lambda k: np.interp(k, frames, times))
+    )
+    kept: list[int] = []
+    for k in range(len(ticks)):
+        if not kept or at[k] - at[kept[-1]] >= TICK_GAP:
+            kept.append(k)
+    axes.set_xticks(ticks[kept], [f"{tick:g}" for tick in ticks[kept]])
+    axes.set_xlim(*ends)
+    return True
 
 
 def largest_forces(recording: Recording) -> dict[str, np.ndarray]:

@@ -89,7 +89,9 @@ class Film:
         self.caption = Caption(figure, CAPTION, recording, times if self.tells_energies else times[:0])
         radius = radius_of(recording)
         self._draw_ground(radius)
-        self.cursors = draw_charts(figure, recording, self.caption.lowest) if self.tells_energies else []
+        self.cursors = (
+            draw_charts(figure, recording, times, self.caption.lowest) if self.tells_energies else []
+        )
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
         self.trace_times, self.path = trace_of(recording, self.side)
         faint: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.7 if ground else 0.35}
