@@ -72,9 +72,9 @@ STATUS_TEXT = {
     WALL_JUMPS: "a wall is given another displacement without the velocity that leads there, as a jump would "
     "be an impact of unknown strength: give its velocity, too",
     BASE_BEYOND_WALL: "the pinned base is beyond a wall: base and wall must not move through each other",
-    NO_ROOM: "rigid walls that move have squeezed the chain between them: let them stop before, or take a "
+    NO_ROOM: "moving rigid walls, or a moving base, have squeezed the chain: let them stop before, or take a "
     "law with a force",
-    SIGNAL_JUMPS: "a signal lets the velocity of the base or of a wall jump, which would be an impact of "
+    SIGNAL_JUMPS: "a signal lets base or wall jump in position or velocity, which would be an impact of "
     "unknown strength: let it rise or begin smoothly",
 }
 # status ≥ 0 → its name in results of sweeps: the constant's name in lower case
