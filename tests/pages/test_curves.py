@@ -155,6 +155,16 @@ def test_chosen_outputs_are_in_sight_when_the_dialog_closes(show, viewport):
     until(page, f"({IN_SIGHT})()")
 
 
+def test_small_lengths_are_in_millimetres(show):
+    page = show("bouncing_table", {"simulation.stop_time": 0.3})
+    assert page.inner_text("#inputs-over-time .curve-unit") == "mm"
+    page.locator("#scrub").fill("0.125")
+    until(page, "document.getElementById('time').textContent === '0.12500 s'")
+    amplitude = 1e3 * float(page.evaluate("chainImpact.parameters['signal.table.amplitude']"))
+    value, unit = page.inner_text("#inputs-over-time dd").split("\u202f")
+    assert (float(value), unit) == (pytest.approx(amplitude, abs=0.01), "mm")
+
+
 def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     page = show(hash_="#curves=contact[2].y_min.force")
     page.get_by_role("button", name="Go to impact 1, ").click()

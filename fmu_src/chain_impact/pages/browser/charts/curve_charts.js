@@ -1,9 +1,8 @@
 // Charts of curves over time, one for each unit: of driven inputs, and of the outputs that the reader chooses.
 
 import { make } from "../base/dom.js";
-import { unitText } from "../base/format.js";
 import { placeIn, valueAtPlace } from "../recording/recording.js";
-import { shownIn } from "../scene/angles.js";
+import { shownUpTo } from "../scene/angles.js";
 import { contactTitle, largestIn, MOMENT, writerOf } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
@@ -13,7 +12,6 @@ const INPUT_COLOURS = 6; // number of colours for curves that the style sheet ha
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
 /** MOST_CURVES: largest number of curves in a chart that a reader can distinguish; MOST_UNITS: of charts in a page, one for each unit. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
-const KILO = 1e3; // [N or N·m] if a force or moment of a chart reaches this, the chart is in kN or kN·m
 const ROUND_OFF = 1e-12; // a value below this times the largest value of its unit is round-off, and is shown as 0
 
 /** Return the curves with 0 in place of values that are round-off beside `largest` or, if larger, beside the curves' largest value. */
@@ -57,10 +55,9 @@ class UnitChart extends TimeChart {
 
   show(recording, curves) {
     const [{ time }, [{ unit }]] = [this.curvesOf(recording), curves];
-    const isInKilo = (unit === "N" || unit === "N.m") && largestIn(curves.map(({ values }) => values)) >= KILO;
-    const shown = isInKilo ? { factor: 1 / KILO, text: `k${unitText(unit)}` } : shownIn({ unit });
-    this.factor = shown.factor;
-    this.unit.textContent = shown.text;
+    const { factor, text } = shownUpTo({ unit }, largestIn(curves.map(({ values }) => values)));
+    this.factor = factor;
+    this.unit.textContent = text;
     const scaled = curves.map((curve) => ({ ...curve, values: curve.values.map((value) => this.factor * value) }));
     Object.assign(this, { recording, time, curves: withoutRoundOff(scaled, unit === "N" ? this.factor * recording.peakForce : 0) });
     Object.assign(this, { writers: writersOf(this.curves), isOfCounts: this.curves.every(isCount) });

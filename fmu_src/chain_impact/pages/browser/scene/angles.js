@@ -39,3 +39,13 @@ export function shortText(value, unit) {
 export function shownIn({ unit }) {
   return unit in IN_DEGREES ? { factor: 1 / DEGREE, text: unitText(unit).replace("rad", "°") } : { factor: 1, text: unitText(unit) };
 }
+
+/**
+ * Return the `factor` and the unit (`text`) with which values are shown that have the largest absolute value `most`: large forces and
+ * moments in kN and kN·m, small lengths in mm, all others as by `shownIn`.
+ */
+export function shownUpTo({ unit }, most) {
+  if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };
+  if (unit === "m" && most < 0.1) return { factor: 1e3, text: "mm" };
+  return shownIn({ unit });
+}

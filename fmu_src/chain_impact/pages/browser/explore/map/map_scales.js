@@ -1,8 +1,7 @@
 // The scales of the map: titles, units and ticks of its axes.
 
-import { unitText } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-import { shownIn } from "../../scene/angles.js";
+import { shownIn, shownUpTo } from "../../scene/angles.js";
 import { MAIN_PARAMETERS } from "../parameters/sliders.js";
 
 /** Return whether the axis of a parameter is logarithmic, as its slider is. */
@@ -97,14 +96,7 @@ export function decadesBetween(low, high) {
   return finer.length > 1 ? finer : ticksBetween(low, high);
 }
 
-/**
- * Return the unit in which a map shows its output (`text`), and the `factor` by which a value in the output's own unit is multiplied. By
- * the values at the ends of the `scale` of colours, large forces and moments are in kN and kN·m, and small lengths in mm. Angles are in
- * degrees.
- */
-export function scaledTo({ unit }, scale) {
-  const most = Math.max(...(scale?.ends ?? [0]).map(Math.abs));
-  if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };
-  if (unit === "m" && most < 0.1) return { factor: 1e3, text: "mm" };
-  return shownIn({ unit });
+/** Return the `factor` and the unit (`text`) with which a map shows its output, by the values at the ends of the `scale` of colours. */
+export function scaledTo(output, scale) {
+  return shownUpTo(output, Math.max(...(scale?.ends ?? [0]).map(Math.abs)));
 }
