@@ -123,6 +123,7 @@ def test_letters_of_pins_at_one_place_are_beside_each_other(show):
     until(page, "document.getElementById('stage').ariaBusy === 'false'")
     page.locator("#scrub").fill("0")
     until(page, "document.getElementById('time').textContent === '0.00000 s'")
+    assert page.locator(".compared-tip ~ polyline.compared").count() == 0, "letters lie above all lines"
     dots = [one.bounding_box() for one in page.locator(".compared-tip:not(.before), #scene .tip").all()]
     assert len(dots) == 3
     for one, other in itertools.combinations(dots, 2):

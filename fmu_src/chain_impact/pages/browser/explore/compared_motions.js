@@ -101,11 +101,14 @@ export class ComparedMotions {
   draw() {
     const { behind, camera } = this.player.drawing;
     behind.clear();
-    for (const { recording, frame, kind, letter, positions, at: [x, y] } of this.#shown) {
+    const shown = this.#shown;
+    for (const { recording, frame, kind, positions } of shown) {
       recording.bodiesAt(frame, this.player.recording).forEach((corners) => {
         behind.polygon(corners.map((corner) => camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });
       behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
+    }
+    for (const { kind, letter, at: [x, y] } of shown) { // above all lines, which may cross them
       behind.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);
       if (letter) behind.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
     }
@@ -262,7 +265,7 @@ function cellOf(impact, number) {
   const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
   const until = `until ${durationText(impact.end - impact.onset)} later`;
   const cell = make("td", { title: `Impact ${impact.number}: ${placeText(impact)}, ${until}` });
-  const place = make("small", { className: "place", textContent: `${toucherText(impact)} ${wallText(impact)}` });
+  const place = make("small", { textContent: `${toucherText(impact)} ${wallText(impact)}` });
   if (impact.number !== number) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
   cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }), place);
   return cell;
