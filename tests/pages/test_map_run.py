@@ -4,7 +4,7 @@
 
 import re
 
-from tests.pages.in_pages import DESK, until
+from tests.pages.in_pages import DESK, draw_map, until
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -50,6 +50,22 @@ def test_a_run_leaves_the_way_back_to_its_map(show):
     assert fields.evaluate_all(read) == ranges, "the ranges are not around the run that was opened"
     page.keyboard.press("Escape")
     assert back.count() == 0
+
+
+def test_the_map_stays_under_the_finger_when_its_text_grows(show):
+    small = {"width": 360, "height": 800}
+    page = show("four_link_box", {"simulation.stop_time": 0.5}, viewport=small, has_touch=True)
+    open_map(page)
+    draw_map(page)
+    text, canvas = page.locator("#map-text"), page.locator("#map-canvas")
+    box, height = canvas.bounding_box(), text.bounding_box()["height"]
+    at = (box["x"] + 100, box["y"] + 100)
+    page.touchscreen.tap(*at)
+    text.get_by_text("Largest force at a wall = ").wait_for()
+    assert text.bounding_box()["height"] != height
+    assert canvas.bounding_box() == box
+    page.touchscreen.tap(*at)
+    until(page, "!document.getElementById('map').open")
 
 
 def test_a_map_grows_with_the_window(show):
