@@ -64,6 +64,13 @@ def test_the_forces_in_joints_are_within_the_list_of_impacts(show, size):
 
 
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+def test_the_number_of_a_joint_is_whole_in_the_list_of_impacts(show, viewport):
+    cell = show("kneed_leg", viewport=viewport).locator("#impacts td:nth-child(3)").first
+    assert cell.inner_text() == "joint 3"
+    assert cell.evaluate("({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth")
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
 def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewport):
     """The list of impacts follows the contact force on a wide screen, and comes last on a phone."""
     page = show("cart_pole", hash_="#curves=point[1].y", viewport=viewport)
