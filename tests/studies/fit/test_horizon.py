@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact.studies.fit import horizon
-from chain_impact.studies.fit.data import read_measurements
 from chain_impact.studies.fit.horizon import estimate_sigma, search
+from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.problem import Problem
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene

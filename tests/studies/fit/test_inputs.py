@@ -1,6 +1,6 @@
 """Fits with measured inputs: torques of motors, a moving base."""
 
-# Tests: studies/fit/data.py, studies/fit/scene_file.py
+# Tests: studies/fit/measurements.py, studies/fit/scene_file.py
 
 import csv
 

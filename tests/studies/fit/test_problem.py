@@ -8,7 +8,7 @@ import pytest
 from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit import problem as module
-from chain_impact.studies.fit.data import read_measurements
+from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.problem import Problem
 from tests.helpers.tools.differences import slope

@@ -12,7 +12,7 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import Differentiated
 from chain_impact.simulation.inputs import Interpolation
-from chain_impact.studies.fit.data import Measurements
+from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene

@@ -16,8 +16,9 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.scene.table_file import TableSource, is_table
 from chain_impact.simulation.inputs import Interpolation
-from chain_impact.studies.fit.data import Measurements, read_measurements
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
+from chain_impact.studies.fit.measured_tables import read_measurements
+from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.remarks import not_random, outliers, unusual

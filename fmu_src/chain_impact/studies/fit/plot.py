@@ -45,8 +45,8 @@ from chain_impact.recording.text import number, plural
 from chain_impact.results.result import Result
 from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
+from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.remarks import alike_neighbours
 from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, misfit, rounded, sigma_of
 from chain_impact.studies.fit.unknown import size_of

@@ -18,7 +18,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import AT_ONSET, Differentiated, DifferentiatedRun
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.simulation.instance import SimulationError
-from chain_impact.studies.fit.data import DURATION, LATE, MEASURED_OF_IMPACT, Measurements
+from chain_impact.studies.fit.measurements import DURATION, LATE, MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
 # the size of a column whose values are all 0; a size must not be 0, because numbers are divided by it

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from chain_impact.recording.text import plural
-from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.estimates import Estimates
+from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.uncertainty import exceeded, information
 
 # a value is no outlier if its |residual| is at most SMALL × the range of the fitted values of its column

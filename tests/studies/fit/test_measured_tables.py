@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact import fit, load_scene
-from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, read_measurements
+from chain_impact.studies.fit.measured_tables import read_measurements
+from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT
 from chain_impact.studies.fit.sigma import standard_deviation
 from tests.helpers.scenes.bodies import body, cart
 from tests.helpers.scenes.stops import knee

@@ -1,11 +1,9 @@
-"""Measurements of one run: values of outputs over time, and values of impacts."""
+"""Reads the measurements of one run from tables: values of outputs over time, and values of impacts."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass, field, replace
-from itertools import compress
 from typing import cast
 
 import numpy as np
@@ -17,134 +15,23 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.text_file import likely_time, time_like
-from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
+from chain_impact.studies.fit.measurements import (
+    DURATION,
+    MEASURED_OF_IMPACT,
+    POINT,
+    WALL,
+    ImpactRow,
+    Measurements,
+)
 from chain_impact.studies.fit.sigma import SIGMA, is_sigma, standard_deviation
 from chain_impact.variables.indices import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene
 
-TIME, IMPACT, POINT, WALL, JOINT = "time", "impact", "point", "wall", "joint"
-ONSET, DURATION = "onset", "duration"
+TIME, IMPACT, JOINT, ONSET = "time", "impact", "joint", "onset"
 WHICH = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
-MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
-"""The quantities of an impact that a fit uses: not POSITION, as it has hardly any error across a wall."""
 # the hint for a column that looks like times, in a table of impacts without the column ``onset``
 CALL_ONSET = "; call the column {} onset, if it has the onsets of impacts in seconds"
-# If impacts were measured, the model runs until LATE times the last measured time, because an impact of the
-# model may be later than the measured impact.
-LATE = 1.25
-
-
-@dataclass(frozen=True)
-class ImpactRow:
-    """The impact to which a row of measurements belongs.
-
-    Attributes:
-        number: number of the impact in the order of onsets, from 1: among all impacts of the run, or, if
-            ``alike``, among the impacts with the row's ``point`` and ``wall``, as far as these are not None.
-        point: number of the point, or of the joint at a stop; None if the row gives no point.
-        wall: index in ``scene.wall_names``; None if the row gives no wall.
-        alike: whether the row gives no number, so that ``number`` counts impacts with its point and wall.
-        order: the measured onset, or else the measured end [s]; NaN if neither is measured.
-    """
-
-    number: int
-    point: int | None
-    wall: int | None
-    alike: bool
-    order: float
-
-    def find(self, impacts: np.ndarray) -> int | None:
-        """Return the index of this impact in ``impacts``, the rows of a model's ``Result.impacts``.
-
-        If there is no such impact, or the impact with ``number`` has another point or wall, None is returned.
-        """
-        same = np.ones(len(impacts), bool)
-        for name, value in ((POINT, self.point), (WALL, self.wall)):
-            if value is not None:
-                same &= impacts[name] == value
-        if self.alike:
-            rows = np.flatnonzero(same)
-            return int(rows[self.number - 1]) if self.number <= len(rows) else None
-        row = self.number - 1
-        return row if row < len(impacts) and same[row] else None
-
-
-@dataclass(frozen=True)
-class Measurements:
-    """The measured values of one run, M numbers.
-
-    Attributes:
-        source: the names of the files, for error messages.
-        times: the times at which outputs were measured, ascending, shape (T,) [s].
-        outputs, impacts: the names of the W measured outputs, and the measured impacts.
-        quantity: for each value the name of the measured output or quantity of an impact, M names.
-        value: the measured values, shape (M,), in the units of the FMU's outputs and of ``Result.impacts``.
-        sigma: the standard deviation of each value, shape (M,); NaN if the fit must estimate it.
-        row: for each value the index in ``times`` or, for an impact, in ``impacts``, shape (M,).
-        column: the index of ``quantity`` in ``outputs`` or ``MEASURED_OF_IMPACT``, shape (M,).
-        of_impact: whether each value is a quantity of an impact, shape (M,).
-        inputs: name of an input → times [s] and values of its signal.
-    """
-
-    source: str
-    times: np.ndarray
-    outputs: tuple[str, ...]
-    impacts: tuple[ImpactRow, ...]
-    quantity: tuple[str, ...]
-    value: np.ndarray
-    sigma: np.ndarray
-    row: np.ndarray
-    column: np.ndarray
-    of_impact: np.ndarray
-    inputs: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
-
-    def __len__(self) -> int:
-        """Return the number M of measured values."""
-        return len(self.value)
-
-    @property
-    def order(self) -> np.ndarray:
-        """The time of each value, shape (M,) [s]: for an output, the time at which it was measured.
-
-        The time of a quantity of an impact is the measured onset of this impact or, without a measured onset,
-        the measured end; NaN if neither was measured.
-        """
-        onsets = np.array([impact.order for impact in self.impacts])
-        order = np.zeros(len(self))
-        order[~self.of_impact] = self.times[self.row[~self.of_impact]]
-        order[self.of_impact] = onsets[self.row[self.of_impact]]
-        return order
-
-    def end(self, stop_time: float) -> float:
-        """Return the time [s] up to which a model must run to have all measured outputs and impacts.
-
-        This is the last time of a value. An impact without a measured time counts as one at ``stop_time``,
-        the scene's stop time [s]. If an impact was measured, the result is LATE × this last time.
-        """
-        last = float(np.nanmax(self.order, initial=0.0))
-        if np.isnan(self.order).any():
-            last = max(last, stop_time)
-        return LATE * last if self.of_impact.any() else last
-
-    def until(self, stop: float) -> Measurements:
-        """Return the measurements without the values later than ``stop`` [s]; values of unknown time stay.
-
-        Raises:
-            SceneError: when no value is left.
-        """
-        kept = ~(self.order > stop)
-        if not kept.any():
-            raise SceneError(
-                f"{self.source}: no value was measured until the stop time, {stop:g} s; the first is at "
-                f"{self.order.min():g} s"
-            )
-        times = self.times[: np.searchsorted(self.times, stop, side="right")]
-        arrays = ("value", "sigma", "row", "column", "of_impact")
-        names = tuple(compress(self.quantity, kept))
-        return replace(
-            self, times=times, quantity=names, **{field: getattr(self, field)[kept] for field in arrays}
-        )
 
 
 def read_measurements(
