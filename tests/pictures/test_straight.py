@@ -23,7 +23,7 @@ def test_all_panels_call_the_ball_a_ball():
     page, *_ = drawn(recorded("bouncing_ball"))
     names = {text.get_text() for axes in page.axes for text in axes.get_legend().get_texts()}
     told = " ".join(text.get_text() for text in page.texts)
-    assert "ball" in names
+    assert "path of the ball" in names
     assert "ball hits y_min" in told
     assert not any("point 0" in text for text in (*names, told))
 
@@ -34,7 +34,9 @@ def test_the_place_of_the_ball_and_of_the_moving_table_are_curves():
     page = recording.plot(size=(WIDTHS[0], 6.5))
     motion, *others = page.axes
     curves = {line.get_label(): line.get_xydata() for line in motion.lines}
-    np.testing.assert_array_equal(curves["ball"], np.stack([recording.time, recording["point[0].y"]], axis=1))
+    np.testing.assert_array_equal(
+        curves["path of the ball"], np.stack([recording.time, recording["point[0].y"]], axis=1)
+    )
     table = recording["wall.y_min.displacement"]
     np.testing.assert_allclose(curves["moving wall y_min"][:, 1], table, atol=1e-15)
     rings = curves["impacts"]

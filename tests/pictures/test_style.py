@@ -88,6 +88,15 @@ def single_line(page):
     return page.text(0.0, 0.5, "K", fontsize="small").get_window_extent().height
 
 
+def test_the_lines_of_a_headline_end_after_a_part():
+    page = Figure(figsize=(7.5, 4.0), layout="constrained")
+    headline(
+        page, "Arm: 30 equal impulses of 0.981 N·s, 30 impacts in 3 s, 4.81 J dissipated, 4.81 J supplied"
+    )
+    assert page.get_suptitle().count("\n") == 1
+    assert ",\n" in page.get_suptitle()
+
+
 @pytest.mark.parametrize("width", [4.0, 6.0, 10.0])
 def test_a_headline_and_its_conditions_fit_the_page(width):
     page = Figure(figsize=(width, 5.0), layout="constrained")

@@ -12,6 +12,7 @@ from matplotlib.text import Text
 # pattern of a space at which a line may end: not beside =, ≤ or ±, and not before a unit
 BREAKABLE_SPACE = re.compile(r"(?<![=≤±]) (?![=≤±]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions of a run; lines end here if possible
+COMMA = ", "  # the text between two parts of a headline
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
 
 
@@ -19,7 +20,8 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
     """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
 
     A part of the text is broken only if the part is longer than a line, or if whole parts would need more
-    than ``more`` additional lines. At the end of a line, the separator between two parts is left out.
+    than ``more`` additional lines. At the end of a line, the separator between two parts is left out, except
+    a comma.
 
     Args:
         text: the text, which is changed.
@@ -27,7 +29,7 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
         parts: the separator between two parts.
         more: how many additional lines are allowed so that parts stay whole.
     """
-    whole = text.get_text()
+    whole, dropped = text.get_text(), parts if parts != COMMA else " "
 
     @functools.cache
     def width(words: str) -> float:
@@ -37,34 +39,34 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
 
     pieces: list[str] = []
     for part in re.split(f"(?<={re.escape(parts.rstrip(' '))}) ", whole):
-        fits = width(part.rstrip(parts)) <= room
+        fits = width(part.rstrip(dropped)) <= room
         pieces += [part] if fits else BREAKABLE_SPACE.split(part)
-    lines, words = _filled(pieces, room, width, parts), BREAKABLE_SPACE.split(whole)
-    filled = _filled(words, room, width, parts)
+    lines, words = _filled(pieces, room, width, dropped), BREAKABLE_SPACE.split(whole)
+    filled = _filled(words, room, width, dropped)
     if len(lines) > len(filled) + more:
         lines, pieces = filled, words
     low, high = max(map(width, pieces), default=0.0), room
     for _ in range(HALVINGS if len(lines) > 1 else 0):
         middle = 0.5 * (low + high)
-        tried = _filled(pieces, middle, width, parts)
+        tried = _filled(pieces, middle, width, dropped)
         if len(tried) == len(lines):
             lines, high = tried, middle
         else:
             low = middle
-    text.set_text("\n".join(line.rstrip(parts) for line in lines))
+    text.set_text("\n".join(line.rstrip(dropped) for line in lines))
 
 
-def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], parts: str) -> list[str]:
+def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], dropped: str) -> list[str]:
     """Return lines of text, each with as many successive pieces as fit into ``room``, a width [pixels].
 
-    ``width`` returns the width of some words [pixels]; ``parts`` is the separator between two parts, whose
-    width does not count at the end of a line.
+    ``width`` returns the width of some words [pixels]; ``dropped`` has the characters that are left out at
+    the end of a line, and whose width does not count there.
     """
     space = width("n n") - width("nn")
     lines: list[str] = []
     filled = math.inf  # the width [pixels] of the last line and a space; infinite as long as no line exists
     for piece in pieces:
-        if filled + width(piece.rstrip(parts)) <= room:
+        if filled + width(piece.rstrip(dropped)) <= room:
             lines[-1] += f" {piece}"
         else:
             lines.append(piece)

@@ -120,7 +120,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
         scale_numbers(axes.yaxis, factor)
         box = axes.get_window_extent()
         zoom = box.height / box.width * np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
-        axes.set_ylabel(f"y [{unit}], enlarged {zoom:#.2g} times".replace(". times", " times"))
+        axes.set_ylabel(f"y\u00a0[{unit}], enlarged {zoom:#.2g} times".replace(". times", " times"))
     legend_above(axes)
 
 

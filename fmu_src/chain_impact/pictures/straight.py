@@ -66,7 +66,7 @@ def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
     if radius > 0.0:
         look: dict[str, Any] = {"color": BLUE, "alpha": BALL_OPACITY, "linewidth": 0.0, "zorder": 1.5}
         axes.fill_between(time, place - radius, place + radius, label=f"ball, radius {radius:g} m", **look)
-    axes.plot(time, place, color=BLUE, linewidth=1.2, label="its centre" if radius > 0.0 else "ball")
+    axes.plot(time, place, color=BLUE, linewidth=1.2, label=f"path of the {'centre' if radius else 'ball'}")
     draw_hits(axes, recording, surfaces)
     axes.set_ylim(low, high)
     axes.set_ylabel(f"{'xy'[along]} [m]")

@@ -22,7 +22,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLocator
 
 from chain_impact.pictures.dark import PLUM, TIME, UMBER, Ground
-from chain_impact.pictures.lines import in_lines
+from chain_impact.pictures.lines import COMMA, in_lines
 from chain_impact.recording.text import LOAD_UNITS, prefixed
 from chain_impact.system import written_whole
 
@@ -211,7 +211,7 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
     title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
-    in_lines(title, (width - 2.0 * LEFT) * figure.dpi)
+    in_lines(title, (width - 2.0 * LEFT) * figure.dpi, COMMA, 0)
     top = TOP + title.get_window_extent().height / figure.dpi + GAP
     for text, colour in lines:
         look: dict[str, Any] = {"fontsize": "small", "color": colour, "va": "top"}
