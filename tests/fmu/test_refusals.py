@@ -98,7 +98,7 @@ def test_calls_out_of_order_are_refused(fmu, target):
 @pytest.mark.parametrize(
     ("model", "changes", "said"),
     [
-        ("rod_drop", {"initial.y": -1.0}, "beyond a wall, or a joint beyond a stop: point 0"),
+        ("rod_drop", {"initial.y": -1.0}, "beyond a wall, or a joint or slider beyond a stop: point 0"),
         ("rod_drop", {"contact.restitution": 0.0}, "not allow this restitution: point 0 at the wall y_min"),
         ("kneed_leg", {"initial.angle[3]": 3.0}, "joint 3 at its joint_max"),
         ("knee", {"link[2].joint_min": 9.0}, "is not below the upper stop (max): joint 2"),

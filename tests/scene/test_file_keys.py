@@ -75,6 +75,7 @@ def test_an_error_has_the_parts_of_its_message():
     error = caught.value
     assert (error.path, error.name, error.line) == (("contact", "restitution"), "contact.restitution", None)
     assert str(error) == f"RodDrop: {error.name} {error.fault}"
+    assert repr(error) == f"SceneError({str(error)!r})"
     assert error.fault.startswith("= -1.0 must be ")
     with pytest.raises(SceneError) as caught:
         parse_scene("name = 1\n[chain]\nlinks = []", "one.toml")

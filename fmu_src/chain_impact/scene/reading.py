@@ -53,6 +53,10 @@ class SceneError(ValueError):
         at = "" if self.line is None else f" (at line {self.line})"
         return " ".join(f"{before}{between}{self.fault}{at}".splitlines())
 
+    def __repr__(self) -> str:
+        """Return the class with the whole message, which ``args`` does not have."""
+        return f"{type(self).__name__}({str(self)!r})"
+
     @property
     def place(self) -> DataPath:
         """The same as ``path``; version 1.0 removes this name."""
