@@ -119,7 +119,13 @@ def test_a_list_has_short_words_for_what_touches(script, what, text):
     ],
 )
 def test_an_input_has_words(script, name, text):
-    assert script.evaluate("name => inputText(name)", name) == text
+    assert script.evaluate("name => inputText(name, () => undefined)", name) == text
+
+
+def test_a_wall_of_the_box_has_the_words_that_gravity_gives_it(script):
+    function = "(down) => inputText('wall.y_min.displacement', (name) => (name === 'gravity.y' ? down : 0))"
+    assert script.evaluate(function, -9.81) == "Displacement of the floor"
+    assert script.evaluate(function, 9.81) == "Displacement of y_min"
 
 
 @pytest.mark.parametrize(

@@ -258,7 +258,7 @@ def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
 
 def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
     page = show("bouncing_table", {"simulation.stop_time": 1.0})
-    assert page.locator("#inputs-over-time dt").all_inner_texts() == ["Displacement of y_min"]
+    assert page.locator("#inputs-over-time dt").all_inner_texts() == ["Displacement of the floor"]
     assert page.evaluate(PIXELS, ["inputs-over-time", "input-1"]) > 200
     scene = load_scene("bouncing_table").with_values({"simulation.stop_time": 1.0})
     changed = {"signal.table.amplitude": 0.004, "signal.table.phase": 1.0}
@@ -271,8 +271,8 @@ def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
     page.locator("#scrub").fill("0.5")
     shown = 0.004 * np.sin(1.0 + 2.0 * np.pi * 10.0 * 0.5)
     told = page.locator("#inputs-over-time dd").inner_text().split("\u202f")
-    assert float(told[0]) == pytest.approx(shown, rel=1e-2)
-    assert told[1] == "m"
+    assert float(told[0]) == pytest.approx(1e3 * shown, rel=1e-2)
+    assert told[1] == "mm"
     assert page.evaluate("chainImpact.scene") == "BouncingTable"
     names = {
         name for name in page.evaluate("Object.keys(chainImpact.parameters)") if name.startswith("signal")

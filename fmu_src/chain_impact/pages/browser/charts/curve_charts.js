@@ -112,8 +112,8 @@ export class CurveCharts {
    * the view of one impact, `title` names this impact, and `note` names the compared motions that lack some of the curves, with the reason
    * `whyWithout`.
    */
-  constructor(element, seek, { curvesOf, label, zoomButton, title, note, whyWithout, wordsOf = (name) => name }) {
-    Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, whyWithout, wordsOf, charts: new Map() });
+  constructor(element, seek, { curvesOf, label, zoomButton, title, note, whyWithout }) {
+    Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, whyWithout, charts: new Map() });
     zoomButton?.addEventListener("click", () => {
       zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
       this.draw(this.frame, this.contact);
@@ -135,7 +135,6 @@ export class CurveCharts {
       const curvesInUnit = curves.filter((curve) => curve.unit === unit);
       chart.show(recording, curvesInUnit.map((curve, k) => ({
         ...curve,
-        words: this.wordsOf(curve.name),
         stroke: `input-${(k % INPUT_COLOURS) + 1}`,
         // when the colours begin again, the dashes begin one later, so that no two curves look alike
         dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length],

@@ -76,7 +76,7 @@ export class CurveChoice {
   }
 
   open() {
-    this.rows = this.#columns.map(({ name, unit, text = inputText(name) }) => {
+    this.rows = this.#columns.map(({ name, unit, text = inputText(name, this.changes.valueOf) }) => {
       const box = make("input", { type: "checkbox" });
       box.setAttribute("aria-label", name);
       box.addEventListener("change", () =>

@@ -87,7 +87,7 @@ export class OpenScene {
 
   /** Show name and description of the open scene, and notes on its inputs: when sliders act, which inputs stay constant on the page. */
   #describe() {
-    const { scene: { name, text, still, inputs }, starts } = this.changes;
+    const { scene: { name, text, still, inputs }, starts, valueOf } = this.changes;
     document.querySelector("h1").textContent = name;
     document.title = `${name} – chain-impact`;
     const areZero = inputs.length > 0 && inputs.every((input) => starts[input] === 0);
@@ -95,7 +95,7 @@ export class OpenScene {
     find("description").hidden = !text;
     const notes = [
       inputs.length && "While the motion plays, the slider of an input acts from that moment on.",
-      still.length && `These inputs keep their start values here: ${still.map(inputText).join("; ")}.`,
+      still.length && `These inputs keep their start values here: ${still.map((input) => inputText(input, valueOf)).join("; ")}.`,
     ].filter(Boolean);
     find("inputs").hidden = notes.length === 0;
     find("inputs").textContent = notes.join(" ");

@@ -6,7 +6,6 @@ import { CurveCharts } from "../charts/curve_charts.js";
 import { ForceChart } from "../charts/force_chart.js";
 import { EnergyChart } from "../charts/time_chart.js";
 import { ChainDrawing } from "../drawing/chain_drawing.js";
-import { inputText } from "../scene/words.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { ImpactList, impactText } from "./impact_list.js";
@@ -28,7 +27,7 @@ export class Player {
         new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
       [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
         new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time),
-          { curvesOf: ({ inputs }) => inputs, label: "Driven inputs", wordsOf: inputText, note: find("inputs-note"),
+          { curvesOf: ({ inputs }) => inputs, label: "Driven inputs", note: find("inputs-note"),
             whyWithout: "such an input is constant there or does not exist" })],
       [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
         new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time),

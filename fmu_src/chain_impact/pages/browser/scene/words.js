@@ -41,12 +41,16 @@ export function toucherText({ what }) {
   return /^point \d+ \((.+)\)$/.exec(what)?.[1] ?? what.replace(/^point /, "");
 }
 
-/** Return the words for an input: "Force on the tip, x" for tip.force.x, "Target angle of joint 2" for joint[2].target_angle. */
-export function inputText(name) {
+/**
+ * Return the words for an input: "Force on the tip, x" for tip.force.x, "Target angle of joint 2" for joint[2].target_angle, "Displacement
+ * of the floor" for wall.y_min.displacement. `valueOf`: a function from the name of a parameter to its value.
+ */
+export function inputText(name, valueOf) {
   const [head, ...rest] = name.split(".");
   const inHead = { base: [OF_BASE[rest[0][0]], rest[0].at(-1)], wall: [rest[1]] }[head];
   const [key, axis] = inHead ?? rest;
-  const owner = head === "wall" ? rest[0] : head.includes("[") ? head.replace(/\[(\d+)\]/, " $1") : `the ${head}`;
+  const wall = head === "wall" && boxWallText(rest[0], valueOf);
+  const owner = wall ? `the ${wall}` : head === "wall" ? rest[0] : head.includes("[") ? head.replace(/\[(\d+)\]/, " $1") : `the ${head}`;
   const words = `${key.replaceAll("_", " ")} ${key === "force" ? "on" : "of"} ${owner}${axis ? `, ${axis}` : ""}`;
   return capitalized(words);
 }

@@ -7,7 +7,7 @@ import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
 import { ballOf, sizeOf, VIEW } from "../recording/view.js";
 import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
-import { boxWallText } from "../scene/words.js";
+import { boxWallText, inputText } from "../scene/words.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./bodies.js";
 
@@ -109,7 +109,10 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
   };
 }
 
-/** Return { time, curves } of inputs for a run: of driven inputs, whose values are the run's columns, and of inputs with steps. */
+/**
+ * Return { time, curves } of inputs for a run: of driven inputs, whose values are the run's columns, and of inputs with steps. A curve has
+ * `words` for its input.
+ */
 function inputCurves({ scene, parameters }, { time, columns }, inputSteps, valueOf) {
   const driven = scene.driven.map(({ name, unit }, k) => ({ name, unit, values: columns[k] }));
   const stepped = Object.entries(inputSteps).map(([name, pairs]) => ({
@@ -118,7 +121,7 @@ function inputCurves({ scene, parameters }, { time, columns }, inputSteps, value
     isStepped: true,
     values: time.map((now) => pairs.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
   }));
-  return { time, curves: [...driven, ...stepped] };
+  return { time, curves: [...driven, ...stepped].map((curve) => ({ ...curve, words: inputText(curve.name, valueOf) })) };
 }
 
 /**

@@ -169,14 +169,14 @@ function slider(changes, entry, { field, write, now, unit }) {
  * Return the entries for sliders of the inputs, each from −x to x. The unit decides x: weight of the chain [N], weight times length [N·m],
  * half a turn [rad], 10 rad/s, length [m], speed after a fall through the length [m/s]; 1 for any other unit.
  */
-function inputSliders({ scene, starts }) {
+function inputSliders({ scene, starts, valueOf }) {
   const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
   const [weight, length] = [10 * sum("mass"), sum("length")]; // weight [N] and length [m] of the chain
   const ends = { "N.m": weight * length, N: weight, rad: Math.PI, "rad/s": 10, m: length, "m/s": Math.sqrt(2 * 10 * length) };
   return scene.inputs.map((name) => {
     const { unit } = scene.parameters.find((parameter) => parameter.name === name);
     const end = Number((ends[unit] ?? 1).toPrecision(3));
-    return { name, label: inputText(name), ends: [-end, end], isInput: true };
+    return { name, label: inputText(name, valueOf), ends: [-end, end], isInput: true };
   });
 }
 
