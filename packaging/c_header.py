@@ -10,7 +10,7 @@ from chain_impact.compilation.compilers import INTERFACE
 from chain_impact.compilation.signatures import declarations
 from chain_impact.fmu.table import HEAD, MAGIC, TABLE_KINDS, TABLE_TYPES, VARIABLE
 from chain_impact.kernel.chain.inputs import REINITIALIZE
-from chain_impact.kernel.record.counts import COUNTS, FEATURES
+from chain_impact.kernel.record.counts import COUNTS, FEATURES, LARGEST_COUNT
 from chain_impact.kernel.status import ONSET_DUE, PAUSED
 
 FILE: Path = INTERFACE / "common" / "shared.h"
@@ -30,7 +30,8 @@ def header() -> str:
         _structure("Table", HEAD),
         "/* kernel/record/counts.py: the counts and flags at the start of a record, then the number of "
         "tangent instances */\n"
-        f"enum {{ COUNTS = {len(COUNTS)}, FEATURES = {len(FEATURES)}, SIZES = COUNTS + FEATURES + 1 }};",
+        f"enum {{ COUNTS = {len(COUNTS)}, FEATURES = {len(FEATURES)}, SIZES = COUNTS + FEATURES + 1 }};\n"
+        f"enum {{ LARGEST_COUNT = {LARGEST_COUNT} }};",
         "/* kernel/status.py: statuses of the kernel that are no faults */\n"
         f"enum {{ PAUSED = {PAUSED}, ONSET_DUE = {ONSET_DUE} }};",
         "/* kernel/chain/inputs.py: the value of given.changed with which the solver re-initializes */\n"

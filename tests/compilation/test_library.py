@@ -12,10 +12,10 @@ from chain_impact import BuildError, load_scene, simulate
 from chain_impact.compilation import compilers, library, ready
 from chain_impact.compilation.library import kernel_library
 from chain_impact.extras import how_to_install
-from chain_impact.laws.law_file import LawError
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import load_kernel
 from chain_impact.system import HOST
+from chain_impact.user_laws.law_file import LawError
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
 from tests.helpers.tools.binaries import read_binary

@@ -216,6 +216,11 @@ def test_other_chains_are_no_balls(model):
     assert ball_of(recorded(model)) is None
 
 
+def test_a_link_whose_centre_of_mass_is_beside_its_end_is_no_ball():
+    beside = load_scene("bouncing_ball").with_values({"link[1].center_of_mass_offset": 0.03})
+    assert ball_of(simulate(beside, stop_time=0.05)) is None
+
+
 def test_arcs_of_stops_and_poses_of_joint_forces_have_their_times():
     leg = simulate("kneed_leg")
     axes = leg.plot(panels=["motion"]).axes[0]

@@ -36,6 +36,10 @@ def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
         ({"speed": 0.0}, "speed = 0 must be a finite number > 0"),
         ({"speed": float("inf")}, "speed = inf must be"),
         ({"impact_time": -1.0}, r"impact_time = -1 must be a finite number >= 0 \[s\]"),
+        (
+            {"path": "swing.gif", "size": (-320, 180)},
+            r"size = \(-320, 180\): width and height must be 160 … 4096",
+        ),
         ({"recording": swing(1)}, "Swing: an animation needs two rows at least"),
     ],
 )

@@ -49,3 +49,8 @@ def test_the_powers_of_a_quotient_are_differences(above, below):
 
 def test_units_are_listed_in_one_order():
     assert in_order({"", "m/(kg)", "m", "J", "J/(kg)", "1"}) == ["1", "m", "J", "J/(kg)", "m/(kg)"]
+
+
+def test_an_unknown_unit_is_named():
+    with pytest.raises(ValueError, match="unit furlong: must be a key of UNITS"):
+        unit_of("furlong")

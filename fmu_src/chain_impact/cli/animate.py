@@ -27,7 +27,7 @@ from chain_impact.recording.csv_file import NeedsSceneError, read_csv
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
-from chain_impact.results.animate import FILM_SIZE, FORMATS, write_animation
+from chain_impact.results.animate import FILM_SIZE, FORMATS, LEAST_SIDE, MOST_SIDE, write_animation
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
@@ -80,13 +80,12 @@ def add(verbs: Verbs) -> None:
 
 
 def size(text: str) -> tuple[int, int]:
-    """Return width and height [pixels] from a text such as 960x540; refuse sides not from 160 to 4096."""
-    least, most = 160, 4096
+    """Return width and height [pixels] from a text such as 960x540; refuse lengths that no film can have."""
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
         raise argparse.ArgumentTypeError(f"{text} must be WIDTHxHEIGHT, for example 960x540")
-    if not all(least <= int(length) <= most for length in (width, height)):
-        raise argparse.ArgumentTypeError(f"{text}: width and height must be {least} … {most}")
+    if not all(LEAST_SIDE <= int(length) <= MOST_SIDE for length in (width, height)):
+        raise argparse.ArgumentTypeError(f"{text}: width and height must be {LEAST_SIDE} … {MOST_SIDE}")
     return int(width), int(height)
 
 

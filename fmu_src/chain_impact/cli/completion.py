@@ -1,7 +1,7 @@
 """`chain-impact completion`: print the script with which a shell completes verbs, options and models.
 
-A shell that has run the script calls this program at each press of the Tab key, and the package argcomplete
-answers the call.
+A shell that has run the script calls this program if the Tab key is pressed in a line that begins with
+chain-impact, and the package argcomplete answers the call.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from chain_impact.compilation import compilers
 from chain_impact.compilation.errors import BuildError
-from chain_impact.laws.law_syntax import LawError
+from chain_impact.user_laws.law_syntax import LawError
 
 # the names of two files in the cache: the module, and the compiled kernel from which it is linked
 MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"

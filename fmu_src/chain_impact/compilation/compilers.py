@@ -21,9 +21,9 @@ from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.kernel import hooks
-from chain_impact.kernel.record.counts import COUNTS, FEATURES
-from chain_impact.laws.law_syntax import LawError
+from chain_impact.kernel.record.counts import COUNTS, FEATURES, LARGEST_COUNT
 from chain_impact.system import HOST, PLATFORMS, X86
+from chain_impact.user_laws.law_syntax import LawError
 
 PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest x86 processor on which the code runs
 BAD_LAW = 3  # exit code of lower.py for a law with a fault; the last line on standard error tells the fault
@@ -73,10 +73,10 @@ for all scenes; a tuple of all counts and flags at the start of a record for the
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # LLVM code of a function that reads a count or flag from the record. LLVM is told that the number does not
-# change while the kernel runs, and is at least 0 and less than 2²⁰.
+# change while the kernel runs, and is at least 0 and less than ``end``.
 HELD = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   %place = getelementptr i64, ptr %instance, i64 {word}
-  %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 1048576}}
+  %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 {end}}}
   ret i64 %number
 }}
 """
@@ -136,7 +136,9 @@ def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
     else:
         fixed = dict.fromkeys(() if sizes == GENERAL else _FEW, 0) | ({"chain_links": sizes} if sizes else {})
     prelude = "".join(
-        CONSTANT.format(name=name, number=fixed[name]) if name in fixed else HELD.format(name=name, word=word)
+        CONSTANT.format(name=name, number=fixed[name])
+        if name in fixed
+        else HELD.format(name=name, word=word, end=LARGEST_COUNT + 1)
         for word, name in enumerate(_SIZES)
     )
     # a hidden function is private to a library, so a call of it is direct, not through a table of addresses

@@ -70,7 +70,7 @@ class Function(types.Dispatcher):
         self._function = function
         super().__init__(compiled(function))
 
-    def _for(self, arguments: Any) -> types.Dispatcher:
+    def _dispatcher_for(self, arguments: Any) -> types.Dispatcher:
         """Return the type of the function that is called for arguments of these types.
 
         It is the replacement in ``COMPLEX_RULES`` if an argument is a complex number, or in ``RULES`` if an
@@ -87,11 +87,11 @@ class Function(types.Dispatcher):
         """
         if self._function in _RULES and DUAL in args:
             args = tuple(DUAL if argument == float64 else argument for argument in args)
-        return self._for(args).get_call_type(context, args, kws)
+        return self._dispatcher_for(args).get_call_type(context, args, kws)
 
     def get_overload(self, sig: Any) -> Any:
         """Return the compiled code of the function, or of its replacement, for a signature."""
-        return self._for(sig.args).get_overload(sig)
+        return self._dispatcher_for(sig.args).get_overload(sig)
 
 
 def carries_derivatives(kind: types.Type) -> bool:

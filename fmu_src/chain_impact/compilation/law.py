@@ -21,8 +21,8 @@ from numba.extending import lower_builtin
 from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled
 from chain_impact.kernel.forces.user_law import ARGUMENTS
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
-from chain_impact.laws.law_file import LawError, UserLaw
-from chain_impact.laws.law_syntax import FUNCTIONS, MATH
+from chain_impact.user_laws.law_file import LawError, UserLaw
+from chain_impact.user_laws.law_syntax import FUNCTIONS, MATH
 
 MEMORY = "NRT required"  # words in numba's message on a function that allocates memory
 MATHEMATICS = ModuleType(math.__name__)

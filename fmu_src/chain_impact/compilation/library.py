@@ -10,9 +10,9 @@ from pathlib import Path
 from chain_impact.compilation import browser, cache, compilers, ready
 from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, Sizes
 from chain_impact.compilation.errors import BuildError
-from chain_impact.laws.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
+from chain_impact.user_laws.law_file import LawError, UserLaw, read_law
 
 # [s] usual times to lower, and to compile and link, a part of a kernel, for messages that tell how long to
 # wait
@@ -66,7 +66,7 @@ def kernel_library(
 
     def link(file: Path) -> None:
         parts = [part(what) for what in ready.PARTS[kind]]
-        with _about(law_file):
+        with _naming_law_file(law_file):
             compilers.link(parts, file, platform, lowered_law)
 
     return cache.get_or_make(name, link)
@@ -97,7 +97,7 @@ def browser_module(law_file: str = "") -> Path:
 
     def link(file: Path) -> None:
         compiled = ready.compiled_for_browsers(text)
-        with _about(law_file):
+        with _naming_law_file(law_file):
             browser.link(compiled, file, lowered_law)
 
     return cache.get_or_make(name, link)
@@ -128,19 +128,19 @@ def _lowered_law(law: UserLaw, file: str) -> Path:
         # the law is lowered from the text that was checked, because the file may have changed since
         copy = module.with_name(f"{law.id}.py")
         copy.write_text(law.source, encoding="utf-8")
-        with _about(file):
+        with _naming_law_file(file):
             compilers.lower(module, "law", copy)
 
     return cache.get_or_make(f"{_law_name(law)}.ll", lower)
 
 
 def _law(file: str) -> UserLaw:
-    with _about(file):
+    with _naming_law_file(file):
         return read_law(Path(file))
 
 
 @contextmanager
-def _about(law_file: str) -> Iterator[None]:
+def _naming_law_file(law_file: str) -> Iterator[None]:
     """Context manager that makes a LawError a BuildError, with the law's file in front of the message."""
     try:
         yield

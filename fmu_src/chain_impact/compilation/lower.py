@@ -22,7 +22,7 @@ from chain_impact.compilation.entry_points import Entries, entry_points, hook_en
 from chain_impact.compilation.functions import OPTIONS
 from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.sources import fingerprint
-from chain_impact.laws.law_file import LawError, read_law
+from chain_impact.user_laws.law_file import LawError, read_law
 
 # the target for which LLVM's passes run in this process; their result does not depend on it
 TRIPLE = "x86_64-unknown-linux-gnu"

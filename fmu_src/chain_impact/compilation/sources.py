@@ -20,7 +20,7 @@ COMPILED = (
     "kernel",
     *(f"compilation/{name}.py" for name in MAKERS),
     "compilation/c_interface",
-    "laws",
+    "user_laws",
 )
 """The folders and files of the package from which kernels are made."""
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}

@@ -113,7 +113,7 @@ class Drives:
         actuators = [self._drive(joint, a) for a in self.at.get(j, []) if self._active(a)]
         drives = [drive for drive in actuators if drive is not None]
         if drives:
-            joint = self._with(joint, j, drives, zero)
+            joint = self._with_drives(joint, j, drives, zero)
         return joint
 
     def _geared(self, joint: Joint, a: int) -> Joint:
@@ -217,7 +217,7 @@ class Drives:
         low, high = sorted((gear * low, gear * high)) if gear else (0.0, 0.0)
         return low, high
 
-    def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
+    def _with_drives(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
         """Return ``joint``, MuJoCo's joint ``j``, with its drives: one spring, one damper and one limit.
 
         ``zero`` is MuJoCo's angle or position in the pose of the file. Differences are reported.

@@ -179,7 +179,7 @@ def unsupported_fields(model: Any) -> Iterator[Difference]:
             continue
         entries = np.asarray(values[row.field]).reshape(counts[row.kind], -1)
         for i in np.flatnonzero(np.any(entries != row.default, axis=1)):
-            yield _about(model, row, int(i))
+            yield _difference_of_field(model, row, int(i))
     for field, value in values.items():
         if not treatments(field) and np.any(value):
             text = (
@@ -199,7 +199,7 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 }
 
 
-def _about(model: Any, row: FieldRemark, i: int) -> Difference:
+def _difference_of_field(model: Any, row: FieldRemark, i: int) -> Difference:
     """Return the difference for the element with index ``i`` of the kind ``row.kind``.
 
     For a joint, the difference is not reported if the joint is held. For a body or a shape that can move in

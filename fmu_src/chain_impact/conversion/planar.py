@@ -219,7 +219,7 @@ class _Conversion:
         for b in part:
             body = self.robot.bodies[b]
             for name, point in (*body.frames, (body.name, np.zeros(3))):
-                ends.setdefault(name, self._from(hinge, b, point))
+                ends.setdefault(name, self._relative_to_hinge(hinge, b, point))
         chosen = self.choices.tip
         if chosen is not None and chosen not in ends:
             names = f"its frames: {', '.join(ends)}"
@@ -248,7 +248,7 @@ class _Conversion:
         reason = f"its centre of mass and its frames are on the axis of joint {name}{massless}"
         raise NoChainError(f"{self.source}: the last link has no length: {reason}", [name])
 
-    def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
+    def _relative_to_hinge(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
         """Return the vector from a hinge to a point of body ``b``, in the scene's axes [m].
 
         ``point`` has the coordinates in the body's axes [m]. The joints of the chain are at zero.
@@ -264,7 +264,7 @@ class _Conversion:
         """
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])
-        centers = np.array([self._from(hinge, b, self.robot.bodies[b].center) for b in part])
+        centers = np.array([self._relative_to_hinge(hinge, b, self.robot.bodies[b].center) for b in part])
         mass = float(masses.sum())
         center = masses @ centers / mass if mass > 0.0 else centers[0]
         about = 0.0

@@ -23,7 +23,7 @@ _FROM_OUTSIDE = ("input", "independent", "parameter", "structuralParameter")
 
 
 class Structure:
-    """The references to variables in a model description.
+    """The references to variables in a model description: in its structure, derivatives and array sizes.
 
     A reference is the variable's index, from 1, in FMI 2.0, and its value reference in FMI 3.0.
     """

@@ -166,8 +166,7 @@ def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, s
     ]
 
 
-# --- parts that FMI 2.0 and FMI 3.0 have in common
-# -----------------------------------------------------------
+# --- parts that FMI 2.0 and FMI 3.0 have in common -------------------------------------------------------
 
 
 def about(scene: Scene, tool: str) -> dict[str, str]:

@@ -42,7 +42,7 @@ class DescriptionError(Exception):
 
 
 class Trial:
-    """The calls of a test run of an FMU, one after the other."""
+    """A test run of an FMU, which makes the calls one after the other."""
 
     def __init__(self, path: Path, folder: str, binary: str, tell: Callable[..., None]) -> None:
         """Unpack the FMU to ``folder``, and read its model description.

@@ -233,7 +233,7 @@ def draw_all(
 ) -> list[list[Label]]:
     """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
 
-    Return for each panel the labels of ``extremes``, which the caller places.
+    Return for each panel the labels of the curves' largest |values| (``extremes``), which the caller places.
 
     ``grid``: the axes of each panel. ``panels``: the names of the outputs in each panel. ``beside``: whether
     legends may stand beside the axes.

@@ -249,10 +249,10 @@ class Film:
         self.arrows.clear()
         self.plane = self.recording.sides_at(float(self.times[frame]))
         for touch in self.touches:
-            force = 0.0 if touch.force is None else self._at(touch.force, frame)
+            force = 0.0 if touch.force is None else self._value_at(touch.force, frame)
             sticks = touch.sticking is not None and touch.sticking[self.rows[frame]] > 0.0
             if touch.wall in self.plane and force > 0.0:
-                along = 0.0 if touch.friction is None else self._at(touch.friction, frame)
+                along = 0.0 if touch.friction is None else self._value_at(touch.friction, frame)
                 self._add_contact(self.points[frame, touch.point], touch.wall, (force, along), sticks)
             elif touch.kind == FRICTION and sticks:
                 self._add_line(
@@ -275,9 +275,9 @@ class Film:
         return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
-        """Add an arrow for the force in each joint in a frame; beside the largest force stands its value.
+        """Add an arrow for the force in each joint in a frame, and the value of the largest if it has room.
 
-        A force that is too small for ``ArrowScale.shows`` has no arrow.
+        A force that is too small for ``ArrowScale.shows`` has neither.
         """
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
@@ -287,7 +287,7 @@ class Film:
                 joint_position = self.points[frame, joint - 1]
                 self._add_arrow(joint_position, force / whole, whole, LOAD, with_size=joint == largest)
 
-    def _at(self, column: np.ndarray, frame: int) -> float:
+    def _value_at(self, column: np.ndarray, frame: int) -> float:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
     def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:

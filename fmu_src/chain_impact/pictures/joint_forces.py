@@ -1,4 +1,8 @@
-"""The largest force in each joint, in the picture of a motion: an arrow at the joint, and the value."""
+"""The largest force in each joint, in the picture of a motion.
+
+Each force is an arrow at the joint, where the joint was at the time of the force. The largest of these forces
+also have their values.
+"""
 
 from __future__ import annotations
 

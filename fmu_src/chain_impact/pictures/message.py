@@ -153,7 +153,7 @@ def peaks(recording: Recording) -> list[Peak]:
 
 
 def marked_peaks(recording: Recording) -> list[Peak]:
-    """Return those of ``peaks`` that a single impact has: only these impacts have PEAK_COLOUR in pictures."""
+    """Return those of ``peaks`` that only one impact reaches: only these impacts have PEAK_COLOUR."""
     return [peak for peak in peaks(recording) if peak.equal == 1]
 
 

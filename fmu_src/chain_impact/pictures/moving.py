@@ -16,7 +16,8 @@ from chain_impact.recording.view import pin_mark
 
 FAINT_WALLS = 8  # the number of faint positions of a moving wall, at equal distances in time
 FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows with equally spaced indices
-# the distance of the traced point from an end of a wall's visible part, relative to the length of this part
+# [1] The trace of a moving wall is that of one of its points: the distance of this point from an end of the
+# wall's visible part, relative to the length of this part.
 TRACE_GAP = 0.04
 
 

@@ -92,8 +92,8 @@ LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the 
 # [inch] GAP: space below the headline, and below the conditions; LINE_GAP: between the lines in colours
 GAP, LINE_GAP = 0.09, 0.02
 MOST_HEAD = 0.33  # conditions are left out if they and the headline are higher than this part of the figure
-# The largest height of all texts at the foot, relative to the height of the figure. MOST_FOOT: if the user
-# gives the height of the figure; FREE_FOOT: if the contents determine this height.
+# The largest height of all texts at the foot, relative to the height of the figure. FREE_FOOT: if the
+# contents determine the height of the figure; MOST_FOOT: otherwise.
 MOST_FOOT, FREE_FOOT = 0.15, 0.25
 LEAST_LOAD = 0.1  # a value below this in a unit of LOAD_UNITS gets a prefix, such as mN
 LEAST_TICKS = 3  # the least number of ticks on an axis

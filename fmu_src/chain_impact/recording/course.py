@@ -18,8 +18,8 @@ from chain_impact.variables.prepared import PreparedScene
 SAMPLES = 400  # number of times at which the course of an impact is computed
 # number of equally spaced times in a contact that lasts longer than an impact
 LASTING_SAMPLES = 4000
-# [1] time from the onset to the first sample after it, relative to the duration of a contact that lasts
-# longer than an impact
+# [1] time from the onset to the first of SAMPLES times in geometric progression, relative to the duration of
+# a contact that lasts longer than an impact
 SOON = 1e-6
 
 

@@ -1,4 +1,4 @@
-"""The stops of joints in results: the ranges of joints, and the lines that pictures show for them."""
+"""The stops of joints in results: the ranges of joints, and the lines that show them in drawn chains."""
 
 from __future__ import annotations
 

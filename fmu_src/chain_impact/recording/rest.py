@@ -118,5 +118,5 @@ def rest_lines(recording: Recording) -> Iterator[str]:
 
 
 def _metres(length: float) -> str:
-    """Return a length [m] as text, rounded to a micrometre, without zeros at the end."""
+    """Return the number of a length [m] as text, rounded to a micrometre, without zeros at the end."""
     return np.format_float_positional(round(length, 6) + 0.0, trim="-")

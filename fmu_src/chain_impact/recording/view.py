@@ -192,8 +192,9 @@ def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]
 def ball_of(recording: Recording) -> int | None:
     """Return the number of the point at the centre of a ball; None if the chain is no ball.
 
-    A ball is a free chain of one link of which only one end touches. Either this end is the centre of mass,
-    or its radius is at least the length of the link, so that its circle contains the link.
+    A ball is a free chain of one link, without points beside its ends, of which only one end touches. Either
+    this end is the centre of mass, or its radius is at least the length of the link, so that its circle
+    contains the link.
     """
     if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
         return None
@@ -202,5 +203,6 @@ def ball_of(recording: Recording) -> int | None:
     ((end, radius),) = recording.touching.items()
     length = float(np.hypot(*(recording.points[0, 1] - recording.points[0, 0])))
     centre = float(recording.parameters.get("link[1].center_of_mass", np.nan))
-    is_centre = abs(centre - end * length) <= SAME_LENGTH * length
+    offset = float(recording.parameters.get("link[1].center_of_mass_offset", 0.0))
+    is_centre = np.hypot(centre - end * length, offset) <= SAME_LENGTH * length
     return end if is_centre or radius >= length * (1.0 - SAME_LENGTH) else None

@@ -15,6 +15,7 @@ from chain_impact.system import written_whole
 
 FORMATS = (".html", ".gif", ".mp4")
 FILM_SIZE = (960, 540)  # [pixels] default width and height of a film
+LEAST_SIDE, MOST_SIDE = 160, 4096  # [pixels] the range of the width and of the height of a film
 
 
 class AnimationError(ValueError):
@@ -42,6 +43,8 @@ def write_animation(
         raise AnimationError(f"speed = {speed:g} must be a finite number > 0")
     if not 0.0 <= impact_time < math.inf:
         raise AnimationError(f"impact_time = {impact_time:g} must be a finite number >= 0 [s]")
+    if not all(LEAST_SIDE <= length <= MOST_SIDE for length in size):
+        raise AnimationError(f"size = {size}: width and height must be {LEAST_SIDE} … {MOST_SIDE} [pixels]")
     if len(recording.time) <= 1 or not recording.points.shape[1]:
         raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
     if path is None:

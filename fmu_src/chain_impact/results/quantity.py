@@ -81,7 +81,7 @@ def _largest(
     If ``at_stops``, only the impacts at stops of joints count, else only those at walls and at stops of a
     slider.
     """
-    values = _at(recording, field, at_stops=at_stops)
+    values = _values_of(recording, field, at_stops=at_stops)
     if not np.nanmax(values, initial=0.0) > 0.0:
         surface = "a stop of a joint" if at_stops else "a wall"
         hits = np.flatnonzero(np.isfinite(values)) + 1
@@ -91,7 +91,7 @@ def _largest(
     return found._replace(value_in=partial(_largest_in, field=field, at_stops=at_stops))
 
 
-def _at(recording: Recording, field: str, *, at_stops: bool) -> np.ndarray:
+def _values_of(recording: Recording, field: str, *, at_stops: bool) -> np.ndarray:
     """Return a column of the impacts; NaN for impacts that do not count.
 
     With ``at_stops`` the impacts at stops of joints count; otherwise all others do.
@@ -100,7 +100,7 @@ def _at(recording: Recording, field: str, *, at_stops: bool) -> np.ndarray:
 
 
 def _largest_in(recording: Recording, field: str, *, at_stops: bool) -> float:
-    return float(np.nanmax(_at(recording, field, at_stops=at_stops), initial=0.0))
+    return float(np.nanmax(_values_of(recording, field, at_stops=at_stops), initial=0.0))
 
 
 def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> RankedQuantity:

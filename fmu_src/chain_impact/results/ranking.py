@@ -114,11 +114,11 @@ class Ranking:
     value_in: Callable[[Recording], float] = field(compare=False, kw_only=True)
 
     def __repr__(self) -> str:
-        """Return the effects as a table."""
+        """Return the ranking as text: tables of the effects, and remarks (``parts``)."""
         return as_text(self.parts())
 
     def _repr_html_(self) -> str:
-        """Return the effects as a table for a notebook."""
+        """Return the text of ``repr`` for a notebook."""
         return as_html(self.parts())
 
     def share(self, effect: Effect) -> float:

@@ -111,11 +111,11 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
             if k >= len(numbers) or (key == "velocity" and scene.chain.base != "free"):
                 return None
             changed: dict[str, Any] = {key: (*numbers[:k], value, *numbers[k + 1 :])}
-            return _with(scene, initial=_with(scene.initial, **changed))
+            return _replaced(scene, initial=_replaced(scene.initial, **changed))
         case str(table), str(key) if not _matters_elsewhere(scene, path, value):
             before = getattr(scene, table)
             same = getattr(before, key) == value
-            return scene if same else _with(scene, **{table: _with(before, **{key: value})})
+            return scene if same else _replaced(scene, **{table: _replaced(before, **{key: value})})
     return None
 
 
@@ -138,18 +138,18 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
     if i >= len(links):
         return None
     change: dict[str, Any] = {key: value}
-    link = _with(links[i], **change)
+    link = _replaced(links[i], **change)
     if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_paths:
         rule = _rules_of_links()["inertia"]["default"]
-        link = _with(
+        link = _replaced(
             link, inertia=rule.value({key: getattr(link, key) for key in ("mass", "length", "height")})
         )
     if key in ("mass", "inertia") and not 0.0 < link.inertia < math.inf:
         return None
-    return _with(scene, chain=_with(scene.chain, links=(*links[:i], link, *links[i + 1 :])))
+    return _replaced(scene, chain=_replaced(scene.chain, links=(*links[:i], link, *links[i + 1 :])))
 
 
-def _with(table: SceneTable, **changes: Any) -> SceneTable:
+def _replaced(table: SceneTable, **changes: Any) -> SceneTable:
     """Return a copy of the dataclass object ``table`` with some fields changed, without any check.
 
     ``dataclasses.replace`` would take twice the time.

@@ -148,7 +148,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         begin = -periods * period
     for _ in range(order):
         powers = np.insert(powers / np.arange(1.0, powers.shape[1] + 1.0), 0, 0.0, axis=1)
-        grown = np.cumsum(_at(powers, ends - at))
+        grown = np.cumsum(_sums_of_powers(powers, ends - at))
         powers[1:, 0], gain = grown[:-1], float(grown[-1])
         # the integral must be 0 at t = 0, where the run starts
         powers[:, 0] -= values_of(at, powers, np.array([begin])) + periods * gain
@@ -222,10 +222,10 @@ def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any =
     is "right", and the polynomial before it if ``side`` is "left".
     """
     k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
-    return _at(powers[k], times - at[k])
+    return _sums_of_powers(powers[k], times - at[k])
 
 
-def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
+def _sums_of_powers(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return the value of polynomial k at ``x[k]``, for all k; row k of ``powers`` has its coefficients."""
     total = np.zeros(len(x))
     for column in powers.T[::-1]:

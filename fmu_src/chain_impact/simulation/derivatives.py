@@ -191,7 +191,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _missing(self) -> np.ndarray:
-        """For each parameter, whether the whole motion has no derivative with respect to it, shape (P,)."""
+        """Whether derivatives by each parameter are missing, from the start or an onset on, shape (P,)."""
         missing: np.ndarray = self._tangents["trust"]["missing"].ravel()[: len(self.parameters)] != 0
         return missing
 
@@ -207,7 +207,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def limits(self) -> tuple[str, ...]:
-        """Sentences for users: which derivatives are NaN or one-sided and why, and errors by dry friction."""
+        """Sentences for users: which derivatives are NaN, one-sided or, by dry friction, inexact, and why."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["neglected"].max())
         missing = [of for of, is_missing in zip(self.varied, self._missing, strict=True) if is_missing]
         told = [

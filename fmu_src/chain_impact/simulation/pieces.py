@@ -68,11 +68,11 @@ class Pieces:
     @cached_property
     def jumps(self) -> np.ndarray:
         """Whether any signal jumps at the start of each piece, shape (P,); true for the first piece."""
-        before = self._at(self.start[1:], slice(None, -1))
-        after = self._at(self.start[1:], slice(1, None))
+        before = self._values_at(self.start[1:], slice(None, -1))
+        after = self._values_at(self.start[1:], slice(1, None))
         return np.append(True, (np.abs(after - before) > self.same).any(axis=1))
 
-    def _at(self, times: np.ndarray, which: slice) -> np.ndarray:
+    def _values_at(self, times: np.ndarray, which: slice) -> np.ndarray:
         """Return the values of the signals in the P pieces ``which``, one time [s] in each, shape (P, M)."""
         x = (times - self.middle[which]) * self.scale[which]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])

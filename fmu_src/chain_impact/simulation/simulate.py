@@ -13,7 +13,6 @@ import numpy as np
 
 from chain_impact.compilation import cache
 from chain_impact.kernel.status import OK
-from chain_impact.laws.law_file import LawError, parse_law, source_of
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import in_order
 from chain_impact.recording.sensitivity import Sensitivities
@@ -32,6 +31,7 @@ from chain_impact.simulation.instance import (
     WordRows,
     structured,
 )
+from chain_impact.user_laws.law_file import LawError, parse_law, source_of
 from chain_impact.variables.indices import WORD
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
@@ -303,7 +303,7 @@ def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
         scene: a scene, or an argument of ``load_scene``.
         law: a function that returns the force [N], as in a ``contact.law_file``. Python must know its source,
             which is stored as a file in the cache folder; ``Fit.save`` copies this file to the folder of the
-            scene file. The function may use its own names, ``math`` and FUNCTIONS (laws/law_syntax.py) only.
+            scene file. The function may use its own names, ``math`` and FUNCTIONS (law_syntax.py) only.
 
     Raises:
         SceneError: when the function is not allowed as a law.

@@ -191,8 +191,9 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
     """Return the looks of the lines: law → keywords of matplotlib's ``plot``, with colour and label.
 
     Laws with equal loops share one line, under the first of these laws; its label names all of them. A label
-    has the first reason for the colour and, if the e′ describe the contact alone, e′ of the first impact.
-    With ``small`` only the line of the reference law has a reason.
+    has the reasons of ``named_laws`` for the first of these laws that has any and, if the e′ describe the
+    contact alone, e′ of the first impact. With ``small`` only the line of the reference law has reasons. The
+    label of a law that acts by impulses and has no colour is its id with IMPULSIVE.
     """
     why = named_laws(comparison)
     twins: dict[str, list[str]] = {}

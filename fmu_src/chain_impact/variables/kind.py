@@ -144,7 +144,10 @@ class Kind:
         return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
 
     def derivative(self, parameter: Kind) -> Kind:
-        """Return the kind of the derivatives of outputs of this kind with respect to a kind of parameters."""
+        """Return the kind of derivatives of outputs of this kind with respect to parameters of another kind.
+
+        It has no unit; ``listing.derivatives`` gives each of its variables one.
+        """
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"
         return Kind(name=sensitivity_name(of, by), text=text, record_path=(), feedthrough=self.feedthrough)

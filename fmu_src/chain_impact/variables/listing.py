@@ -11,10 +11,10 @@ from typing import Any
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.tangent.duals import DIRECTIONS
-from chain_impact.laws.law_file import read_law
 from chain_impact.scene.derived import rule_at
 from chain_impact.scene.names import DataPath, is_like, sensitivity_name
 from chain_impact.scene.scene import Scene
+from chain_impact.user_laws.law_file import read_law
 from chain_impact.variables.kind import Block, Kind, filled
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import Owner
@@ -129,7 +129,10 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
 
 
 def value_at(scene: Any, path: DataPath) -> Any:
-    """Return the value at a path of a scene, or of a part of a scene; None if the scene has no such value."""
+    """Return the value at a path of a scene, or of a part of a scene; None if this value is not given.
+
+    All tables and all entries of lists on the path must exist.
+    """
     for step in path:
         if isinstance(step, int):
             scene = scene[step]

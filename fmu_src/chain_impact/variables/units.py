@@ -54,10 +54,13 @@ def quotient(unit: str, parameter: str) -> str:
 
 
 def unit_of(name: str) -> Unit:
-    """Return the unit with a name, which is a key of ``UNITS`` or a quotient of two keys."""
+    """Return the unit with a name, which must be a key of ``UNITS`` or a quotient of two keys."""
     if name in UNITS:
         return UNITS[name]
-    above, below = (UNITS[part] for part in name.removesuffix(")").split("/("))
+    numerator, _, denominator = name.removesuffix(")").partition("/(")
+    if not {numerator, denominator} <= UNITS.keys():
+        raise ValueError(f"unit {name}: must be a key of UNITS in variables/units.py, or a quotient of two")
+    above, below = UNITS[numerator], UNITS[denominator]
     powers = None
     if above.powers is not None and below.powers is not None:
         bases = dict.fromkeys((*above.powers, *below.powers))

@@ -52,11 +52,10 @@ def realised(law, e):
 
 def test_the_enumeration_of_the_fmu_keeps_its_numbers():
     """A law's number is part of the FMU's interface: new laws go to the end."""
-    assert [law.id for law in CONTACT_LAWS.values() if not law.impulsive] == list(FACTORS)
+    assert {law.id for law in CONTACT_LAWS.values() if not law.impulsive} == FACTORS.keys()
     assert [law.number for law in CONTACT_LAWS.values()] == list(range(1, LAW_COUNT + 1))
 
 
-@pytest.mark.full("more cases", but=3)
 @LAWS
 @pytest.mark.parametrize("e", [0.02, 0.3, 0.5, 0.77, 0.999, 1.0])
 def test_damping_factor_is_that_of_the_literature(law, e):
@@ -98,7 +97,6 @@ def test_lambert_w_is_what_the_equation_of_motion_gives(factor, exponent):
     assert -end.y_events[0][0, 1] == pytest.approx(realised_restitution(factor), rel=1e-8)
 
 
-@pytest.mark.full("more cases", but=13)
 @LAWS
 def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
     def error(e):
@@ -111,7 +109,6 @@ def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
     assert last == 1.0 or error(1.05 * last) > 0.05
 
 
-@pytest.mark.full("more cases", but=16)
 @LAWS
 def test_the_rebound_is_elastic_at_the_one_end_and_falls_to_the_other(law):
     """e → 1: no damping, except for one documented law. e → 0: no rebound where f is unbounded."""

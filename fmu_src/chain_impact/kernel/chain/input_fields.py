@@ -17,8 +17,8 @@ FIELDS = {
 }
 NAMES = tuple(FIELDS)
 OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
-# The number of an input is its position in NAMES. ``set_from_signals`` relies on TARGET_VELOCITY = TARGET +
-# 1.
+# The number of an input is its position in NAMES. ``set_from_signals`` relies on one place of this order:
+# TARGET_VELOCITY = TARGET + 1.
 MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
 # stands in `signal.input` for the number of an input: the signal drives a motion of base, wall or belt
 CHANNEL = len(NAMES)

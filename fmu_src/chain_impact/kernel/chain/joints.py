@@ -14,11 +14,11 @@ spring of drive i alone has
     ω_i² = k_i χ_iᵀ M⁻¹ χ_i.
 
 With I the inertias of the links, M ≥ diag(I), so no eigenvalue exceeds the largest eigenvalue of diag(I)⁻¹ C.
-This does not exceed the largest row sum (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i +
-k_{i+1})/I_i. A carriage adds its mass m to diag(I) and only its own drive to the sums: c/m and k/m. With
-damper and spring, a rate λ solves λ² + λ c + k = 0, where c and k are at most these bounds, hence |λ| ≤ c +
-√k. This bound does not depend on the angles. A damper or spring at a link without inertia, or at a carriage
-without mass, makes the bound infinite.
+This does not exceed the largest row sum (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs
+2 (k_i + k_{i+1})/I_i. A carriage adds its mass m to diag(I) and only its own drive to the sums: c/m and k/m.
+With damper and spring, a rate λ solves λ² + λ c + k = 0, where c and k are at most these bounds, hence
+|λ| ≤ c + √k. This bound does not depend on the angles. A damper or spring at a link without inertia, or at a
+carriage without mass, makes the bound infinite.
 """
 
 import math

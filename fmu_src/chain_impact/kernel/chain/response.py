@@ -140,10 +140,10 @@ def factorize(d, link_vectors, space, slot, coupled):
             resistance = 0.0 if last else impedance.joint[inner + 1]
             if last and coupled:
                 # The outward arm's term e·a α couples the motion a of the middle joint with the rotation α of
-                # link `inner`. `eliminate` needs this term in the motion a' of the link's outer joint: a =
-                # a' − α L⊥, so e·a α = e·a' α − e·L⊥ α². The last term adds −2 e·L⊥ to p, as Z has ½ p α².
-                # L leads from the middle joint to the outer joint, and the entry in ``link_vectors`` the
-                # other way: L is minus this entry.
+                # link `inner`. `eliminate` needs this term in the motion a' of the link's outer joint:
+                # a = a' − α L⊥, so e·a α = e·a' α − e·L⊥ α². The last term adds −2 e·L⊥ to p, because Z has
+                # ½ p α². L leads from the middle joint to the outer joint, and the entry in ``link_vectors``
+                # the other way: L is minus this entry.
                 q += p + cross(2.0 * link_vectors.x[inner], 2.0 * link_vectors.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = eliminate(

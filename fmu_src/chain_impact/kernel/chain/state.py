@@ -52,7 +52,7 @@ def time_at(n):
 
 
 def state_size(n):
-    """Return the length of the state vector y."""
+    """Return the length of the state vector y of a chain with n links."""
     return 2 * n + 8
 
 

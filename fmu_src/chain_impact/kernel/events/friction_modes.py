@@ -261,7 +261,7 @@ def clear_changes(d):
 
 
 def log_changes(d):
-    """Log the mode changes at the end of the last step; in a full log this overwrites the oldest entries."""
+    """Log the changes of friction modes at the last step's end; a full log loses its oldest entries."""
     log = d.changes
     for e in range(d.elements):
         if d.element.mode[e] != d.element.before[e]:

@@ -12,7 +12,8 @@ DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 class ContactLaw:
     """One law in the registry, CONTACT_LAWS: a force F = max(0, K δⁿ + d δᵖ δ̇), or impulses.
 
-    K is the stiffness, δ the penetration, d the damping; n and p are exponents.
+    K is the stiffness, δ the penetration, d the damping; n and p are exponents. With ``approach_only`` the
+    damping is 0 for δ̇ < 0.
     """
 
     id: str  # name in scene files and in the FMU

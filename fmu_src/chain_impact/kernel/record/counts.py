@@ -24,5 +24,7 @@ class Counts(NamedTuple):
 
 
 COUNTS = Counts._fields
+LARGEST_COUNT = 2**20 - 1
+"""The largest value of a count that compiled kernels allow; no scene has a count near it."""
 FEATURES = ("skewed", "slides")
 """The two flags, 0 or 1, that follow the counts in an instance; record/instance.py says what they mean."""

@@ -219,7 +219,7 @@ def piece_dtype(links: int) -> np.dtype:
         # piece with an end, −1 ≤ x ≤ 1, so that the powers of x lose no digits in a short or late piece.
         ("middle", REAL),  # s, time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of the argument x in time
-        ("until", REAL),  # s, time at which the piece ends; ∞ if it has no end
+        ("until", REAL),  # s, end of the piece, up to round-off; without meaning if ``order`` is 0
         # rad/s, how fast the inputs change in the piece: the angular frequency of a sine that is as fast
         ("change_rate", REAL),
         *input_fields(links, DEGREE + 1),  # coefficients of the polynomials of the inputs

@@ -175,7 +175,7 @@ def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
             (name, scalar, (slots, links))
             for name in ("gain_x", "gain_y", "inverse", "coupling", "complement")
         ),
-        # 1: in the slot's matrix joints transmit moments; 0: ``coupling`` and ``complement`` are not used
+        # 1: joints transmit moments in the slot's matrix; 0: ``coupling`` and ``complement`` have no meaning
         ("coupled", INTEGER, (slots,)),
         # 1/kg, mobility of the joint where the arms meet: xx, xy, yy (``set_middle_mobility``)
         ("middle_mobility", scalar, (slots, 3)),

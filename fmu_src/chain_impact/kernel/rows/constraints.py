@@ -20,8 +20,8 @@ A sticking element of dry friction (friction.py) also has a constraint, of its t
 always in the active set. For dependent constraints the iteration finds the solution with the least Σ p²/D.
 With D in proportion to the limits of friction, the forces of sticking elements are in proportion to the
 limits, too. Some motions can hardly be constrained (D W ≪ 1), such as a change in the length of a straight
-chain on a floor. The iteration leaves them free, because their constraint forces could have any size. Where D
-W is about 1, a fixed number of iterations makes the forces a smooth function of the state; if the number
+chain on a floor. The iteration leaves them free, because their constraint forces could have any size. Where
+D W is about 1, a fixed number of iterations makes the forces a smooth function of the state; if the number
 depended on the residual, forces would jump within a step by a part of the residual.
 """
 

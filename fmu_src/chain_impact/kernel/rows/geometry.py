@@ -18,8 +18,8 @@ g, ġ, g̈ and the tangential motion relative to a moving wall and its belt.
 
 A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has its own place at x = s ψ_i, with the
 longest link s as a lever arm (chain/kinematics.py), and the stop is a wall for this place. So lengths,
-speeds, forces and masses of stops have the same units and scales as at walls, and a force F has the moment ±s
-F.
+speeds, forces and masses of stops have the same units and scales as at walls, and a force F has the moment
+±s F.
 """
 
 from chain_impact.kernel.chain.drives import (

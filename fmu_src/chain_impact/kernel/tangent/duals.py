@@ -37,8 +37,8 @@ TRUST = np.dtype(
         # 0: the derivatives have not ended; else the number, in trust.py, of the reason why they have ended
         ("reason", np.int64),
         ("time", np.float64),  # s, if ``reason`` is not 0: time from which on derivatives are not trusted
-        # number of the point or joint whose impact or dry friction is the reason; 0 for the slider; −1: no
-        # such point
+        # number of the point or joint whose impact or dry friction ends the derivatives; 0 for the base and
+        # for the slider; −1: no such point
         ("point", np.int64),
         # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider; without
         # meaning if ``point`` is −1

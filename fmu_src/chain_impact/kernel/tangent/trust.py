@@ -20,8 +20,8 @@ TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, FROM_REST = 6, 7, 8, 9
 NO_IMPACT = -1  # value of ``c`` in ``mark_untrusted`` if no candidate and no element is the reason
 JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint or of the slider
-# Errors of the run may decide a choice if the quantity that decides the choice is at most OPEN_DISTANCE times
-# the tolerance, relative to a scale, away from the bound at which the choice changes: the derivatives end.
+# [1] The derivatives end at a choice, unless its effect is negligible, if the quantity that decides is at
+# most OPEN_DISTANCE times the tolerance away from the choice's bound, relative to a scale.
 OPEN_DISTANCE = 100.0
 # A force jumps at rest if its values at the rates ±NEAR_REST v₀ of the penetration, with the impact speed v₀,
 # differ by more than RELATIVE_JUMP, relative to the force.

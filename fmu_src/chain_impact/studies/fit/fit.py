@@ -117,7 +117,7 @@ def fit(
         return replace(result, notes=(*beyond, *result.notes))
 
     if laws:
-        from chain_impact.studies.fit.laws import rank
+        from chain_impact.studies.fit.law_ranking import rank
 
         return rank(fitted, scenes, progress)
     return fitted(scenes, progress)

@@ -331,8 +331,9 @@ def _estimate_texts(fit: Estimates) -> list[str]:
 def _estimate_text(fit: Estimates, label: str) -> str:
     """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013".
 
-    For a parameter at a bound, the text has the bound in place of value and error. The error is in percent if
-    ``size_of`` gives it so; otherwise, if ERROR_DECIMALS suffice, it has as many decimals as the value.
+    For a parameter at a bound, the text has the bound in place of value and error. If ``size_of`` gives the
+    error in percent, or if the error is 100 or more or needs more than ERROR_DECIMALS decimals, ``rounded``
+    and ``size_of`` write value and error. Otherwise both have the decimals of the error's first two digits.
     """
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]

@@ -67,7 +67,7 @@ def above_best(fit: Estimates, best: Estimates) -> str:
 
 
 def heading(fit: Estimates, mark: str = "  ", laws: str = "") -> str:
-    """Return the heading: scene, contact law, and the numbers of data sets, values and parameters.
+    """Return the heading: scene, law, and the numbers of data sets, if several, values and parameters.
 
     ``mark`` separates the name of the scene from the text that follows; ``laws`` replaces the law.
     """

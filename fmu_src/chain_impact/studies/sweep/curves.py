@@ -50,8 +50,8 @@ def draw_curves(
 
     Samples are points without lines.
 
-    ``across``: the parameter, a number. ``choice``: a second parameter, each choice or number of which has a
-    line (``lines_of``).
+    ``across``: the parameter, a number. ``choice``: a second parameter, with a line for each number or
+    choice; choices with equal results share one (``lines_of``).
     """
     values = runs[across.name]
     lines = lines_of(runs, across, choice)

@@ -140,10 +140,10 @@ def _draw_map(
 
 
 def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: QuadMesh, own: Any) -> None:
-    """Write the value into the middle of each cell, or below the middle in the cell with the scene's mark.
+    """Write each run's value at its place (``Scale.middles``), or below the place if it has the scene's mark.
 
-    ``scales`` and ``shown``: as for ``_draw_map``; ``own``: the scene's value on each axis, None where there
-    is no mark.
+    ``scales`` and ``shown``: as for ``_draw_map``; ``own``: the scene's value on each axis, or None;
+    there is a mark if both have one.
     """
     places = np.asarray(mesh.norm(shown)) / (
         mesh.norm.Ncmap - 1 if isinstance(mesh.norm, BoundaryNorm) else 1

@@ -48,6 +48,7 @@ typedef struct {
 
 /* kernel/record/counts.py: the counts and flags at the start of a record, then the number of tangent instances */
 enum { COUNTS = 8, FEATURES = 2, SIZES = COUNTS + FEATURES + 1 };
+enum { LARGEST_COUNT = 1048575 };
 
 /* kernel/status.py: statuses of the kernel that are no faults */
 enum { PAUSED = -2, ONSET_DUE = -3 };

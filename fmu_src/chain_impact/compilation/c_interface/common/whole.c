@@ -3,10 +3,10 @@
    changes the file can also write the checksum that belongs to the changed file. */
 #include "instance.h"
 
-/* Return the largest allowed number at index `i` at the start of a record. The limit of a count is far larger than the
-   count of any chain; a flag is 0 or 1; the last number counts tangent instances. */
+/* Return the largest allowed number at index `i` at the start of a record: first counts, for which the kernel is
+   compiled up to LARGEST_COUNT, then flags, which are 0 or 1; the last number counts tangent instances. */
 static int64_t largest_size(int i) {
-    if (i < COUNTS) return 1 << 24;
+    if (i < COUNTS) return LARGEST_COUNT;
     return i < COUNTS + FEATURES ? 1 : 1 << 16;
 }
 

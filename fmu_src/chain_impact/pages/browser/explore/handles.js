@@ -34,8 +34,8 @@ export class Handles {
     this.player = player;
     this.changes = changes;
     this.element = element;
-    // the handle that moves, or null: {kind, index, apart (from `#apart`), time (from `#arrowTime`)}, also with `pointer`, the number of
-    // the pointer that drags it, or `by`, the way [pixels] by which a key moves it; `#move` adds its position `at` and the `values` it sets
+    // the handle that moves, or null: {kind, index, apart: distance [m] of a wall's handle from the wall, time: `#arrowTime`}, also with
+    // `pointer`, the number of its pointer, or `by`, the way [pixels] of a key; `#move` adds its position `at` and the `values` it sets
     this.dragged = null;
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);

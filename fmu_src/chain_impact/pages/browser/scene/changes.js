@@ -89,8 +89,8 @@ export class Changes {
   }
 
   /**
-   * Return the changes `from` with the changes `given` added, name → number, after a check. A given value that equals the scene's value is
-   * left out, unless the scene derives the parameter from others: only a parameter that is no change follows from these others.
+   * Return the changes `from`, name → number, with `given` added, name → number or text, after a check. A given value that equals the
+   * scene's value is left out, unless the scene derives the parameter from others: only a parameter that is no change follows from these.
    */
   with(given, from = this.values) {
     const values = { ...from };

@@ -1,6 +1,6 @@
 """A law's file executes only its own constant definitions, whatever the file contains."""
 
-# Tests: compilation/law.py, laws/law_file.py
+# Tests: compilation/law.py, user_laws/law_file.py
 
 import re
 from pathlib import Path
@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from chain_impact import SceneError, load_scene, simulate
-from chain_impact.laws.law_file import LawError, parse_law, read_law
-from chain_impact.laws.law_syntax import ALLOWED
+from chain_impact.user_laws.law_file import LawError, parse_law, read_law
+from chain_impact.user_laws.law_syntax import ALLOWED
 from tests.tiers import needs_compilers
 
 LAW = "def damped(rate):\n    return 1e3 * rate\n"

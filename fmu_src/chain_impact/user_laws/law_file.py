@@ -16,7 +16,7 @@ from pathlib import Path
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.forces.user_law import ARGUMENTS
-from chain_impact.laws.law_syntax import LawError, check_syntax
+from chain_impact.user_laws.law_syntax import LawError, check_syntax
 
 __all__ = ["LawError", "UserLaw", "parse_law", "read_law", "source_of"]
 
