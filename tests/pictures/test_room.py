@@ -156,6 +156,7 @@ def test_no_large_part_of_the_axes_is_empty(model):
             assert empty < 0.3 * np.ptp(limits)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", ["pinned_arm", "whip", "rod_drop"])
 def test_the_view_of_a_narrow_picture_is_not_much_wider_than_the_motion(model):
     page = recorded(model).plot(size=(120 / 25.4, None))

@@ -256,6 +256,9 @@ def test_quantities_that_cannot_be_ranked_are_refused(result):
     plain = simulate("pinned_arm", stop_time=0.6, sensitivities="gravity.y")
     with pytest.raises(SceneError, match=r"outputs\.loads must be true"):
         plain.ranking("joint_force")
+    ball = load_scene("bouncing_ball").with_values({"outputs.loads": True})
+    with pytest.raises(SceneError, match="joint_force: the chain has no joint"):
+        simulate(ball, stop_time=0.1, sensitivities="gravity.y").ranking("joint_force")
     with pytest.raises(SceneError, match=r"joint\[2\].peak_force, and it needs outputs\.loads"):
         plain.ranking("joint[2].force")
     rigid = simulate(

@@ -5,6 +5,7 @@ import functools
 import json
 import math
 import operator
+import pickle
 from dataclasses import fields
 
 import pytest
@@ -102,3 +103,13 @@ def test_any_other_file_is_refused(tmp_path_factory, content):
     file = tmp_path_factory.getbasetemp() / "any.toml"
     file.write_bytes(content)
     assert refusal(load_scene, str(file)).startswith(f"{file}: ")
+
+
+@pytest.mark.parametrize("key", ["contact.restitution", "contact.restitutio"])
+def test_an_error_keeps_its_parts_in_another_process(key):
+    with pytest.raises(SceneError) as caught:
+        load_scene("pinned_arm").with_values({key: -1.0})
+    error = caught.value
+    again = pickle.loads(pickle.dumps(error))
+    assert (type(again), vars(again), str(again)) == (type(error), vars(error), str(error))
+    assert error.args == (str(error),)

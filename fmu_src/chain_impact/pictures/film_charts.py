@@ -74,7 +74,7 @@ def stretch(axes: Axes, times: np.ndarray) -> bool:
     for k in range(len(ticks)):
         if not kept or at[k] - at[kept[-1]] >= TICK_GAP:
             kept.append(k)
-    axes.set_xticks(ticks[kept], [f"{tick:g}" for tick in ticks[kept]])
+    axes.set_xticks(ticks[kept], [f"{tick:.10g}" for tick in ticks[kept]])
     axes.set_xlim(*ends)
     return True
 

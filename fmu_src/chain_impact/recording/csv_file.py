@@ -12,7 +12,7 @@ from chain_impact.recording.impacts import NO_IMPACTS, impacts_shown
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import WALL, phases_from
-from chain_impact.scene.names import SENSITIVITY
+from chain_impact.scene.names import SENSITIVITY, SLIDER_STOPS
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.text_file import comma_separated, likely_time, text_of
@@ -61,12 +61,13 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         point_names=scene.point_names if scene else {},
     )
     for touch in bare.touches:
-        if touch.kind == WALL and scene is None:
+        # without a scene, a contact of the base with a stop of a slider has no wall, whose position is needed
+        if touch.kind == WALL and scene is None and touch.wall not in SLIDER_STOPS:
             raise NeedsSceneError(
                 f"{path}: it has contact[{touch.point}].{touch.wall}.force, but a CSV file has no positions "
                 "of walls: give its scene"
             )
-        if touch.kind == WALL and touch.wall not in walls:
+        if touch.kind == WALL and scene is not None and touch.wall not in walls:
             raise SceneError(
                 f"{path}: contact[{touch.point}].{touch.wall}.force: the scene has no wall {touch.wall}; "
                 f"it has {', '.join(walls) or 'none'}"

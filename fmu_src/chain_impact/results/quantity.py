@@ -132,12 +132,11 @@ def _impact_in(recording: Recording, number: int, field: str) -> float:
 
 def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQuantity:
     """Return the largest force in any joint during the run, with its derivatives."""
-    names = [
-        name
-        for name in sensitivities.columns
-        if (of := name_parts(name)).owner == "joint" and of.quantity == "peak_force"
-    ]
+    names = [name for name in sensitivities.columns if _is_joint_force(name)]
     if not names:
+        prepared = sensitivities.prepared
+        if prepared.scene.outputs.loads and not any(_is_joint_force(of.name) for of in prepared.outputs):
+            raise SceneError(f"{recording.name}: joint_force: the chain has no joint")
         raise SceneError(
             f"{recording.name}: joint_force needs the forces in joints: outputs.loads must be true, and "
             "output=…, if it is given, must have joint[*].peak_force"
@@ -146,6 +145,12 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
     where = f"joint[{name_parts(name).n}], the largest of the run"
     found = _of_output(recording, sensitivities, name)
     return found._replace(where=where, value_in=partial(_largest_end_in, names=names))
+
+
+def _is_joint_force(name: str) -> bool:
+    """Return whether an output is the largest force in a joint since the start."""
+    of = name_parts(name)
+    return of.owner == "joint" and of.quantity == "peak_force"
 
 
 def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> RankedQuantity:

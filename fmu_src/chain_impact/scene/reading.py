@@ -42,8 +42,7 @@ class SceneError(ValueError):
     def __init__(self, fault: str, path: DataPath = (), name: str = "") -> None:
         """Store the parts of the message that are known where the fault is found; others can be set later."""
         super().__init__(fault)
-        self.path, self.name, self.fault = path, name, fault
-        self.source = ""
+        self.path, self.name, self.fault, self.source = path, name, fault, ""
         self.line: int | None = None
 
     def __str__(self) -> str:
@@ -54,8 +53,17 @@ class SceneError(ValueError):
         return " ".join(f"{before}{between}{self.fault}{at}".splitlines())
 
     def __repr__(self) -> str:
-        """Return the class with the whole message, which ``args`` does not have."""
+        """Return the class with the whole message."""
         return f"{type(self).__name__}({str(self)!r})"
+
+    @property
+    def args(self) -> tuple[str]:  # type: ignore[override]
+        """The message, as other exceptions have it."""
+        return (str(self),)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how ``pickle`` makes an equal error, with all parts, in another process."""
+        return Exception.__new__, (type(self),), vars(self)
 
     @property
     def place(self) -> DataPath:

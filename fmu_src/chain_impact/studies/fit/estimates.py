@@ -47,12 +47,12 @@ class Estimates:
     converged: bool
     runs: int
     horizons: tuple[float, ...]
-    at_bounds: dict[str, str] = field(default_factory=dict)
     interpolation: Interpolation = "follow"
     unknown: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     ranking: tuple[LawEstimates, ...] = ()
     models: tuple[Differentiated, ...] = field(default=())
+    at_bounds: dict[str, str] = field(default_factory=dict)
 
     @property
     def used(self) -> np.ndarray:

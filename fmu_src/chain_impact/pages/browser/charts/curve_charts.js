@@ -62,8 +62,10 @@ class UnitChart extends TimeChart {
     Object.assign(this, { recording, time, curves: withoutRoundOff(scaled, unit === "N" ? this.factor * recording.peakForce : 0) });
     Object.assign(this, { writers: writersOf(this.curves), isOfCounts: this.curves.every(isCount) });
     const data = [time, ...this.curves.map(({ values }) => values)];
-    if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
+    const words = curves.map((curve) => `${curve.name}: ${curve.words}`).join();
+    if (words === this.shownWords) this.plot.setData(data);
     else this.makeCurves(curves, data);
+    this.shownWords = words;
   }
 
   /**

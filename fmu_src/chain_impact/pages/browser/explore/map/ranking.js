@@ -44,7 +44,6 @@ export class Ranking {
   /** Begin the list, which takes the place of the map when it has entries, or show the map again. */
   #show(isShown) {
     this.text.hidden = !isShown;
-    find("map-text").hidden = isShown;
     this.#fill([]);
     this.button.setAttribute("aria-pressed", isShown);
     this.#stop();
@@ -55,7 +54,7 @@ export class Ranking {
   #fill(rows) {
     this.list.replaceChildren(...rows);
     this.list.hidden = !rows.length;
-    find("map-frame").hidden = rows.length > 0;
+    ["map-frame", "map-text"].forEach((part) => (find(part).hidden = rows.length > 0));
   }
 
   #stop() {

@@ -176,7 +176,7 @@ function inputSliders({ scene, starts, valueOf }) {
   return scene.inputs.map((name) => {
     const { unit } = scene.parameters.find((parameter) => parameter.name === name);
     const end = Number((ends[unit] ?? 1).toPrecision(3));
-    return { name, label: inputText(name, valueOf), ends: [-end, end], isInput: true };
+    return { name, get label() { return inputText(name, valueOf); }, ends: [-end, end], isInput: true };
   });
 }
 
