@@ -86,8 +86,8 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
 """
 OpenFunctions = dict[str, tuple[str, tuple[str, ...], int]]
 """Name of a C function that a kernel calls but does not contain → LLVM's types of the result and of the
-arguments, and the number that a substitute returns. A function without a result is declared by numba as one
-that returns a pointer ("ptr")."""
+arguments, and the number that the function's substitute returns (``write_beside``). numba declares a function
+without a result as one that returns a pointer ("ptr")."""
 LAW: OpenFunctions = {
     "user_law_present": ("i64", (), 0),
     "user_law_force": ("double", ("double",) * 7, 0),

@@ -66,7 +66,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
     space: dict[str, Any] = {"__name__": law.id, "__builtins__": names}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
-        # so numba compiles other functions of the law's file when the law calls them
+        # because of this entry, numba compiles the functions of the law's file that the law calls
         MODULES.add(f"{law.id}.")
         inner = compiled(space[law.id])
         inner.compile((float64,) * len(law.arguments))

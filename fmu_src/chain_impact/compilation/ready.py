@@ -73,9 +73,9 @@ def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
 
 
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
-    """Return the scenes, as in SIZES, of the kernels of a kind that a wheel has.
+    """Return the entries of SIZES for which a wheel has a kernel of the ``kind`` KERNEL or DERIVATIVES.
 
-    ``release`` is whether it is a wheel for release, ``kind`` is KERNEL or DERIVATIVES.
+    ``release``: whether the wheel is for release.
     """
     # with derivatives, a kernel for one number of links would be only 5 % faster, so no wheel has one
     return SIZES if release and kind == KERNEL else (None, GENERAL)

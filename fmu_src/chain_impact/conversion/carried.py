@@ -290,7 +290,7 @@ class _Merger:
 def _mergeable(data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the data of a scene in the form that ``_merged`` needs: ``walls`` is a table from name to wall.
 
-    ``chain.links`` and ``contact`` are left out, because other methods merge them.
+    ``chain.links`` and ``contact`` are left out, because ``_links`` and ``_contact`` merge these tables.
     """
     walls = {wall["name"]: wall for wall in data.get("walls", [])}
     return {**_without(data, ["contact"]), "chain": _without(data["chain"], ["links"]), "walls": walls}

@@ -57,7 +57,8 @@ class Difference:
     def title(self) -> str:
         """The title under which the difference is reported.
 
-        It is WARNING if ``effect`` is MOTION or ``size`` exceeds NEGLIGIBLE, else DIFFERS or LEFT_OUT.
+        It is WARNING if ``effect`` is MOTION or ``size`` exceeds NEGLIGIBLE. For any other difference it is
+        DIFFERS if ``differs``, else LEFT_OUT.
         """
         if self.effect == Effect.MOTION or self.size > NEGLIGIBLE:
             return WARNING

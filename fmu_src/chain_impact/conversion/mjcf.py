@@ -1,4 +1,4 @@
-"""The reader of robots in MJCF, which uses MuJoCo's compiler: this applies defaults and computes inertias."""
+"""The reader of robots in MJCF. MuJoCo's compiler applies the defaults of a file and computes inertias."""
 
 from __future__ import annotations
 

@@ -145,7 +145,7 @@ class Contacts:
         )
 
     def differences(self) -> Iterator[Difference]:
-        """Yield a difference for each shape, fixed to the world and no plane, that moving bodies can touch.
+        """Yield a difference for each shape fixed to the world, except planes, that moving bodies can touch.
 
         Only planes become walls. If a moving body can touch a plane that is fixed to the world, a further
         difference says that such contacts are soft in MuJoCo.

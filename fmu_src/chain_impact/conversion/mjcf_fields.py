@@ -93,7 +93,7 @@ WITHOUT_EFFECT_FLAGS = """
     OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
 """
 """Flags that need no note: they concern the search for contacts, soft contacts, time steps or other features
-that scenes do not have. OVERRIDE also replaces the friction of all contacts, which mjcf_contacts.py uses."""
+that scenes do not have. OVERRIDE also replaces the friction of all contacts; mjcf_contacts.py does this."""
 MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
 

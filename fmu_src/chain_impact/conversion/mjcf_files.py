@@ -94,7 +94,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
 
 
 def _file(asset: Any) -> str:
-    """Return the file of a part, for a cube with several pictures the first one; "" without a file."""
+    """Return the name of a part's file, or of the first of several files of a cube's texture; "" for none."""
     return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
 
 

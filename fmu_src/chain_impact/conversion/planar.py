@@ -259,8 +259,8 @@ class _Conversion:
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
         """Return mass [kg], centre of mass [m] and moment of inertia [kg·m²] of the bodies ``part`` together.
 
-        The centre is relative to a hinge, in the scene's axes; for bodies without mass, it is that of the
-        first body. The moment is about the centre.
+        The centre is relative to ``hinge``, in the scene's axes; if all bodies are without mass, the result
+        has the centre of the first body. The moment is about the centre.
         """
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])

@@ -156,7 +156,7 @@ def local_name(tag: str) -> str:
 
 
 def urdf_of(path: Path) -> Element:
-    """Return the root element of a URDF file, in which all names are without prefix.
+    """Return the root element of a URDF file; names of elements and attributes are without XML prefix.
 
     Raises:
         SceneError: when the file is not XML, or must first be expanded by xacro.

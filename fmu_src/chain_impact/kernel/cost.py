@@ -9,8 +9,8 @@ from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_
 UNLIMITED = 1 << 62  # value of a limit of cost that means: no limit
 COST_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits the cost
 # A communication step of any length may cost at most as much as `solver.work_limit` allows for LONGEST_CALL
-# [s] of simulated time, unless ``allow_any_length`` removes this limit. The limit for each second,
-# COST_WINDOW, always holds as well.
+# [s] of simulated time, unless ``allow_any_length`` removes this limit. The limit in each COST_WINDOW of
+# simulated time holds in any case.
 LONGEST_CALL = 20.0
 # The cost, in evaluations times N + 1 for N links, after which a long call returns, so that its caller can
 # stop the run. An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.

@@ -283,7 +283,7 @@ def refuse_value(d, k, i):
 def first_size(d):
     """Return a first step size ≤ 1 s from the links' angular velocities and accelerations in ``step.state``.
 
-    The function sets ``scratch.rate_start``. The error control adapts the size later.
+    The function sets ``scratch.rate_start`` to ẏ in this state. The error control adapts the size later.
     """
     rate_from_state(d, d.step.state, d.scratch.rate_start)
     return size_in_flight(d, d.step.state, d.scratch.rate_start)

@@ -34,7 +34,7 @@ def explore(
     The page contains the compiled kernel, and computes the same numbers as ``simulate``. The page is one file
     that needs no other file. The reader can change all parameters, and add or remove links, points, walls and
     stops. Inputs without a signal are constant, or change when the reader moves their sliders while the
-    motion plays; a base and walls without a signal do not move.
+    motion plays; a base or wall with a prescribed motion, but without a signal, does not move.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.

@@ -121,7 +121,7 @@ def short_contacts(recording: Recording) -> np.ndarray:
 
 
 def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
-    """Return whether each row is within one of ``impacts`` that ends in the run, shape (T,)."""
+    """Return whether each row is within one of ``impacts``, except those without an end, shape (T,)."""
     rows = np.zeros(len(recording.time), bool)
     for impact in impacts:
         rows |= (recording.time >= impact["onset"]) & (recording.time <= impact["end"])
@@ -157,10 +157,10 @@ def span_of(recording: Recording, output: str) -> float:
 
 
 def holds(relative: np.ndarray) -> np.ndarray:
-    """Return whether changes to first order can hold, shape (T, P).
+    """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
 
-    They can hold before the first row in which ``relative``, the largest of the ``shares`` of all drawn
-    outputs, shape (T, P), exceeds 1.
+    ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs. For a parameter, the
+    changes can hold before the first time at which ``relative`` exceeds 1.
     """
     return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
 

@@ -369,7 +369,7 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
 
 
 def vector_of(names: Sequence[str]) -> str:
-    """Return "position", "velocity" or "acceleration" if all outputs are components of one, else ""."""
+    """Return "position", "velocity" or "acceleration" if all outputs are components of this kind, else ""."""
     words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
     return words.pop() if len(words) == 1 else ""
 

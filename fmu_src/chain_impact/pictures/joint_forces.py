@@ -44,7 +44,7 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
             if size := np.hypot(*force):
                 arrows.append((*recording.points[row, peak.joint - 1], *(peak.force / size * force)))
     if arrows:
-        # ``POSE_LAYER`` is above the pose at the end, which could cover this pose
+        # ``POSE_LAYER`` is above the layer of the pose at the end, which could cover the pose drawn here
         pose = recording.pose_at(loads[0].time)
         axes.plot(*pose.T, ".-", color=LOAD, linewidth=POSE_WIDTH, zorder=POSE_LAYER)
         x, y, along, up = np.transpose(arrows)

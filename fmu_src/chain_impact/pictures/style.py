@@ -187,7 +187,7 @@ def is_narrow(figure: Figure) -> bool:
 
 
 def give_ticks(*axes: Axes) -> None:
-    """Give the x and y axis of ``axes`` LEAST_TICKS ticks at least, if linear with matplotlib's own ticks."""
+    """Give each linear axis x or y that has matplotlib's own ticks at least LEAST_TICKS ticks."""
     for panel in axes:
         for axis in (panel.xaxis, panel.yaxis):
             if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):

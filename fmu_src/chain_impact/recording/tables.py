@@ -66,9 +66,10 @@ def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
 
 
 def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
-    """Return outputs as a dataset of xarray: each quantity has one array for all points, links or contacts.
+    """Return outputs as a dataset of xarray: a quantity of points, links or contacts is one array for all.
 
-    ``motion`` are the outputs that change continuously; only these are in the dataset.
+    Any other output has an array of its own. ``motion``: name → values, shape (T,), of outputs of the list
+    ``prepared.motion``; other outputs are not in the dataset.
     """
     xarray = require("xarray", "xarray")
     scene = prepared.scene

@@ -192,9 +192,9 @@ def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]
 def ball_of(recording: Recording) -> int | None:
     """Return the number of the point at the centre of a ball; None if the chain is no ball.
 
-    A ball is a free chain of one link, without points beside its ends, of which only one end touches. Either
-    this end is the centre of mass, or its radius is at least the length of the link, so that its circle
-    contains the link.
+    A ball is a free chain of one link, without points beside its ends. Exactly one end can touch walls.
+    Either this end is the centre of mass, or the end's radius is at least the length of the link, so that the
+    circle around the end contains the link.
     """
     if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
         return None

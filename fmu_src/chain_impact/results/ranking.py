@@ -118,7 +118,7 @@ class Ranking:
         return as_text(self.parts())
 
     def _repr_html_(self) -> str:
-        """Return the text of ``repr`` for a notebook."""
+        """Return the contents of ``repr`` as HTML for a notebook."""
         return as_html(self.parts())
 
     def share(self, effect: Effect) -> float:

@@ -181,7 +181,7 @@ class Result(Pictured):
 
     @cached_property
     def stops(self) -> Mapping[int, JointRange]:
-        """Number of a joint with stops → the range of its angles."""
+        """Number of a joint with stops → the range [rad] of the joint's angle."""
         return ranges_of(self.parameters)
 
     @property
@@ -363,7 +363,7 @@ class Result(Pictured):
         return as_text(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IN_SHORT))
 
     def _repr_html_(self) -> str:
-        """Return the summary for a notebook, with more impacts."""
+        """Return the summary as HTML for a notebook, with more impacts than in ``repr``."""
         return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IMPACTS))
 
     def _facts(self) -> list[str]:

@@ -133,8 +133,8 @@ def _quoted(text: str) -> str:
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
     """Refuse a signal with which a position or velocity of the base or a wall would jump (SIGNAL_RULES).
 
-    Periodic accelerations are refused, too, and so is a sine whose frequency is 0 and stays 0 if the input is
-    integrated over time, because the integral of the sine would divide by zero.
+    A periodic table of accelerations is refused, too (``check_table``), and so is a sine whose frequency is 0
+    and stays 0 if the input is integrated over time: the integral of the sine would divide by zero.
     """
     order, moves = family(driven).index(driven), is_motion(driven)
     speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))

@@ -21,8 +21,8 @@ NUMBERS = (
 )
 """The keys of signals whose values are single numbers, except ``period``. The record has 0 for a key that the
 form of the signal does not have."""
-# [1] the time between the last row of a periodic table and the end of the first period, divided by the
-# period, up to which both count as equal
+# [1] the last row of a periodic table counts as simultaneous with the end of the first period if their times
+# differ by at most this, relative to the period
 CLOSED = 1e-9
 
 
@@ -218,8 +218,8 @@ def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any =
     """Return the values of a piecewise polynomial at ``times`` [s].
 
     Polynomial k has the coefficients ``powers[k]`` and begins at the time ``at[k]``; the first one also holds
-    before, the last one for all later times. At a start ``at[k]``, polynomial k gives the value if ``side``
-    is "right", and the polynomial before it if ``side`` is "left".
+    before its start, the last one for all later times. At a start ``at[k]``, polynomial k gives the value if
+    ``side`` is "right", and the polynomial before it if ``side`` is "left".
     """
     k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
     return _sums_of_powers(powers[k], times - at[k])

@@ -185,7 +185,7 @@ class DifferentiatedInstance(Instance):
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
-        """Return quantity → derivatives of all impacts so far, in the given ``order``, shape (I, P)."""
+        """Return quantity → derivatives of all impacts, shape (I, P); row k is of impact ``order[k]``."""
         together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
         return {name: together[name] for name in IMPACT_QUANTITIES}
 

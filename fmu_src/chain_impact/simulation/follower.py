@@ -245,9 +245,9 @@ class Follower:
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
         """Return two times [s], just before and just after the only jump or kink of an interval.
 
-        Both are the time of a kink if the functions at a searched time fit the polynomials of both sides.
-        The result is None if the interval has no or more than one jump or kink, or if a polynomial beside the
-        jump or kink has a degree > SIMPLE.
+        Both are the time of a kink if the polynomials of both sides have the functions' values at a time of
+        the search. The result is None if the search does not find just one jump or kink, or if a polynomial
+        beside it has a degree > SIMPLE.
         """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
@@ -336,8 +336,8 @@ class Follower:
     def _foresee(self, start: float, end: float) -> None:
         """Compute all pieces of an interval in one call of the functions, each as long as the last piece.
 
-        Nothing is done for more than 2^TOGETHER pieces, or if a longer piece is to be tried first: FAR
-        excludes longer pieces except those of the last FAR lengths, ``_is_vain`` must exclude these.
+        Nothing is done for more than 2^TOGETHER pieces, or if a longer piece must be tried first: one of at
+        most 2^FAR times the last length is tried unless ``_is_vain``; a longer one is never tried.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0

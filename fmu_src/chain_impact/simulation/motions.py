@@ -197,7 +197,7 @@ def derivatives(pieces: Pieces, order: int) -> np.ndarray:
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
     """Return whether the derivative of one ``order`` of K motions jumps at the start of P pieces.
 
-    The shape is (P, K). No motion jumps at the start of the first piece, and none if the last piece does not
+    The shape is (P, K). The result is False for the first piece, and for all pieces if the last piece has no
     end. ``columns`` are the indices of the motions among the signals of the pieces.
     """
     jumping = np.zeros((len(pieces.start), len(columns)), bool)

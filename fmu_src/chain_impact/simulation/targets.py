@@ -50,7 +50,7 @@ def _damping(prepared: PreparedScene, name: str) -> float:
 
 
 def _is_motion(powers: np.ndarray) -> bool:
-    """Return whether a target is a motion: it changes within a piece, or more than MOST_POSITIONS times.
+    """Return whether a target changes within a piece, or between pieces more than MOST_POSITIONS times.
 
     ``powers``: the coefficients of the target's polynomial in each of P pieces, shape (P, K).
     """

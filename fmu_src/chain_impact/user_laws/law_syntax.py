@@ -18,8 +18,8 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 }
 """Name → function: the functions of Python that a law can call."""
 LONG = {"comb", "dist", "factorial", "fsum", "isqrt", "lcm", "perm", "prod", "sumprod"}
-"""Functions of ``math`` that a law cannot use: kernels do not have them, and a constant with one could take
-long."""
+"""Functions of ``math`` that a law cannot use: kernels do not have these functions, and the evaluation of a
+constant with such a function could take long."""
 MATH = {name for name in dir(math) if name[0] != "_"} - LONG
 """The names of ``math``, functions and constants, that a law can use."""
 ALLOWED = (

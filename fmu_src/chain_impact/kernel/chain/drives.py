@@ -158,7 +158,7 @@ def rotor_energy(d, y):
 
 
 def is_below_limit(d, i):
-    """Return whether drive i exists and has mode 0, with the force of motor, damper and spring."""
+    """Return whether drive i exists and is below its limit (mode 0), where motor, damper and spring act."""
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
 

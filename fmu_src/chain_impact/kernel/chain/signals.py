@@ -195,8 +195,8 @@ rate_of_base = largest_rate(moves_base_as_sine)
 def travel_of_sines(d):
     """Estimate the sum [m] of the amplitudes of all motions of base, walls and belts that sines drive.
 
-    An amplitude is always that of a position. If a sine gives a velocity or an acceleration, the position is
-    its integral.
+    An amplitude is that of a position: a sine that gives a velocity is integrated once, a sine that gives an
+    acceleration twice.
     """
     signal, total = d.signal, 0.0
     for j in range(d.signals):

@@ -58,9 +58,9 @@ def state_size(n):
 
 @inlined
 def relative(values, first, i):
-    """Return the angle, or its rate or change, of link i relative to the link before; i counts from 0.
+    """Return the angle of link i from the link before, or this angle's rate or change; i counts from 0.
 
-    For the first link, i = 0, the result is relative to +x. The absolute values of the links begin at index
-    ``first`` of ``values``.
+    ``values`` has the angles of all links from +x, or their rates or changes, from index ``first`` on. For
+    i = 0 the result is the link's own value.
     """
     return values[first + i] - (values[first + i - 1] if i > 0 else 0.0)

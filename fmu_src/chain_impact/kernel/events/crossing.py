@@ -216,9 +216,10 @@ def nearly_linear(d, c, part):
 
 
 def locate_crossing(d, a, b):
-    """Return θ of the earliest event in (a, b], and mark the candidates that have an event at this time.
+    """Return θ in [a, b] of the earliest event, and mark the candidates that have an event at this time.
 
-    ``check_interval`` must not have asked for a shorter interval than (a, b].
+    ``check_interval`` must have returned CROSSES for this interval. Events count as simultaneous up to
+    SIMULTANEOUS_TIME and round-off.
     """
     first, located = b, -1
     for k in range(d.search.suspect_count):

@@ -255,6 +255,6 @@ def move_missed_anchors(d):
 
 
 def clear_margins(d):
-    """Set the margins of elements with friction to 0 before a step, whose stages reduce them."""
+    """Set the margins of elements with friction to 0 before a step; a stage may then store a negative one."""
     for i in range(d.friction.count):
         d.element.margin[d.element.index[i]] = 0.0

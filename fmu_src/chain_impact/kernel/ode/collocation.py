@@ -168,7 +168,7 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return h [s] or, if less, PAST_END × the predicted time until a contact with a force law ends."""
+    """Return h [s] or, if less, PAST_END × the predicted time to the next end of a contact (force law)."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
         # near its end a contact has hardly any force, so the rate ġ of its clearance g hardly changes, and

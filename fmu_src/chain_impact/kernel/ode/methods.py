@@ -129,7 +129,7 @@ def limit_to_stable(d):
     derivatives with respect to parameters grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z belongs to the part of the last step before its end, of size ``size`` × ``end_fraction``
+    if z > 0.0:  # z is that of the last step, whose size up to its end is ``size`` × ``end_fraction``
         limit_next_size(d, d.step.size * d.step.end_fraction * STABLE_STEP / z)
 
 

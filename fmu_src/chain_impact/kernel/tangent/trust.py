@@ -143,8 +143,9 @@ def begin_trust(t):
 def mark_split(t):
     """Record that the derivatives of friction impulses are not known from now on.
 
-    If friction stops a speed with neglected derivatives, these impulses change, and so does the distribution
-    of friction between sticking elements.
+    The impulse by which friction stops an element is not known if derivatives of the element's speed are
+    neglected (``negligible``), if other elements stop at the same time, or if the acceleration may be an
+    error of the solver (``check_changes``).
     """
     t.trust.split = 1
 

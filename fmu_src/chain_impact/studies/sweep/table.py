@@ -116,7 +116,8 @@ class Sweep(Runs):
                 In a picture narrower than 6 inches all panels are in one column.
             panels: the columns to draw, such as ``"peak_force"``; ``*`` stands for any text. By default, the
                 main results and the first four additional outputs are drawn, as far as they differ between
-                the runs; of samples, only forces and moments among these, if there are any.
+                the runs. If the runs are samples, and forces or moments are among these columns, only the
+                forces and moments are drawn.
 
         Raises:
             SceneError: when too many parameters vary for a picture, there are too many runs or panels, or no

@@ -20,7 +20,7 @@ enum { INITIALIZED = 1, SET_UP = 2 };
 enum { BEGIN = offsetof(State, guid) };
 static const char MAGIC[] = "chainimp";
 
-/* Return the state to which the argument `state` points; log an error and return NULL if it points to none. */
+/* Return the state to which `state` points; if no state is there or the call is not allowed, log it and return NULL. */
 static State *state_in(const Instance *instance, const char *call, void *state) {
     if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, state)) return NULL;
     if (memcmp(((State *)state)->magic, MAGIC, sizeof ((State *)state)->magic) == 0) return state;

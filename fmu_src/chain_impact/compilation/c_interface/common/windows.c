@@ -1,4 +1,4 @@
-/* vsnprintf and snprintf, which the C library of Windows does not export: its headers define them inline. */
+/* vsnprintf and snprintf: the C library of Windows exports neither; only the headers of Windows define them, inline. */
 #ifdef _WIN32
 #include <stdarg.h>
 #include <stddef.h>

@@ -162,7 +162,7 @@ export class CurveCharts {
     this.#nameWithout();
   }
 
-  /** Name, below the charts, the compared motions that lack one of the shown curves. */
+  /** Name, below the charts, each compared motion that lacks at least one of the shown curves. */
   #nameWithout() {
     if (!this.note || !this.recording) return;
     const namesOf = (recording) => this.curvesOf(recording)?.curves.map(({ name }) => name) ?? [];

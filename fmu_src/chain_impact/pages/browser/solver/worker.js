@@ -49,7 +49,7 @@ function* study(kernel, values, { names, each, words }) {
   return yield* kernel.runEach(values, names, each, endTime, words, firstOf);
 }
 
-/** Return the buffers of a result's columns, which the worker transfers to the page, so that they are not copied. */
+/** Return the buffers of a result's times, runs and columns: the worker transfers these to the page, so that nothing is copied. */
 function columnsOf({ time, columns = {}, rows: runs }) {
   return [time, runs, ...Object.values(columns)].filter(Boolean).map(({ buffer }) => buffer);
 }

@@ -167,7 +167,8 @@ function slider(changes, entry, { field, write, now, unit }) {
 
 /**
  * Return the entries for sliders of the inputs, each from −x to x. The unit decides x: weight of the chain [N], weight times length [N·m],
- * half a turn [rad], 10 rad/s, length [m], speed after a fall through the length [m/s]; 1 for any other unit.
+ * half a turn [rad], 10 rad/s, length of the chain [m], speed after a fall through this length [m/s]; 1 for any other unit. Weight and
+ * fall are those at 10 m/s² for any gravity.
  */
 function inputSliders({ scene, starts, valueOf }) {
   const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
