@@ -13,7 +13,7 @@ log.addHandler(logging.NullHandler())
 
 
 def log_once(sentence: str, seconds: float) -> None:
-    """Log that work of about ``seconds`` [s] begins, which is done once, because the result is kept.
+    """Log that work begins that takes about ``seconds`` [s] and is done once, because the result is kept.
 
     ``sentence`` describes the work.
     """

@@ -233,8 +233,8 @@ def has_screen() -> bool:
 def prepare_console() -> None:
     """Let the console print a question mark for a character that its encoding lacks, instead of failing.
 
-    By default such a character ends the program; only in the locale POSIX, Python prints bytes of a file name
-    that are no text unchanged. These bytes become question marks, too.
+    By default such a character ends the program with an error. Those bytes of a file name that are no text,
+    which Python by default prints unchanged in the locale POSIX, become question marks, too.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):

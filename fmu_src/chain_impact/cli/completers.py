@@ -57,7 +57,7 @@ def complete(
 
 
 def is_fmu(source: str) -> bool:
-    """Return whether the source of a command ends in .fmu, in any case."""
+    """Return whether the source of a command ends in .fmu, in upper or lower case."""
     return source.lower().endswith(".fmu")
 
 

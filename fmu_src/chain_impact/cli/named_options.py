@@ -27,8 +27,8 @@ def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
     """Return the text of an error with the option whose value the error refuses.
 
     The option replaces the name of the value in the text, or is put before this name. The text is returned
-    unchanged if it begins with an option, has the number of a line of a file, or has none of the values. An
-    option that is in the text before does not count.
+    unchanged if it begins with an option, or tells the line of a file. An option is left out if the text
+    already has this option, or does not name the option's value.
 
     Args:
         message: the text of the error. After the first semicolon follows a hint, which is not changed.

@@ -98,7 +98,7 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
     lower_cast(_kind, Dual)(_cast)
 
 
-# ---- types of results -------------------------------------------------------------------------------------
+# ---- types of the results of functions --------------------------------------------------------------------
 
 
 def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:

@@ -12,7 +12,7 @@ from chain_impact.recording.text import few
 
 # [1] a `size` up to which a difference gives no warning, unless its `effect` is MOTION
 NEGLIGIBLE = 0.02
-LINE_NAMES = 6  # largest number of names in a line of text, which counts further names: "and 3 more"
+LINE_NAMES = 6  # largest number of names in a line of text; further names are only counted: "and 3 more"
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # titles under which differences are reported
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 

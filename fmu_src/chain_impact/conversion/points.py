@@ -15,7 +15,7 @@ from chain_impact.conversion.robot import LinkShape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
 """The kinds of shapes that points can replace, because each is the convex hull of some balls or discs."""
-# [rad] TURN: the angles of the directions from a link to a wall for which the points of the link are chosen;
+# TURN: [rad] the angles of the directions toward walls in which the balls of a link are compared;
 # DIRECTIONS: the unit vectors in these directions, shape (directions, 2)
 TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
@@ -99,10 +99,10 @@ def reach(balls: Sequence[Ball]) -> np.ndarray:
 
 
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
-    """Return some of the balls of a link, such that a wall in each of DIRECTIONS first touches one of these.
+    """Return some of the balls of a link, so that a wall in any of DIRECTIONS touches one of these first.
 
-    A ball is left out if each wall that touches it first also touches a returned ball at the same time, up to
-    ``blur``. Of equal balls, only the first one stays. Balls with ``is_point`` always stay.
+    "First" holds up to the largest ``blur`` of the balls. The number of returned balls need not be the least
+    one. Balls with ``is_point`` always stay; of other equal balls, only the first one can stay.
     """
     if not balls:
         return []
@@ -116,9 +116,9 @@ def outermost(balls: Sequence[Ball]) -> list[Ball]:
 
 
 def is_within(inner: Ball, outer: Ball, joint: np.ndarray) -> bool:
-    """Return whether the ball ``inner`` of a link lies in ``outer`` of a neighbouring link, for all angles.
+    """Return whether the ball ``inner`` of a link lies in the ball ``outer`` of a neighbour, up to ``blur``.
 
-    These are the angles of the joint between both links, at the position ``joint`` [m].
+    This must hold for all angles of the joint between both links, whose position is ``joint`` [m].
     """
     away = float(np.linalg.norm(inner.at - joint) + np.linalg.norm(outer.at - joint))
     return away + inner.radius <= outer.radius + max(inner.blur, outer.blur)

@@ -218,7 +218,7 @@ class Robot:
         name: the name of the model.
         bodies: the bodies.
         gravity: acceleration by gravity in the world's axes [m/s²].
-        planes: the planes that are fixed to the world; none if the file disables contacts.
+        planes: the planes that are fixed to the world; empty if the file disables contacts.
         carried: the data of the scene from which this package wrote the file; None for any other file.
         notes: sentences on how the file was read.
         differences: the parts of the file that no scene has, or that scenes have in another form.

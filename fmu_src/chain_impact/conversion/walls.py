@@ -129,11 +129,11 @@ class Walls:
         return coefficients[-1]
 
     def _points(self, touching: set[int], balls: Sequence[list[Ball]]) -> dict[str, Any]:
-        """Return ``{"points": numbers}`` for [contact]: the numbers of the ends of links that touch walls.
+        """Return ``{"points": numbers}`` for [contact]: the numbers of those ends of links that touch walls.
 
-        A link that can touch walls and has no balls touches them with its two ends, except an end at a pinned
-        base, and an end inside a ball of a neighbouring link. The result is {} if the default of
-        ``contact.points`` suffices: if no link has balls, and either all links touch walls or none does.
+        These are both ends of each link that can touch walls and has no balls, without the pinned base and
+        without an end inside a ball of a neighbouring link. The result is {} if the default of
+        ``contact.points`` suffices: if no link has balls, and either all links can touch walls or none can.
 
         Args:
             touching: the indices of the links that can touch walls.

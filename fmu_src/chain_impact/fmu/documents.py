@@ -145,8 +145,8 @@ def folded_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]])
 def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
     """Return the file with the terminals, and the icon.
 
-    Each joint, each point, the base, the slider, the tip and each wall is the owner of some variables, and
-    has a terminal with the inputs and outputs among them. The terminals of walls are inside a terminal
+    Each joint, each point, the base, the slider, the tip and each wall has a terminal with the inputs and
+    outputs that it owns; an owner without these has no terminal. The terminals of walls are inside a terminal
     ``wall``, so that the path of a terminal is the first part of its variables' names. All members are
     signals. The matching rule of each terminal is "bus": an importer that connects two terminals connects the
     members with equal names.

@@ -199,7 +199,10 @@ def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
 
 
 def _named(variable: Any, value: float) -> float | str:
-    """Return the value of an FMU's parameter; for an enumeration, the name of the choice."""
+    """Return the value of an FMU's parameter; for an enumeration, the name of the choice.
+
+    If no choice has the value, the result is the value as text.
+    """
     if variable.type != "Enumeration":
         return value
     return next((item.name for item in variable.declaredType.items if float(item.value) == value), str(value))

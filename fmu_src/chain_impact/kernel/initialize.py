@@ -159,7 +159,7 @@ def derive_chain(d):
     """
     chain = d.chain
     d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact.exponent)
-    # the middle joint must be that of `accelerations` (chain/elimination.py)
+    # `meeting_joint`, the middle joint, must be the same joint as in `accelerations` (chain/elimination.py)
     chain.meeting_joint = 0 if chain.has_base_joint else len(chain.length) // 2
     chain.longest_link, chain.reach = 0.0, 0.0
     for i in range(len(chain.length)):

@@ -64,7 +64,7 @@ SIDE = 8
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
-    """Return the default size of a figure with curves [inches]."""
+    """Return the default size of a figure with curves: width and height [inches]."""
     told = TOLD_HEIGHT if largest_vectors(curves) else 0.0
     return FULL, max(3.4, AROUND_PANELS + told + PANEL_HEIGHT * len(clear_panels(curves)))
 

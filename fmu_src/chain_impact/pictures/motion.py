@@ -43,7 +43,7 @@ from chain_impact.recording.view import ball_of
 
 # the largest number of strong poses between start and end, which are those at the fastest impacts
 MOST_STRONG_POSES = 6
-CANDIDATES = 60  # strong poses are chosen among the poses at the CANDIDATES fastest impacts
+CANDIDATES = 60  # largest number of impacts, the fastest ones, among whose poses strong poses are chosen
 FAINT_POSES = 40  # the largest number of faint poses, from rows with equally spaced indices
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
 # STRONG_APART of strong ones. The pose at the fastest impact is always kept.

@@ -17,7 +17,7 @@ from chain_impact.recording.text import prefixed
 from chain_impact.variables.impact_units import unit_at
 
 PEAK = 0.95  # a force counts as at its peak from PEAK × its largest value on
-# the least time for which a long contact is shown, relative to the time until the peak force
+# a long contact is shown for at least AFTER_PEAK × the time from its onset until its force is at its peak
 AFTER_PEAK = 4.0
 # A contact is long if it lasts more than MUCH_LONGER × the time that ``shown_contact`` finds for its impact;
 # only this time is then shown.
@@ -46,7 +46,7 @@ def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float
 
 
 def is_alone(recording: Recording) -> bool:
-    """Return whether a recording has a single impact, whose force over time is known."""
+    """Return whether a recording has a single impact, and the force over time of this impact is known."""
     return len(recording.impacts) == 1 and course_of_hardest(recording) is not None
 
 

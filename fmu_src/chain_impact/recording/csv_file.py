@@ -61,7 +61,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         point_names=scene.point_names if scene else {},
     )
     for touch in bare.touches:
-        # without a scene, a contact of the base with a stop of a slider has no wall, whose position is needed
+        # without a scene, a stop of a slider has the kind WALL, too, but needs no position of a wall
         if touch.kind == WALL and scene is None and touch.wall not in SLIDER_STOPS:
             raise NeedsSceneError(
                 f"{path}: it has contact[{touch.point}].{touch.wall}.force, but a CSV file has no positions "

@@ -78,9 +78,9 @@ def curves_of(
         units: name of an output → its unit.
         around: the number of an impact, from 1; the curves show the impact and a short time around it. None
             for the whole run.
-        prepared: the prepared scene, if it is known.
-        rerun: function that repeats the run: times → outputs at these times. Without ``rerun`` or
-            ``prepared``, the curves have values only in the rows of the recording.
+        prepared: the prepared scene; None if it is unknown.
+        rerun: function that repeats the run: times → outputs at these times. If ``rerun`` or ``prepared`` is
+            None, the curves have values only in the rows of the recording.
 
     Raises:
         UnknownNameError: when no output matches one of the names.

@@ -1,4 +1,4 @@
-"""The colours of maps of sweeps: their ends, and whether they are logarithmic or in steps."""
+"""The colour scale of maps of sweeps: the values at both ends, and whether it is logarithmic or has steps."""
 
 from __future__ import annotations
 

@@ -181,7 +181,7 @@ class Sensitivities:
         }
 
     def step(self, parameter: str) -> float:
-        """Return a small change of a parameter, in its unit: 1 % of its value, or 0.01 if the value is 0."""
+        """Return a small change of a parameter, in its unit: 1 % of the value, with its sign; 0.01 for 0."""
         return step_of(self.parameters[parameter])
 
     def step_text(self, parameter: str) -> str:

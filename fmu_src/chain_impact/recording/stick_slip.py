@@ -99,8 +99,8 @@ class Touch:
             friction in a joint or on a slider.
         force: the normal force of the wall, shape (T,) [N]; for a stop of a joint the absolute value of
             its moment [N·m]; None for dry friction in a joint or on a slider.
-        penetration: the penetration, shape (T,) [m]; None if it is unknown.
-        rate: the rate of penetration, shape (T,) [m/s]; None if it is unknown.
+        penetration: the penetration, shape (T,) [m]; None if unknown, as always at a stop of a joint.
+        rate: the rate of penetration, shape (T,) [m/s]; None if unknown, as always at a stop of a joint.
         friction: the force of dry friction on the point, shape (T,) [N]; it is positive along t = (n_y,
             −n_x), for the wall's normal n. For a joint it is the moment of dry friction [N·m], for a slider
             the force of dry friction on the carriage [N]; both are positive where they push the angle or the

@@ -33,7 +33,7 @@ _TABLES: dict[DataPath, Any] = {
     ("simulation",): Simulation,
     **{("chain", "links", i): Link for i in range(LINKS)},
 }
-"""Path → dataclass of each table in which keys with the rule ``alone`` hold one number or choice.
+"""Path → dataclass of each table with keys of one value and the rule ``alone``; of links, the first LINKS.
 
 ``Initial`` is left out, because its keys hold lists of numbers.
 """

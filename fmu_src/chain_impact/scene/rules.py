@@ -170,7 +170,7 @@ def _function(rule: str) -> Callable[[ValueOf], Any]:
 
 
 def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
-    """Return the function that computes a part of a rule from ``value_of``; it returns None if missing."""
+    """Return the function that computes a part of a rule; it gives None for a missing number or text."""
     if "parts" not in part:
         name, constant = part.get("name"), part.get("constant")
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)

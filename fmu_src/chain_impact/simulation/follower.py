@@ -211,8 +211,8 @@ class Follower:
             yield None
             return
         last, middle = self._last, 0.5 * (start + end)
-        # simple: the interval does not follow a piece of a degree > SIMPLE; only then a search for a jump or
-        # kink is worth its calls
+        # simple: the interval does not follow a piece of a degree > SIMPLE; in other intervals a search for a
+        # jump or kink is not worth its calls
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
         far = last is not None and end - start > 2.0**FAR * (last.end - last.start)
         _, length = math.frexp(end - start)

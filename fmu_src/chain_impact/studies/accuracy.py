@@ -31,8 +31,8 @@ class Differences:
         point: the name of the point that has this largest distance.
         time: the time at which the point has this largest distance [s].
         end: the time up to which the runs are compared [s].
-        parted: whether the runs differ in an impact, so that ``end`` is the earlier onset of this impact in
-            the two runs; otherwise ``end`` is the end of the shorter run.
+        parted: whether the runs differ in an impact that begins by the end of the shorter run. Then
+            ``end`` is the onset of this impact, the earlier one if both have it; else it is that end.
     """
 
     impacts: int

@@ -59,7 +59,7 @@ BAND_POINTS = 400
 HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
 COLOURED_LAWS = 6  # largest number of laws with a colour
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
-"""Ids of laws that many programs and papers use: they get a colour if fewer than COLOURED_LAWS have one."""
+"""Ids of laws that many programs and papers use: each gets a colour if fewer than COLOURED_LAWS others do."""
 
 Looks = dict[str, dict[str, Any]]
 

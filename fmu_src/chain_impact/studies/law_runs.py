@@ -121,7 +121,7 @@ class LawRuns:
 
     @property
     def contact(self) -> Contact:
-        """The scene's contact with the values for the first impact: those of its wall, or of the stops."""
+        """The scene's contact with the values at the first impact: those of the wall, or of joints' stops."""
         return contact_at(self.scene, self.first_impact)
 
     @property

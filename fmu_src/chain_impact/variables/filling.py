@@ -104,8 +104,8 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     """Return a function from a scene to the list of numbers for a kind of parameters, one for each owner.
 
-    If the record has two fields for the parameter, the list has first the values in use of all owners, then
-    the given values of all owners. The given value is the number DERIVED where the scene derives the value.
+    If the scene's record has two fields for the parameter, the list has first all owners' values in use, then
+    all owners' given values. A given value is the number DERIVED where the scene derives the value.
     """
     path = kind.path or ()
     if AT not in path and ENTRY_AT not in path:

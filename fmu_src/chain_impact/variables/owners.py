@@ -136,7 +136,7 @@ class Written(NamedTuple):
     Attributes:
         path: the path of the number in the record; with AT, of several numbers.
         number: the rule for the number.
-        over: for several numbers: the list each member of which has a number, or a rule for their count.
+        over: the name of a list, each member of which has a number; or a rule for the count of the numbers.
         at: for several numbers: the rule for the index that replaces AT for a member.
     """
 

@@ -75,8 +75,8 @@ def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
     """Return the name and value of an attribute that a row has as text, such as ``minimum=0``.
 
-    An attribute without "=" has the value True. The value of ``minimum`` or ``maximum`` is a float if the row
-    has a ``unit``, else an int, or the name of a number; that of ``when`` is a tuple. All others are texts.
+    An attribute without "=" has the value True. The value of ``minimum`` or ``maximum`` is the name of a
+    number, or a float if the row has a ``unit``, else an int; that of ``when`` is a tuple; others are texts.
     """
     name, _, value = text.partition("=")
     if name == "when":

@@ -127,7 +127,7 @@ class Variable:
         """Whether an input acts on this output at once, not only through the state.
 
         An input acts at once on accelerations, except those of a base that cannot move; on forces, moments,
-        sticking and peak forces of impacts, because a torque changes the force of a rigid wall or of dry
+        peak forces of impacts and ``sticking``, because a torque changes the force of a rigid wall or of dry
         friction at once; and on derivatives of these outputs.
         """
         return self.kind.feedthrough and not self.base_at_rest

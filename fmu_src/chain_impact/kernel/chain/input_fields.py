@@ -34,7 +34,7 @@ def input_field(part, k):
 
 
 def is_of_drive(k):
-    """Return whether input k belongs to drives: motors, targets, or target velocities."""
+    """Return whether input k acts in drives: torques of motors, targets, or target velocities of servos."""
     return k in OF_DRIVES
 
 

@@ -2,8 +2,8 @@
 
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
-`given.piece` is the next piece and `inputs.piece` the piece in use; u₀ of the next piece is the value in
-`given`. In a piece of order 0 the inputs are constant, and no polynomial is evaluated.
+`given.piece` is the next piece and `inputs.piece` the piece in use; each has its `middle` [s] and `scale`
+[1/s]. u₀ of the next piece is the value in `given`. In a piece of order 0 the inputs are constant.
 
 Prescribed motions (chain/motion.py) have the given coefficients in `motion.piece`, and the coefficients in
 use in `moved.piece`. The caller sets the coefficients together with `given.piece`; or, if

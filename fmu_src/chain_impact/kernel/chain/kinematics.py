@@ -38,7 +38,7 @@ def set_polar(radius, y, first, horizontal, vertical):
     # For the compiler the results may lie in the memory of y. After the angles are copied to ``vertical``,
     # the compiler knows that no result overwrites an angle that is still to be read.
     copy_entries(y, first, count, vertical)
-    # with the copy, the compiler lets the processor compute several angles of this loop at once
+    # because the angles are copied, the compiler lets the processor compute several of them at once
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine

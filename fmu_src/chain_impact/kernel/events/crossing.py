@@ -373,7 +373,7 @@ def prescribed_bounds(d, c):
 
 
 def measure_clearances(d, theta):
-    """Set φ and φ′ (``measure_located``) of all suspects at the fraction θ of the step, an interval's end."""
+    """Set φ and φ′ of all suspects (``measure_located``) at θ of the last step, where an interval ends."""
     locate_at(d, theta)
     measure_located(d)
 

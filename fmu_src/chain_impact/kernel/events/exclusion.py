@@ -140,11 +140,11 @@ def allowed_position_error(d):
 
 
 def distance_per_radian(d):
-    """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
+    """Return a bound [m] of how far a place moves relative to the base, if no link turns by more than 1 rad.
 
-    For a point or site this distance is at most `chain.reach`. For the place of a joint it is the change of
-    the joint's angle, at most 2 rad, times the length of the longest link; this counts only if the scene has
-    stops in joints and more than one link.
+    For a point or site the bound is `chain.reach`. For the place of a joint the bound is the largest change
+    of the joint's angle, 2 rad, times the length of the longest link; this counts only if the scene has stops
+    in joints and more than one link.
     """
     if d.chain.has_joint_stops and d.links > 1:
         return max(d.chain.reach, 2.0 * d.chain.longest_link)
@@ -218,8 +218,8 @@ def stays_in_contact(d, c, error):
     stays above ``error`` − ``harmless_depth`` [m] (``stays_positive``).
     """
     if c == d.step.regularized:
-        # the sign of u at the end decides: within one step of a regularized contact, a point does not leave
-        # its wall and return to this wall
+        # φ is u; u > 0 at the end of the step suffices, because within one step of a regularized contact the
+        # point does not leave its wall and return to it
         return d.search.phi_end[c] > 0.0
     return stays_positive(d, c, error)
 

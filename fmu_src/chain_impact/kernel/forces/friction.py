@@ -34,9 +34,9 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
-# The largest distance of a sticking element from its anchor after a projection that counts as round-off,
-# relative to ``largest_coordinate``, the largest |x| or |y| of any place, but at least the longest link. If a
-# projection leaves a larger distance, it has failed for this anchor.
+# A distance of a sticking element from its anchor after a projection counts as round-off up to this, relative
+# to ``largest_coordinate``: the largest |x| or |y| of any place, but at least the longest link. If a larger
+# distance is left, the projection has failed for this anchor.
 ANCHOR_ROUND_OFF = 1e-13
 
 

@@ -109,7 +109,7 @@ LONG_TURN = 1.0
 MIDDLE_CHANGE = 10.0
 # The round-off of the energy balance in a step, relative to the sum of all energies and of the products of
 # each contact force, spring force and weight with the coordinates at which this force acts. ENERGY_ROUND_OFF
-# times the available energy is also the least loss that is allowed to a step.
+# times the available energy is also the least value of ``loss_allowed``.
 ENERGY_ROUND_OFF = 1e-15
 
 

@@ -278,8 +278,8 @@ def quadrature_within(d, theta, k):
     """Return the k-th of the integrated quadratures at the fraction θ of the last step.
 
     Errors of the dense output must not let the impulse of a wall or stop fall. So such an impulse is limited:
-    from above by each later sample in the step, from below by the last sample up to θ and by the impulse at
-    the start of the step.
+    from above by each later sample in the step and the impulse at the end of the step, from below by the last
+    sample up to θ and the impulse at the start.
     """
     quadrature, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
     value = interpolate_component(quadrature, theta, k)

@@ -284,8 +284,8 @@ def error_estimate(d, h):
         return error_5
     if max(error_5, error_3) > SQUARE_OVERFLOWS:
         return math.inf
-    # the error of the step is e₅²/√(e₅² + e₃²/100), with the estimates e₅ and e₃ of orders 5 and 3; the
-    # result is of order 8, because e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
+    # the error e₅²/√(e₅² + e₃²/100), with the estimates e₅ and e₃ of orders 5 and 3, is of order 8, because
+    # e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner); if ``is_smooth``, √ratio makes it order 9
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d, h) else 1.0)
 

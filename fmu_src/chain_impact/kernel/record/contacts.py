@@ -46,7 +46,7 @@ def law_dtype(candidates: int) -> np.dtype:
     """
     return table(
         candidates,
-        ("same_as", INTEGER),  # index of the first candidate with the same law
+        ("same_as", INTEGER),  # index of the first candidate with the same law, which can be this one
         ("number", INTEGER),  # number of the law, from 1; 0: no law has been set
         ("stiffness", REAL),  # N/m^exponent, stiffness K
         ("exponent", REAL),  # exponent n of the elastic force K δⁿ

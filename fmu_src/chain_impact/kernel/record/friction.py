@@ -19,7 +19,7 @@ def friction_dtype(elements: int) -> np.dtype:
         ("contact_count", INTEGER),  # number of contacts among the elements with friction at present
         ("stuck_count", INTEGER),  # number of sticking elements: contacts, joints and the slider
         ("stuck_joints", INTEGER),  # number of sticking joints, plus 1 if the slider sticks
-        ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation of ẏ
+        ("power", REAL),  # W, power that all elements dissipate by dry friction, at the last evaluation of ẏ
     )
 
 
@@ -48,7 +48,8 @@ def element_dtype(elements: int) -> np.dtype:
         ("slack", REAL, (elements,)),
         ("anchor", REAL, (elements,)),  # m, the coordinate along t at which a sticking element is held
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
-        # N, largest force of static friction at the last evaluation of ẏ; constant for a joint and the slider
+        # N, largest force of static friction at the last evaluation of ẏ; constant for the slider and for a
+        # joint, whose moment is divided by the lever arm
         ("limit", REAL, (elements,)),
         # least margin of an element to the end of its mode in the stages of the tried step; 0 if no margin is
         # negative. If the element slides, the margin is its speed in the direction of sliding [m/s]; if it

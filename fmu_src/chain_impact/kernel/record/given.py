@@ -117,7 +117,7 @@ def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints; `given` has its stiffness and restitution."""
     return record(
         ("law", INTEGER),  # number of the law of stops in joints, from 1; 0: the law of the walls is used
-        # exponent n of the law of stops; the number DERIVED of chain/inertia.py: not given, `contact` has it
+        # exponent n of the law of stops; the number DERIVED of chain/inertia.py: that of `contact` is used
         ("given_exponent", REAL),
         ("minimum_impact_speed", POSITIVE),  # rad/s, least impact speed in the law of stops in joints
         # ---- derived at initialization
@@ -199,8 +199,8 @@ def solver_dtype() -> np.dtype:
 def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[object, ...]]:
     """Return a field for each input: an array of the input's values, such as the torque of each motor.
 
-    If the number of ``rows`` is given, the array has a row for each coefficient of a polynomial, and a column
-    for each value. ``target`` is the type of springs' targets, such as FINITE, a real in a checked range.
+    With a number in ``rows``, the array has this number of rows, a row for each coefficient of a polynomial,
+    and a column for each value. ``target`` is the type of targets, REAL or FINITE, a real in a checked range.
     """
     return [
         (name, target if k == TARGET else REAL, (*rows, links + 1 if size == EACH_DRIVE else size))

@@ -182,8 +182,8 @@ def accelerations_with_armatures(d, y, rate):
 def effective_mass(d, c):
     """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points.
 
-    The result is at most the mass of the chain, with carriage and armatures (``mean_mass``), divided by
-    LEAST_MOBILITY.
+    The result is at most the mass of chain, carriage and armatures, in which armatures count as in
+    ``mean_mass``, divided by LEAST_MOBILITY.
     """
     scratch, row = d.scratch, normal_row(d, c)
     no_impedance(d, scratch.impedance)

@@ -30,8 +30,8 @@ def dual_dtype(dtype):
     return dtype
 
 
-# layout of the part ``trust``: the time up to which the derivatives can be trusted, and the reason, see
-# kernel/tangent/trust.py
+# layout of the part ``trust``: the time up to which the derivatives can be trusted, and why they end at this
+# time (kernel/tangent/trust.py)
 TRUST = np.dtype(
     [
         # 0: the derivatives have not ended; else the number, in trust.py, of the reason why they have ended

@@ -84,7 +84,7 @@ class Estimates:
     def aic(self) -> float:
         """Akaike's information criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
 
-        Only the difference of two fits of the same data has a meaning; if it is 10 or more, the data hardly
+        Only the difference between two fits of the same data has a meaning; if this is ≥ 10, the data hardly
         support the fit with the larger criterion (Burnham & Anderson, Sociological Methods & Research 33
         (2004) 261).
         """

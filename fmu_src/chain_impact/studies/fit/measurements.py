@@ -113,7 +113,7 @@ class Measurements:
         return LATE * last if self.of_impact.any() else last
 
     def until(self, stop: float) -> Measurements:
-        """Return the measurements without the values later than ``stop`` [s]; values of unknown time stay.
+        """Return the measurements without the values whose ``order`` exceeds ``stop`` [s]; NaN does not.
 
         Raises:
             SceneError: when no value is left.

@@ -133,7 +133,7 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 
 
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
-    """Write one value into a table of a TOML document; a comment after it keeps its column if there is room.
+    """Write a value into a table of a TOML document; a comment after the value keeps its column if possible.
 
     Of a list that keeps its length, only the entries that differ from ``present`` are written; the other
     entries keep their text, such as an angle in degrees. ``present`` is the value before the change, in the

@@ -126,10 +126,10 @@ def _mark_own(axes: Axes, own: float, quantity: Quantity, curve: np.ndarray | No
 def lines_of(
     runs: Runs, across: Variation, choice: Variation | None = None
 ) -> dict[tuple[str, ...], np.ndarray]:
-    """Return the lines of each panel: names → indices of the line's runs, sorted by the value of ``across``.
+    """Return the lines of any panel: names → indices of the line's runs, sorted by the value of ``across``.
 
-    The names are those of the line's choices, or the number of ``choice`` as text. Each choice or number has
-    a line, but choices with equal results in all runs share one. Without ``choice``, one line has no name.
+    Each value of ``choice``, a name or a number as text, has a line; but names with equal results in all runs
+    share a line, which has all these names. Without ``choice``, the only line has no name.
     """
     rows = np.argsort(runs[across.name], kind="stable")
     if choice is None:

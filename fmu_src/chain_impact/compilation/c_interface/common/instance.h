@@ -73,7 +73,7 @@ struct Instance {
     const Word *observed;
     /* 1: the importer was warned that the position and velocity of a prescribed motion contradict each other */
     int warned;
-    /* [s] the time that the instance has reached, and the end of the run, infinite if the importer gives none */
+    /* [s] the time that the instance has reached, and the end of the run, infinite if the importer gives no end */
     double time, stop_time;
 };
 

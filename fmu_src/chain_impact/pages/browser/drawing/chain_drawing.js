@@ -33,7 +33,7 @@ const NUMBERED = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
 /**
- * Return a unit vector on the screen out of the chain at a point: at an end along the link, at a bend outwards, else across the link.
+ * Return a unit vector on the screen, away from the chain at a point: at an end along the link, at a bend to its outer side, else across.
  */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];

@@ -1,7 +1,7 @@
 // The rings around recent impacts, which grow and fade, and the rule for the numbers beside them.
 
 const RING_TIME = 0.25; // [s] simulated time for which an impact has a ring
-// RING: [pixels] diameter of a ring at the onset, and its growth; RINGS_APART: difference of the diameters of two rings at one position
+// [pixels] RING: diameter of a ring at the onset, and how much it grows in RING_TIME; RINGS_APART: difference for two rings at one position
 const [RING, RINGS_APART] = [20, 7];
 const SAME = 12; // [pixels] rings that are nearer to each other count as being at one position
 const OWN = 0.8; // the distance of a number from its ring must be smaller than this times its distance from any other ring

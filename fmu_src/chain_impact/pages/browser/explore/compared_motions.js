@@ -225,7 +225,7 @@ function largestKnown({ impacts }) {
   return impact && { value: impact[key], unit: unitsOf(impact)[key === "peak" ? "force" : "impulse"] };
 }
 
-/** Return the largest peak force of a recording or, if none is known, the largest impulse as text; a dash if both are unknown. */
+/** Return a text: the largest peak force of a recording; the largest impulse if no peak force is known; a dash if neither is known. */
 export function largestText(recording) {
   const largest = largestKnown(recording);
   return largest ? forceText(largest.value, 3, largest.unit) : "–";

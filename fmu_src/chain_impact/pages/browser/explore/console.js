@@ -3,7 +3,7 @@
 import { nearestText } from "../base/similar_names.js";
 import { Changes } from "../scene/changes.js";
 
-/** Return words for the fault with which a run ended, and for the part of the scene that causes it, if the kernel names one. */
+/** Return words for the fault with which a run ended, and for the part of the scene that causes the fault, if the kernel names a part. */
 export function faultText({ status, part }, scene) {
   return [SHARED.kernel.STATUS_TEXT[status], scene.partsInWords[part - 1]].filter(Boolean).join(": ");
 }

@@ -3,8 +3,8 @@
 import { inputSignals, inputStepTexts } from "../scene/input_steps.js";
 
 /**
- * Return a word of a command as a shell needs it: in double quotes, which Windows accepts, too, if it has special characters; in single
- * quotes if it has $ or similar characters.
+ * Return a word of a command as a shell needs it: unchanged if it has no special character, in single quotes if it has $ or a similar
+ * character, else in double quotes, which Windows accepts, too.
  */
 function quoted(word) {
   if (/^[\w./:=+,-]+$/.test(word)) return word;

@@ -13,7 +13,7 @@ export const SPOKEN = {
 const ABOVE = 24; // [pixels] distance of the text from the middle of the handle
 const DEGREES = 180 / Math.PI;
 
-/** Return the values of changes that a handle sets: "−35.2°" for an angle, "1.2, 0.4 m/s" for a velocity. */
+/** Return the values that a handle sets, as text with unit: "−35.2°" for an angle, "1.2, 0.4 m/s" for a velocity. */
 export function valueTextOf(changes, values) {
   const names = Object.keys(values);
   const unit = presentUnit(changes, names[0]);

@@ -45,7 +45,7 @@ export class Simulation {
     this.soon();
   }
 
-  /** Simulate with the present parameters as soon as the present run has ended, or has taken PATIENCE. */
+  /** Simulate with the present parameters as soon as the present run has ended or has lasted for PATIENCE, or at once without a run. */
   soon() {
     find("stage").ariaBusy = "true";
     clearTimeout(this.#nextRun);

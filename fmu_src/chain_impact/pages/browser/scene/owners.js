@@ -8,7 +8,7 @@ import { holds, membersIn, numberIn, valuesOfMembers } from "./rules.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
-/** Return the structure of a scene, as `structure.py` does, and the parts of the scene from which it follows. */
+/** Return the structure of a scene, as `structure.py` does, and the parts of the scene that decide the structure. */
 export function structureOf(file, kit) {
   const [stops, existingWalls, sites, sliderStops, reached] = [stopsOf, wallsOf, sitesOf, sliderStopsOf, pairsOf].map((of) => of(file));
   const mayTouch = (existingWalls.length > 0 ? reached : touchingPoints(file)).length > 0;

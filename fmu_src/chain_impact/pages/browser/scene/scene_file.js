@@ -1,4 +1,4 @@
-// Completes and checks the contents of a scene file, by the rules of the keys in `kit.py` and by rules for several values. The kernel
+// Completes and checks the contents of a scene file, by the rules of single keys in `kit.py` and by rules that compare values. The kernel
 // refuses further values that are valid alone, but not together.
 
 import { unitText } from "../base/format.js";

@@ -1,4 +1,4 @@
-// The colours of the map, chosen as in `map_colours.py`: their ends, and whether they are logarithmic or in steps.
+// The scale of the map's colours, chosen as in `map_colours.py`: the values at both ends, and whether it is logarithmic or has steps.
 
 import { areSame } from "../../base/ticks.js";
 import { axisScale } from "./map_scales.js";
@@ -11,7 +11,7 @@ const KNOTS = 9; // number of values between which colours of crowded values lie
 const CROWDED = 2; // least ratio of the largest to the least value, for values that crowd
 const FAR_FROM_MIDDLE = 0.2; // values can crowd only if their median is farther than this from the middle, as a fraction of the scale
 
-/** Return the colour for a fraction of the scale, from 0 to 1, as [red, green, blue], each from 0 to 255. */
+/** Return the colour for a fraction of the scale, limited to 0 to 1, as [red, green, blue], each from 0 to 255. */
 export function colourAt(share) {
   const position = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
   const at = Math.min(Math.floor(position), VIRIDIS.length - 2);
@@ -60,7 +60,7 @@ function shareBetween(knots) {
   };
 }
 
-/** Return the limits of the colours for counts from `least` to `most`, at most MOST_COLOURS: each limit lies 0.5 below a count. */
+/** Return the limits between and beside at most MOST_COLOURS colours for counts from `least` to `most`; each is 0.5 below a count. */
 function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
   // widths of a colour, in counts, up to 5e14
@@ -71,9 +71,9 @@ function countBins(least, most) {
 }
 
 /**
- * Return the scale of the colours for the outputs of a map; null without outputs. It has the `extremes` of the outputs, the values at the
- * `ends` of the colours, `isLogarithmic`, `bins` (the limits of the colours, for different counts), `knots` (for values that crowd, those
- * between which equally many runs lie) and `shareOf`, a function from a value to a fraction of the scale.
+ * Return the scale of the colours for the outputs of a map; null without finite outputs. It has the `extremes` of the outputs, the values
+ * at the `ends` of the colours, `shareOf`, a function from a value to a fraction of the scale, and either `bins` (for different counts: the
+ * limits of the colours) or `isLogarithmic`, with `knots` for values that crowd: values between which equally many runs lie.
  */
 export function colourScale(outputs, areCounts) {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);

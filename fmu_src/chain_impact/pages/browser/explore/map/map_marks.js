@@ -11,7 +11,7 @@ const MARK_RIM = 2; // [pixels] width of the mark around a run
 const BLACK_FROM = 0.45; // fraction of the scale of colours from which on a number is black
 const LABEL_PAD = 5; // [pixels] free space at both sides of the label of a run
 
-/** Return an output as short text: the name of a place, or a number in the unit of the map, without this unit. */
+/** Return an output as short text: the name of a place, or the number in the map's unit; the text has no unit. */
 function outputText(value, { output, scale }) {
   if (output.places) return output.places[value];
   const shown = scaledTo(output, scale).factor * value;

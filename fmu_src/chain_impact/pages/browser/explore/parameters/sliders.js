@@ -49,8 +49,8 @@ function rounded(value) {
 }
 
 /**
- * Return the `label` element of a main parameter, `text`, a function that returns its unit, and `relabel`, a function that shows words and
- * unit in the label; the unit is left out if the text in the field contains it.
+ * Return for a main parameter: `label`, an element; `text`, a function that returns the parameter's unit; and `relabel`, a function that
+ * shows words and unit in the label, without the unit if the text in the field, which is the argument, is in degrees.
  */
 function labelOf(changes, entry) {
   const { name } = entry;
