@@ -92,7 +92,7 @@ def outputs(source: str) -> Offer:
 
 
 def rankable(source: str) -> Offer:
-    """Return the names of the quantities of a scene that ``--rank`` takes, except those of single impacts."""
+    """Return the names that ``--rank`` takes, without the names of quantities of single impacts."""
     from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
     return Offer([*PEAKS, JOINT_FORCE, *outputs(source).names])

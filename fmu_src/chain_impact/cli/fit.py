@@ -122,9 +122,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def numbers(name: str, text: str) -> list[float]:
-    """Return the numbers in the text of ``--set-each NAME=VALUES``, which commas separate.
+    """Return the numbers in ``text``, the part VALUES of ``--set-each NAME=VALUES``; commas separate them.
 
-    ``name`` is the name of the parameter, for the error.
+    ``name`` is the part NAME, for the error.
     """
     try:
         return [float(part) for part in text.split(",")]

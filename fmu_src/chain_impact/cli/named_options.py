@@ -69,9 +69,9 @@ def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
 
 
 def _names(value: str) -> Iterator[tuple[str, str]]:
-    """Yield (regular expression, name) for each name or file in a value, in which commas separate them.
+    """Yield (regular expression, name) for each name in ``value``, a list of names or files with commas.
 
-    The expression matches this name. Parts of the value without a letter, such as numbers, are left out.
+    The expression matches only the name. Parts of the value without a letter, such as numbers, are left out.
     """
     yield from (
         (re.escape(part), part) for part in map(str.strip, value.split(",")) if re.search("[A-Za-z]", part)

@@ -70,7 +70,7 @@ def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iter
 
 
 def _now_and_then(work: str) -> Progress:
-    """Return a function that prints its argument, the finished fraction, at most once in LINES seconds."""
+    """Return a function (fraction) that prints ``work`` and the fraction, at most once in LINES seconds."""
     written = monotonic()
 
     def advance(fraction: float) -> None:
@@ -90,9 +90,9 @@ def _described(work: str, fraction: float) -> str:
 def _bar(work: str) -> Iterator[Progress]:
     """Context manager that shows a progress bar on a terminal.
 
-    It yields a function to call with the finished fraction of the work, from 0 to 1. The bar appears after
-    the time BRIEF. If the package logs a message on a part of the work, such as a compilation, a bar with
-    this message replaces any other bar at once; all other messages are printed.
+    It yields a function to call with the finished fraction of ``work``, from 0 to 1. The bar of ``work``
+    appears after the time BRIEF. When the package logs a message on a part of the work, such as a
+    compilation, a bar with this message, but no fraction, replaces any other bar; other messages are printed.
     """
     from rich import progress as rich_progress  # imported here, because the import takes long
 

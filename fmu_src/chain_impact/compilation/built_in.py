@@ -1,7 +1,7 @@
 """Code for numba in place of the Python code of functions that find, copy or clear parts of a record.
 
-The functions named _type_of_… tell numba the type of a function's result; the functions after them write the
-LLVM code of the function.
+A function named _type_of_… tells numba the type of the result of such a function; a function with the
+decorator ``lower_builtin`` writes the LLVM code of such a function.
 """
 
 from __future__ import annotations
@@ -129,8 +129,8 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
 def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
     """Give numba the code of a function of (instance, k) that returns the bound ``bounds[k]``.
 
-    A bound is the least or the largest value that field k may have; it is an affine function of the counts of
-    the instance.
+    A bound is the least or the largest value that field k of ``ranges.BOUNDED`` may have, an affine function
+    of the counts of the instance.
     """
 
     @type_callable(function)

@@ -254,14 +254,14 @@ class Drives:
         """Yield differences of the drives at a joint from those of the scene.
 
         These are a torque at the start, if the joint has no spring whose rest angle can express it; and
-        servos whose target angle differs from their control, or whose control has limits.
+        servos whose target angle is not equal to their control, or whose control has limits.
 
         Args:
             joint: the joint.
             j: index of the joint in MuJoCo's model.
             drives: the drives of the joint.
             stiffness: stiffness of all springs of the joint together [N·m/rad or N/m].
-            torque: torque of all drives in the pose of the file, without velocity [N·m or N].
+            torque: torque of all drives at rest, in the pose of the file [N·m or N].
         """
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:

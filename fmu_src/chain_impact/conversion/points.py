@@ -93,7 +93,7 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
-    """Return how far each ball extends from the origin in each direction, shape (directions, balls) [m]."""
+    """Return how far [m] each ball extends from the origin in DIRECTIONS, shape (directions, balls)."""
     centers = np.array([ball.at for ball in balls])
     return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
 

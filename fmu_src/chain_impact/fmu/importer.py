@@ -41,7 +41,7 @@ def read_fmu(path: Path) -> Any:
     """Return the model description of an FMU, in fmpy's form.
 
     Raises:
-        SceneError: when the file is not an FMU.
+        SceneError: when the file is not a complete and valid FMU.
         OSError: when the file cannot be read.
     """
     import fmpy  # imported here, because the import takes half a second

@@ -176,8 +176,8 @@ class Trial:
     def steps(self, start: float, step: float) -> None:
         """Take a step, and report values beyond their limits; then test whether states are restored.
 
-        The limits are those of real numbers, enumerations and the integers of FMI 2.0. The second test is
-        only for an FMU that can save its state.
+        The limits are those of real numbers, enumerations and the integers of FMI 2.0. States are
+        tested only if the FMU can save its state.
         """
         self.step(start, step)
         values = self.values()

@@ -195,7 +195,7 @@ def advance_one_step(d):
 
 
 def set_output_time(d, time):
-    """Set the communication point to ``time`` [s] in the last step; count the cost of a call from now on."""
+    """Set the communication point to ``time`` [s] in the last step; count the next call's cost from 0."""
     set_own_output_time(d, time)
     begin_call(d)
 
@@ -294,7 +294,7 @@ def find_step(d):
 
 
 def try_step(d, h):
-    """Try a step of size h; if the step is accepted, it becomes the last step, up to its first event."""
+    """Try a step of size h [s] in its variable; an accepted step is the last step, up to its first event."""
     clear_stage_notes(d)
     attempt(d, h)
     if not control.accepted(d):

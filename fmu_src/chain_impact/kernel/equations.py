@@ -124,7 +124,7 @@ def rate_and_points_from_state(d, y, rate):
 
 @inlined
 def rate_from_points(d, y, rate):
-    """Set rate = f(y) for the located points; the inputs are set to their values at the time of y."""
+    """Set the inputs to their values at the time of y, and rate = f(y); the points must be located."""
     ensure_inputs(d, y)
     free_rate_from_inputs(d, y, rate)
     add_constraints(d, y, rate)

@@ -29,10 +29,10 @@ LEAST_LUMINANCE = 0.2
 # ratio.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
-# the number of mixtures (of a colour with white, or of the colours of ground and text) from which the first
-# one that is light enough is taken
+# The number of mixtures of a colour with white, or of the colours of ground and text, by increasing part of
+# white or text. The first mixture that is light enough is taken; for a grey the last one if none is.
 MIXTURES = 41
-NEAR_WHITE = 0.999  # the largest luminance that a mixture must reach: 1, that of white, but for round-off
+NEAR_WHITE = 0.999  # no mixture needs a larger luminance; that of white is 1 up to round-off
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 # colours of curves: UMBER, PLUM and OCHRE on white, where the other three are too pale for lines; YELLOW, SKY

@@ -148,7 +148,7 @@ def say_impulse(axes: Axes) -> None:
 def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
     """Return name, values, unit and colour of each curve over time: force, penetration and speed.
 
-    ``at_stop``: whether the impact is at a stop of a joint: moment and angle then replace force and length.
+    ``at_stop``: whether the impact is at a stop of a joint; the curves are then moment, angle and its rate.
     """
     force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
     return (

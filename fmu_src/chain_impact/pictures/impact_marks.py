@@ -38,7 +38,7 @@ REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # only the first NUMBERED impacts in the order of writing get numbers
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
-# [points] the size of the mark of an impact, and the increase of this size for each mark that covers the mark
+# [points] the size of the mark of an impact, and the increase for each group with marks that cover this mark
 IMPACT_DOT, COVERED_RIM = 4.5, 3.0
 # the width and height of a cell in which all marks of impacts count as one mark, relative to the run's
 # duration and to the largest height of a mark

@@ -1,7 +1,7 @@
 """The largest force in each joint, in the picture of a motion.
 
-Each force is an arrow at the joint, where the joint was at the time of the force. The largest of these forces
-also have their values.
+Each force is an arrow at the position that the joint had at the time of the force. The values of the
+MOST_VALUES largest forces stand beside their joints, as far as there is room.
 """
 
 from __future__ import annotations

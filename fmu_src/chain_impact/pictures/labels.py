@@ -37,7 +37,7 @@ CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
 OWN_LINE = 4.5
-# [pixels] a leader counts as crossing a strong pixel, or another leader, up to this distance
+# [pixels] a leader counts as crossing a strong pixel or another leader if it is at most this far from it
 CROSSING = 2
 BEYOND = 64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
 PAD = 1.0  # [points] the width of the border around a label that must be free, too
@@ -53,7 +53,7 @@ class Label(NamedTuple):
     Attributes:
         text: the text of the label.
         position: the position, in data coordinates.
-        away: unit vector of the best direction from the position to the label.
+        away: unit vector, in the plane of the page, of the best direction from the position to the label.
         short: the text that is written if ``text`` has no room; "" for none.
         look: properties of the text of this label alone, with matplotlib's names.
     """

@@ -36,7 +36,7 @@ class JointRange:
 
     @property
     def arc(self) -> tuple[float, float]:
-        """The angles [rad] of the arc's ends in a picture, relative to the previous link's direction."""
+        """The angles [rad] of the arc's ends in a picture, from the previous link; for joint 1, from +x."""
         low = self.low if math.isfinite(self.low) else self.high - OPEN
         high = self.high if math.isfinite(self.high) else self.low + OPEN
         return low, min(high, low + math.tau)

@@ -191,7 +191,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _missing(self) -> np.ndarray:
-        """Whether derivatives by each parameter are missing, from the start or an onset on, shape (P,)."""
+        """Whether derivatives by each parameter are missing from some time up to the present, shape (P,)."""
         missing: np.ndarray = self._tangents["trust"]["missing"].ravel()[: len(self.parameters)] != 0
         return missing
 

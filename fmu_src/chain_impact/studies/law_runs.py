@@ -33,7 +33,7 @@ class LawRun:
         law: the id of the law.
         exponent: exponent n at the wall or stop of the first impact; without a first impact, that of the
             scene, or the exponent that the law needs.
-        stiffness: stiffness K at the same wall or stop [N/m^n]; at a stop of a joint [N·m/rad^n].
+        stiffness: stiffness K that belongs to ``exponent`` [N/m^n]; at a stop of a joint [N·m/rad^n].
         restitution: the realised restitution of the first impact.
         peak_force: peak force of the first impact [N]; 0 for an impulse.
         max_penetration: largest penetration in the first impact [m].

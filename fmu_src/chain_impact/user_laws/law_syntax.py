@@ -43,7 +43,7 @@ NODES = {ast.Module, *TOP, *STATEMENTS, *EXPRESSIONS}
 ANNOTATIONS = {"bool", "float", "int"}
 LONGEST = 40  # largest number of characters of a refused text that an error shows
 WORDS = {"inf", "-inf", "+inf", "nan", "infinity", "-infinity"}
-"""The words that a law can write in ``float("…")``; besides docstrings, a law can have no other text."""
+"""The words, in small or capital letters, that ``float("…")`` can have; other texts must be statements."""
 
 
 class LawError(ValueError):

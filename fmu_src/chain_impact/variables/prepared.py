@@ -123,7 +123,7 @@ class PreparedScene:
 
     @cached_property
     def outputs_by_name(self) -> dict[str, Variable]:
-        """Name → output of the FMU, with derivatives."""
+        """Name → output of the FMU; the derivatives in the FMU are outputs, too."""
         return {variable.name: variable for variable in self.variables if variable.causality == "output"}
 
     @cached_property

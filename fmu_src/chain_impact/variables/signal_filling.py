@@ -34,7 +34,7 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
 
 
 def input_at(path: DataPath) -> tuple[int, str | int]:
-    """Return the number of an input (kernel/chain/input_fields.py), and the index in its array.
+    """Return the number of an input's field (kernel/chain/input_fields.py), and the index in this field.
 
     ``path`` is the path of the input in the record. All prescribed motions have the number CHANNEL.
     """

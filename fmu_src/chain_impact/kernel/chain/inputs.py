@@ -189,7 +189,7 @@ def limit_to_time(d, time, h):
 
 
 def belts_jump(d):
-    """Return whether the speed of any belt jumps at the start of the piece of the inputs in use."""
+    """Return whether the speed of any belt jumps at the start of the present piece of the inputs."""
     return d.channels > 0 and d.motion.jumps != 0
 
 

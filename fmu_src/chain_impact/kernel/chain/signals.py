@@ -227,7 +227,7 @@ def segment_end(d, j):
 
 
 def next_segment(d, j):
-    """Begin the next segment of signal j; after the last one, a periodic table begins again."""
+    """Begin the next segment of signal j or, after its last segment, the next repetition of its table."""
     signal = d.signal
     if signal.segment[j] < signal.last[j]:
         signal.segment[j] += 1

@@ -128,7 +128,8 @@ def integral_by_fraction(m, rates, s, rise):
 def integral_by_recurrence(m, first, rates, s, rise):
     """Return the m-fold integral Im Σ_k c_k E_{m+k} of a sine, from the recurrence for the integrals E_n.
 
-    ``first`` contains the real and imaginary parts of E_0 and E_1, ``rates`` ω and its rate g.
+    ``first`` contains the real and imaginary parts of E_0 and E_1; ``rates`` are ω [rad/s] at the time ``s``
+    and the rate g [rad/s²] of ω. ``s`` and ``rise`` are those of ``rise_coefficient``.
     """
     u, v, next_u, next_v = first
     omega, g = rates
@@ -145,7 +146,7 @@ def rise_coefficient(m, k, s, rise):
     """Return the coefficient c_k of the m-fold integral of a sine, a time s [s] after its start.
 
     c_k contains the k-th derivative of the smooth ramp of duration ``rise`` [s]. With ``rise`` = 0 the sine
-    does not rise, and only c_0 = 1 is used.
+    has its full amplitude from its start, and only c_0 = 1 is used.
     """
     if not rise > 0.0:
         return 1.0 + 0.0 * s
@@ -172,8 +173,8 @@ def integral_at_standstill(d, i, begins_up):
     s* is the time at which the frequency is zero. E_1 is an integral of e^{iΦ}, ω the rate of Φ, and g that
     of ω.
 
-    C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} if g > 0 and ω > 0 at the start. ω < 0 at the start changes the sign
-    of C; g < 0 also changes the sign, and the angle to Φ(s*) − π/4. ``begins_up`` tells whether ω > 0 at the
+    C = ∓½ √(2π/|g|) e^{i(Φ(s*) + π/4)} [s] for g > 0, and ±½ √(2π/|g|) e^{i(Φ(s*) − π/4)} for g < 0; the
+    upper sign is for ω > 0 at the start, the lower sign for ω < 0. ``begins_up`` tells whether ω > 0 at the
     start or, if ω = 0 at the start, after the start.
     """
     signal = d.signal

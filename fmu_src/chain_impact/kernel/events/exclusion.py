@@ -32,14 +32,14 @@ RELATCH_RATIO = 2.0
 NEARLY_FAST = 0.75
 
 
-# values of `search.known`, which tell what is known at the end of the last step. NOTHING: no φ; VALUES: φ
-# (set_clearance) and φ′ of the candidates; WITH_CURVES: also φ″; FAR: only that every candidate without
-# contact has at least the clearance `search.safe_distance`
+# values of `search.known`, which tell what is known at the end of the last step of φ, `search.phi_end`.
+# NOTHING: no φ; VALUES: φ and φ′ of the candidates; WITH_CURVES: also φ″; FAR: only that every candidate
+# without contact has at least the clearance `search.safe_distance`
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 def known_clearances(d):
-    """Return what is known of the clearances at the start of the searched step, as in `search.known`."""
+    """Return the value of `search.known` that is valid at the start of the step to be searched."""
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 

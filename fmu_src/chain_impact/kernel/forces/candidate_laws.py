@@ -150,10 +150,10 @@ def given_number(d, c):
 
 
 def given_stiffness(d, c):
-    """Return the given stiffness K [N/mⁿ] of candidate c: its wall's own, else the common one.
+    """Return the given stiffness K [N/mⁿ] of candidate c: that of its wall, else that of ``contact``.
 
-    A stop of the slider has the common one. The stiffness of joints' stops, given in N·m/radⁿ, is converted
-    to that of a contact at the lever arm.
+    A stop of the slider has that of ``contact``. The stiffness of stops in joints, given in N·m/radⁿ, is
+    converted to that of a contact at the lever arm.
     """
     if at_joint_stop(d, c):
         return d.given.stop_stiffness / power(d.chain.longest_link, d.stops.exponent + 1.0)

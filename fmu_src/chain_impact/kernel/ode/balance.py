@@ -179,8 +179,8 @@ def apply_next_piece(d):
 def reinit_balance(d):
     """Continue the energy balance after a re-initialization at the communication point.
 
-    A new parameter may change the elastic energy of active contacts; this change does not count as an error
-    of the run. Without active contacts only the available energy is set back to that before the last step.
+    The available energy is set back to that before the last step. A new parameter may change the elastic
+    energy of active contacts; this change does not count as an error of the run.
     """
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start
@@ -259,9 +259,9 @@ def largest_available_energy(d, y, potential):
 def loss_allowed(d, available):
     """Return the energy [J], > 0, that the last step may lose by errors.
 
-    It is the largest of: what is left of the loss B of all steps (``loss_budget``), the growth of B in this
-    step, and round-off. ``available``: the most [J] that motion, springs, walls and heat can have had up to
-    the end of the step.
+    The result is the largest of: the rest of the loss B that all steps may have (``loss_budget``), the growth
+    of B in this step, and round-off. ``available``: the most [J] that motion, springs, walls and heat can
+    have had up to the end of the step.
     """
     balance, budget = d.balance, loss_budget(d, available)
     fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.since)

@@ -124,7 +124,7 @@ def solve(d, h, size):
 
 
 def set_residual(d, i, j, residual):
-    """Set component j of the i-th right-hand side of the linear systems to the number ``residual``."""
+    """Set component j of row i of the right-hand sides, ``implicit.parts``, to the number ``residual``."""
     d.implicit.parts[i, j] = residual
 
 

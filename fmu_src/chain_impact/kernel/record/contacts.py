@@ -206,7 +206,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("violated", INTEGER, (count,)),
         ("start", REAL, (count,)),  # position, speed or acceleration along the row without any impulses
         ("reached", REAL, (count,)),  # position, speed or acceleration along the row with all impulses
-        # position, speed or acceleration to reach; in ``solve_lcp`` the least one that is allowed
+        # required value of ``reached``; in ``solve_lcp`` the least allowed value
         ("target", REAL, (count,)),
         # residual target − reached of a constraint in the active set, else 0; during a correction the
         # residual times the impedance
@@ -246,8 +246,8 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
         ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
         ("residual", REAL, (count,)),  # m/s², required acceleration minus the acceleration with the forces p
-        # N, the force p + D m⁺ before it is clipped to its limits, with the force p before the iteration, the
-        # impedance D, and the residual m⁺ after the iteration (rows/limits.py)
+        # N, the force p + D m⁺, which may exceed its limits: p is the force before the iteration, D the
+        # impedance, and m⁺ the residual after the iteration (rows/limits.py)
         ("unlimited", REAL, (count,)),
         ("impedance", REAL, (count,)),  # kg, the impedance D of a constraint inside the limits, else 0
         # N, impedance times residual of a constraint inside its limits, else the change of its force p

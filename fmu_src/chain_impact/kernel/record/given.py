@@ -21,7 +21,7 @@ from chain_impact.kernel.record.fields import (
 )
 from chain_impact.kernel.rows.geometry import WALLS
 
-# fields of `chain` that ``set_effect_flags`` (chain/drives.py) sets, one for each effect in joints and slider
+# fields of `chain` that ``set_effect_flags`` (chain/drives.py) sets: which effects joints or slider have
 FLAGS = (
     *("has_springs", "has_springs_or_dampers", "has_armatures"),
     *("has_joint_places", "has_drive_friction", "has_drive_limits"),

@@ -15,8 +15,8 @@ from chain_impact.kernel.record.instance import instance_dtype
 def marked(layout, mark):
     """Return the fields of a ``layout`` whose types have a ``mark``: path → layout of the field.
 
-    The mark is "range" (of ``real``) or "least" (of ``bounded``). A path has the names of the parts around
-    the field, and then the field's name.
+    The mark is "range" (of ``real``) or "least" (of ``bounded``). A path has the names of the records that
+    contain the field, from the outermost one on, and then the name of the field.
     """
     found: dict[tuple[str, ...], np.dtype] = {}
     for name in layout.names:

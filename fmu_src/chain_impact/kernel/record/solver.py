@@ -41,8 +41,8 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # s, the time from which the entry t of the state y counts: the start of the last or of the tried step
         ("clock", REAL),
         ("end", REAL),  # s, time of the last step's end or, if the step was cut, of the cut
-        # s, 0, but with derivatives in a tangent instance: time from ``start`` to the event that begins the
-        # step
+        # s, time from ``start`` to the event that begins the step: 0; in a tangent instance this 0 has
+        # derivatives
         ("start_delay", REAL),
         # size of the whole step in its integration variable: time [s], or the fictitious time of a contact
         # (kernel/ode/sundman.py)
@@ -226,7 +226,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         # a state at a time before or after that of ``y``, at which ode/folds.py finds forces near a fold
         ("nearby", REAL, (state,)),
         ("error", REAL, (2, state)),  # the two error estimates of a tried step, for each entry of y
-        # m, link vectors L_i, from the proximal to the distal joint of each link; entry N is not used
+        # m, link vectors L_i, from the proximal joint to the far end of each link; entry N is not used
         ("link", vectors_dtype(points)),
         # loads on the chain, forces or impulses: N or N·s at places, N·m or N·m·s in joints and on links
         ("load", loads),
@@ -262,13 +262,13 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with clearances at both ends of the searched interval."""
     return record(
-        # what is known of the candidates' φ (``phi_end``) at the end of a step (events/exclusion.py):
+        # what is known of the candidates' φ (``phi_end``) at the last step's end (events/exclusion.py):
         # NOTHING; VALUES: φ and φ′; WITH_CURVES: also φ″; FAR: candidates without contact have at least the
         # clearance ``safe_distance``
         ("known", bounded(0, FAR)),
         # value of `step.breaks` for which ``known`` is valid; for other values nothing is known
         ("known_for", INTEGER),
-        # m, lower bound on the clearances of all candidates without contact, at the end of a step
+        # m, lower bound on the clearances of candidates without contact, at the last step's end
         ("safe_distance", REAL),
         # rad/s, largest angular frequency at which an input changes in the searched step
         ("input_rate", REAL),
@@ -337,7 +337,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("weight", REAL, (extended,)),
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the step's start to its nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
-        # N, force of dry friction of each element with friction, at the nodes
+        # N, force of dry friction on each element with friction, in a joint the moment over the longest link,
+        # at the nodes
         ("friction", REAL, (RADAU_STAGES, elements)),
         # right-hand sides of the linear systems, later their solutions (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),

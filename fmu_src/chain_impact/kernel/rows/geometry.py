@@ -222,7 +222,7 @@ def along(row, vectors):
 
 
 def add_along(row, vectors, amount):
-    """Add a force or impulse ``amount`` along a row to the ``vectors`` of loads at all places."""
+    """Add a force or impulse ``amount`` along a row to the load of the row's place in ``vectors``."""
     place, nx, ny = row
     vectors.x[place] += nx * amount
     vectors.y[place] += ny * amount
@@ -240,7 +240,7 @@ def add_impedance(row, impedance, amount):
 
 
 def clearance(d, c):
-    """Return the clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
+    """Return clearance g [m] and ġ [m/s] of candidate c at located points; in joints angle × lever arm."""
     row = normal_row(d, c)
     gap = along(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
     gap_rate = along(row, d.scratch.velocity)
@@ -386,7 +386,7 @@ def faces_base(d, c):
     Wall and base can meet if one of them moves. Only the first candidate of each wall counts, so that each
     wall is checked once.
     """
-    # the candidates of each wall are in the order of the points
+    # all walls have the same points as candidates, in the same order, unless the base slides
     first = at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]
     return first and (d.chain.base_moves or d.shift.channel[c] >= 0)
 

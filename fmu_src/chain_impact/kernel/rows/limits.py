@@ -173,9 +173,9 @@ def first_at_limit(d):
 
 
 def constraint_to_release(d, scale):
-    """Return the constraint at a limit whose force would move farthest inward, to its force in ``unlimited``.
+    """Return the constraint to release: at a limit, with the clipped ``unlimited`` farthest from the limit.
 
-    The result is −1 if no force would move inward by more than round-off.
+    The result is −1 if no clipped ``unlimited`` is farther from the limit than round-off.
     """
     limited, found, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_count(d)):

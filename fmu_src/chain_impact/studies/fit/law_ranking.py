@@ -21,10 +21,10 @@ FitOne = Callable[[Sequence[Scene], Progress], Fit]
 def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     """Fit every contact law; return the fit of the best law, with the ranking of all laws.
 
-    The scene's own law is fitted first. The fit of every other law starts at the parameters fitted with the
-    scene's own law; if this fit fails or does not converge, the law is fitted again from the values of
-    ``scenes``. If a law does not allow the scene's exponent, its fit starts with the stiffness of
-    ``_with_law``.
+    The scene's own law is fitted first, from the values of ``scenes``. Another law is fitted from the
+    parameters of this first fit; if the first fit failed, or a fit from its parameters fails or does not
+    converge, the other law is fitted from the values of ``scenes``. If a law does not allow the scene's
+    exponent, its fit starts with the stiffness of ``_with_law``.
 
     Args:
         fit: function that fits the scenes of all data sets; its second argument reports the progress.

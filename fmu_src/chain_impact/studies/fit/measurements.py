@@ -14,7 +14,7 @@ from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 
 POINT, WALL, DURATION = "point", "wall", "duration"
 MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
-"""The quantities of an impact that a fit uses: not POSITION, as it has hardly any error across a wall."""
+"""The quantities of an impact that a fit uses: not POSITION, which the wall determines across the wall."""
 # If impacts were measured, the model runs until LATE times the last measured time, because an impact of the
 # model may be later than the measured impact.
 LATE = 1.25

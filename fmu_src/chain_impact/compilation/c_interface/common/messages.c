@@ -1,4 +1,4 @@
-/* Messages to the importer, and the checks at the start of every call: `allowed` and `given`. */
+/* Messages to the importer, and checks at the start of a call: `allowed` and `given`. */
 #include "instance.h"
 #include "registers.h"
 

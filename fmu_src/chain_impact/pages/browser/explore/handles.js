@@ -1,5 +1,5 @@
 // The handles with which the reader changes the start of the motion, the points of links and the walls, by dragging or with the arrow
-// keys, while the clock stands at the start: grips of base, joints, tip, points of links, arrows of velocity and walls.
+// keys, while the clock stands at the start: grips of base, joints, tip, points of links and walls, and of the arrows of velocities.
 
 import { isCrossed } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";
@@ -324,7 +324,7 @@ export class Handles {
     return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Return the changes with which a point of a link, given by its `number`, lies at a position [m]: of its coordinates on its link. */
+  /** Return the changes of the coordinates of the point `number` on its link, such that the point is at the position [x, y] in meters. */
   site([x, y], number) {
     const { positions } = this.#start;
     const { site: { link, entry } } = this.#sites(positions).find(({ number: other }) => other === Number(number));

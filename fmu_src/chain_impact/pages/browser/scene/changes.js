@@ -90,7 +90,7 @@ export class Changes {
 
   /**
    * Return the changes `from`, name → number, with `given` added, name → number or text, after a check. A given value that equals the
-   * scene's value is left out, unless the scene derives the parameter from others: only a parameter that is no change follows from these.
+   * scene's value is left out, unless the scene derives the parameter from others: without a change, the parameter would follow from these.
    */
   with(given, from = this.values) {
     const values = { ...from };
@@ -111,7 +111,7 @@ export class Changes {
     keepFileRules(this.scene.file, { textAt: (path) => nameAt(path) ?? pathText(path), rules, valueAt });
   }
 
-  /** Change the values of some parameters: name → number, text, or name of a choice. A changed input has this value at all times. */
+  /** Change the values of some parameters: name → number, text, or name of a choice. A changed input has the given value at all times. */
   set(given) {
     this.replace(this.with(given), without(this.inputSteps, Object.keys(given)));
   }

@@ -179,7 +179,7 @@ export class GridMap {
     this.#tell();
   }
 
-  /** Tell about the runs of the shown map, unless some still run, or fields which have changed during the runs are refused. */
+  /** Tell about the runs of the shown map after their end, but not while the values of the fields are refused. */
   #tell() {
     const { shown } = this;
     if (this.#refuses || shown.seconds === undefined) return;
