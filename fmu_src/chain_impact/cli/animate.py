@@ -160,8 +160,8 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
         settings: name → new value of parameters of this scene, as texts.
 
     Raises:
-        UsageError: when there are settings without a scene, the file needs a scene, or the scene has another
-            number of links.
+        UsageError: when ``scene`` is None although there are settings or the file has contacts with walls;
+            or when scene and file have different numbers of links.
     """
     if scene is None:
         if settings:

@@ -197,7 +197,7 @@ class Entry:
         path: the folder.
         size: the size of all files in the folder [byte].
         used: the time of the last use [s since 1970].
-        files: the sorted names of the finished files; none for a folder of a linker.
+        files: the sorted names of the finished files; empty for a folder of a linker.
     """
 
     path: Path

@@ -83,7 +83,7 @@ class Function(types.Dispatcher):
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
         """Return the signature of the function for arguments of these types.
 
-        If a function in ``RULES`` gets at least one dual number, its real arguments become dual numbers.
+        If a function in ``_RULES`` gets a dual number, all real arguments of the call become dual numbers.
         """
         if self._function in _RULES and DUAL in args:
             args = tuple(DUAL if argument == float64 else argument for argument in args)

@@ -126,7 +126,7 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # of a kind that ``outline`` does not know, such as an ellipsoid, it returns the box around it
+        else:  # of an unknown kind, such as an ellipsoid, ``outline`` returns the box around the shape
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         walls = list(filter(self._is_wall, self.still))

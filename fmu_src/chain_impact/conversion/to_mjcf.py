@@ -147,7 +147,7 @@ def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float
 
 
 def _add_slide(body: Element, slider: Slider) -> None:
-    """Add the sliding joint of the base, with the values of ``slider``, to a body."""
+    """Add the sliding joint, with the values of ``slider``, to the body of the carriage or of link 1."""
     axis = _numbers(math.cos(slider.angle), 0.0, math.sin(slider.angle))
     names = {key.slider: key.attribute for key in JOINT_KEYS.values() if key.slider and key.attribute}
     keys = _attributes(slider, names, slider.min, slider.max, slider.force_limit)

@@ -106,9 +106,9 @@ def variables_of(root: Element) -> list[Variable]:
 
 
 def _variable(node: Element, types: Mapping[str, Variable], size: int | None) -> Variable:
-    """Return the variable of an element, with the attributes of its declared type.
+    """Return the variable of an element; attributes that the element lacks come from the declared type.
 
-    ``types`` has the declared types by name, ``size`` is the number of the variable's values.
+    ``types`` has the declared types by name; ``size``: number of the variable's values, None if unknown.
     """
     nested = node.tag in ("ScalarVariable", "SimpleType")
     inner = next((child for child in node if nested and child.tag != "Annotations"), node)

@@ -225,9 +225,10 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
 
 
 def _agreed_until(exact: np.ndarray, usual: np.ndarray, close: float) -> float:
-    """Return the time [s] up to which the onsets of two runs differ by at most ``close`` [s].
+    """Return the time [s] of the first onset that differs by more than ``close`` [s] between two runs.
 
-    ``exact`` and ``usual`` are the onsets [s] of each run in order of time. If all agree, the result is ∞.
+    ``exact`` and ``usual`` are the runs' onsets [s] in order of time; an onset that one run lacks differs,
+    too. The result is ∞ if no onset differs.
     """
     count = min(len(exact), len(usual))
     first = int(np.argmax(np.append(np.abs(exact[:count] - usual[:count]) > close, True)))

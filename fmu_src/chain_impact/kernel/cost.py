@@ -6,7 +6,7 @@ or to solve for the response of the chain to impulses, costs about one unit, too
 
 from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
 
-UNLIMITED = 1 << 62  # value of a limit of cost that means: no limit
+UNLIMITED = 1 << 62  # value of a limit, of the cost or of the log, that means: no limit
 COST_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits the cost
 # A communication step of any length may cost at most as much as `solver.work_limit` allows for LONGEST_CALL
 # [s] of simulated time, unless ``allow_any_length`` removes this limit. The limit in each COST_WINDOW of

@@ -170,7 +170,7 @@ def fill_loads(d, y, rate):
 def fill_slider_reaction(d):
     """Fill the outputs of the force and the moment of the slider's line on the carriage.
 
-    Both follow from the force and the moment in joint 1.
+    The force follows from the force in joint 1 and the carriage's weight; the moment is that in joint 1.
     """
     out, slider, gravity = d.output, d.slider, d.chain.gravity
     # reaction of the line from the force f₁ in joint 1 and the weight m g: R = n·(f₁ − m g), n = (−u_y, u_x);

@@ -68,7 +68,7 @@ def joined(*names: str) -> str:
 
 
 def modules(*names: str) -> list[str]:
-    """Return the files of modules and of all modules that they import, each after those that it imports."""
+    """Return the files ``names`` and all files that these import, imported ones first, from pages/browser."""
     found: list[str] = []
 
     def add(name: str) -> None:

@@ -53,7 +53,7 @@ CONSTANTS = {
     "curves": (curves, "BEFORE FOLLOWED WITHIN"),
     "mapColours": (map_colours, "BEYOND_QUANTILES LARGE_QUANTILE MOST_COLOURS WIDE_COLOURS"),
 }
-"""Name of a part of ``SHARED`` → a module, and the names of those of its constants that are in this part."""
+"""Name of a part of ``SHARED`` → a module, and the names of the module's constants that are in the part."""
 
 
 def shared() -> dict[str, Any]:

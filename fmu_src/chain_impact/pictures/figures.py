@@ -52,7 +52,7 @@ TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to 
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten
 COARSE_STEPS = (1, 2, 4, 5, 10)
 
-# a label is broken into lines if its length exceeds LONGER × the length of the axis
+# the label of an axis is broken into lines if it is longer than LONGER × the axis (``break_labels``)
 LONGER = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""
@@ -281,7 +281,8 @@ def meet(first: Bbox, second: Bbox) -> bool:
 def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break labels that are longer than their axes, and give axes fewer numbers if these overlap.
 
-    ``wanted``: the axes, by default all axes of the figure. Returns whether a label has changed.
+    A label below axes is also broken if it would reach beyond the figure's edges. ``wanted``: the axes, by
+    default all axes of the figure. Returns whether a label has changed.
     """
     before = labels_of(figure)
     for axes in figure.axes if wanted is None else wanted:

@@ -1,4 +1,4 @@
-"""The rests of a motion in a picture, and the time that the picture shows."""
+"""The spans of time in which a motion is at rest, shaded in pictures, and the time that pictures show."""
 
 from __future__ import annotations
 

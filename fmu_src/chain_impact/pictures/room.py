@@ -26,10 +26,10 @@ VIEW_MARGIN, BAND = 0.04, 0.14
 # the view is not extended to a position of a moving wall that is farther from the motion than this, relative
 # to the size of the motion
 FARTHEST = 1.0
-# FLATTEST: a motion whose height, relative to its width, is less than this has a scale of its own along y;
-# FLAT_MARGIN: the margin above and below such a motion, relative to its height
+# FLATTEST: a motion that ``is_flat`` has a height below FLATTEST × width, and a scale of its own along y;
+# FLAT_MARGIN: the margin above and below such a motion, relative to the height
 FLATTEST, FLAT_MARGIN = 0.03, 0.25
-# the least ratio of the shorter to the longer side of a view whose shape is not given; a flat motion has less
+# the least ratio of the shorter to the longer side of a view without a given shape, unless the motion is flat
 SLIMMEST = 0.3
 GROWN = np.array([1.1, 1.2])  # the largest factors on width and height with which the view grows to fill axes
 # a wall counts as parallel to the x axis or the y axis if a |component| of its unit normal exceeds this
@@ -56,7 +56,7 @@ class View(NamedTuple):
 def is_flat(recording: Recording) -> bool:
     """Return whether a motion would look like a line in a picture with equal scales along x and y (FLATTEST).
 
-    A motion with a pinned base, a slider or outlines of links, or without a height, is never flat.
+    A motion with a pinned base, a slider, outlines of links, no height, or a single row is never flat.
     """
     if recording.pinned or recording.rail or recording.outlines:
         return False

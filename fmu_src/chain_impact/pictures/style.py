@@ -301,7 +301,7 @@ def words_of(figure: Figure) -> dict[str, str]:
 def filled_figure(fill: Callable[[Figure], None], size: tuple[float, float] | None = None) -> Figure:
     """Return a new figure that ``fill`` has drawn on, with the resolution of files.
 
-    ``size``: width and height [inches].
+    ``size``: width and height [inches]; None for matplotlib's default size.
     """
     figure = StyledFigure(figsize=size, dpi=DPI)
     fill(figure)

@@ -21,7 +21,7 @@ SHORTEST_REST = 0.05  # [1] shortest rest that counts, relative to the duration 
 
 
 def rest_word(recording: Recording) -> str:
-    """Return the word for the rest at the end: "held" if dry friction holds the chain, or "at rest"."""
+    """Return the word for rests: "held" if an element sticks to the end of the run, else "at rest"."""
     return "held" if len(_held_since(recording)) else "at rest"
 
 

@@ -19,7 +19,8 @@ AT = "{at}"
 The template of the name of the value has {n} there, as in link[{n}].mass, and {name} for a wall.
 """
 LINK_AT, ENTRY_AT = "{link}", "{entry}"
-"""The placeholders of the indices of a link (LINK_AT) and of its point (ENTRY_AT) in the template of a path.
+"""The placeholders, in the template of a path, of the index of a link (LINK_AT), and of the index of a link's
+point or of an entry in the list of a signal (ENTRY_AT).
 
 The template of the name of the value has {of} for LINK_AT and {n} for ENTRY_AT: link[{of}].point[{n}].x.
 """

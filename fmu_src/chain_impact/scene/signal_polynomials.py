@@ -205,8 +205,8 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
     last = d
     if at[-1] < stop:
         # The spline before the last interval must not depend on the end of the run, so a, b and c are fixed.
-        # Free are only the coefficients of u³ in the two halves of the last interval, d and ``last``. They
-        # give the position of the last row, and the velocity 0 there.
+        # Only the coefficients of u³ in the two halves of the last interval, d and ``last``, are free. They
+        # follow from the position of the last row and the velocity 0 there.
         way = values[-1] - a
         d = (3.0 * way - 5.0 * b - 8.0 * c) / 12.0
         last = way - 2.0 * b - 4.0 * c - 7.0 * d

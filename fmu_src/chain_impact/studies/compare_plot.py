@@ -130,8 +130,9 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     """Return the text below the headline.
 
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
-    describe the contact alone (``no_restitution``); a remark if the impact is not free, or if the e′ without
-    losses, rounded, is not 1.00; stiffness and tolerance; the number of grey laws, unless the legend has it.
+    describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without losses
+    if the impact is not free or this e′, rounded, is not 1.00, unless it is unknown or ``pressed_again``;
+    stiffness and tolerance; the number of grey laws, unless the legend has it.
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")

@@ -96,7 +96,7 @@ def common_of(scene: Scene) -> Common:
 def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
     """Return the cached property for a method of ``PreparedScene`` whose result does not depend on numbers.
 
-    All scenes with the same ``common`` share the result: it is in ``Common.parts``, under the name of the
+    All scenes with the same ``common`` share the result, which is in ``Common.parts`` under the name of the
     method.
     """
 

@@ -16,7 +16,7 @@ from chain_impact.kernel.functions import inlined
 
 @inlined
 def joint_place(d, i):
-    """Return the index, among all places, of the proximal joint of link i, from 0: after N + 1 points."""
+    """Return the index among all places of link i's proximal joint, i from 0; joints follow points 0…N."""
     return d.links + 1 + i
 
 

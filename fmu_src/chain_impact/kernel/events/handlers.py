@@ -112,7 +112,7 @@ def apply_events(d):
             rigid = rigid or kind != NONE
             continue
         if rigid_impact and kind == ONSET:
-            # ``handle_impact`` begins this contact after the impact, which changes the contact's impact speed
+            # ``handle_impact`` begins this contact after the impulses, because these change the impact speed
             continue
         jumped = apply_event(d, c, kind) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
@@ -172,8 +172,8 @@ def choose_next_size(d, onset, goes_on):
     Args:
         d: the instance.
         onset: of the candidates with a force law, the one whose contact the program has begun last; −1 if no
-            contact begins.
-        goes_on: whether the proposed size of the next step stays valid if a contact lasts and none begins.
+            contact with a force law begins.
+        goes_on: whether the proposed size stays valid while contacts last; not used if ``onset`` ≥ 0.
     """
     if d.touch.active_count == 0:
         clear_loads(d)

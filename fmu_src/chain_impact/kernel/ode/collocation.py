@@ -287,7 +287,7 @@ def set_result(d, h):
 
 
 def error_estimate(d, h, size):
-    """Return the error of a step of size h [s] over the tolerance; infinity if the error is not finite."""
+    """Return the error of ``size`` components of z in a step h [s], over the tolerance; ∞ if not finite."""
     implicit, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
         start, end = implicit.start_rate[j], implicit.rates[LAST, j]

@@ -1,4 +1,4 @@
-"""Functions that build the layouts (NumPy types) of the record and its parts, and declare their writers."""
+"""Functions that build the layouts (NumPy types) of the record's parts, and declare each part's writers."""
 
 import numpy as np
 

@@ -235,9 +235,9 @@ def given_dtype(links: int) -> np.dtype:
     that continues the present piece without a jump is applied at the start of the next step.
     """
     return record(
-        # what has been set, but is not in use yet, a number of chain/inputs.py. REINITIALIZE: an input or a
-        # parameter, so that the solver re-initializes; CONTINUES: only the next piece of the inputs, without
-        # a jump; 0: nothing
+        # kind of the values that are set, but not in use yet, a constant of chain/inputs.py. REINITIALIZE: an
+        # input or a parameter, so that the solver re-initializes; CONTINUES: only the next piece of the
+        # inputs, without a jump; 0: no values
         ("changed", INTEGER),
         # number, from 1, of the contact law of walls and stops; stops in joints have `stops.law`, if > 0
         ("law", INTEGER),

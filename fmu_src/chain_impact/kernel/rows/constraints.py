@@ -13,8 +13,8 @@ formed. With an impedance D at the points of the active set the recursion solves
     (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
 
 the iteration of an augmented Lagrangian. Each iteration divides the residual m by 1 + D W, down to round-off.
-The constraints may be dependent. D is a million times a link's mass, so a few iterations suffice. At rigid
-walls the iteration continues until the residual is round-off, and D is increased if m falls too slowly.
+The constraints may be dependent. At rigid walls D is a million times the mean mass of a link. The iteration
+continues until the residual is round-off, often after a few iterations; D is increased if m falls too slowly.
 
 A sticking element of dry friction (friction.py) also has a constraint, of its tangential motion, which is
 always in the active set. For dependent constraints the iteration finds the solution with the least Σ p²/D.

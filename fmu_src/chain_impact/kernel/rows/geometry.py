@@ -270,7 +270,7 @@ def tangential_rate(d, e):
 
 
 def tangential_acceleration(d, e):
-    """Return the acceleration [m/s²] of element e along t, relative to a belt, for the accelerated points."""
+    """Return the acceleration [m/s²] of e along t, at a wall relative to the belt, at accelerated points."""
     acceleration = along(tangent_row(d, e), d.scratch.acceleration)
     return (
         acceleration - d.shift.belt_acceleration[e] if d.channels > 0 and e < d.candidates else acceleration

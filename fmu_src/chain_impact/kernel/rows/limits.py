@@ -52,7 +52,7 @@ def find_limited_forces(d):
 
     ``add_constraint_forces`` of forces/holding.py must have set the constraints before. Afterwards
     ``d.limited_forces`` has the forces in ``force`` and the accelerations that they cause in ``change``;
-    ``at_limit`` of a sticking element is 0 if its force is below its limit, else the sign of the force.
+    ``at_limit`` of a sticking element is 0 if its force is below its limit, else ±1 (``sign_at_limit``).
     """
     limited, scale = d.limited_forces, largest_start(d)
     set_impedance(d, holding_impedance(d))

@@ -16,8 +16,8 @@ events with which the step begins and ends: a force that jumps with a signal may
 
 In an implicit step, t repeats the iteration, started from the stages that d has found. The result does not
 depend on the approximate Jacobian A, so the linear systems of d, in the scratch memory of d, give the
-derivatives in each direction. The derivatives of the stages are first extrapolated from the last step. They
-converge at another rate θ than the values: where d is at rest, the values converge at once, however long the
+derivatives in each direction. The stages' derivatives are first extrapolated from the last step, and converge
+at another rate than the stages' values: where d is at rest, the values converge at once, however long the
 step is, but the derivatives do not. So the iteration goes on until the last correction of the derivatives in
 each direction is small, relative to the state's derivatives in this direction.
 

@@ -100,7 +100,7 @@ def nearest(t):
 def delay_jumps(t):
     """Give the state at the start of the run the derivatives with respect to rise times of 0.
 
-    A sine with such a rise time begins with a jump, which a longer rise time delays.
+    A sine that starts at this time, with a rise time of 0, may begin with a jump; a rise delays this jump.
     """
     for j in range(t.signals):
         i = t.signal.source[j]

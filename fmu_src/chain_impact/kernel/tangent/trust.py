@@ -151,7 +151,7 @@ def mark_split(t):
 
 
 def copy_reason(t, other):
-    """End the derivatives of t when those of the tangent instance ``other`` end, if that time is earlier."""
+    """If the derivatives of tangent instance ``other`` end before those of t, copy time and cause to t."""
     mine, given = t.trust, other.trust
     if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):
         mine.reason, mine.time, mine.point, mine.wall = given.reason, given.time, given.point, given.wall
@@ -160,6 +160,6 @@ def copy_reason(t, other):
 def is_trusted(t):
     """Return whether the derivatives can be trusted at the communication point.
 
-    If they have ended, this point must lie before ``trust.time``.
+    If the derivatives have ended, the communication point must lie before their end, ``trust.time``.
     """
     return t.trust.reason == TRUSTED or value(t.step.time) < t.trust.time

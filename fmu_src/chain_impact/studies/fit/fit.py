@@ -312,7 +312,7 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
 
 
 def _notes(problem: Problem, result: Fit, at: Evaluation, search_result: Found) -> list[str]:
-    """Return the remarks on a fit: on convergence, values left out, bounds, inputs, and residuals."""
+    """Return the remarks on a fit: convergence, values left out, bounds, inputs, residuals, rough σ."""
     notes = []
     if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
         notes.append(

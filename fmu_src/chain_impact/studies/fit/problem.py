@@ -218,7 +218,7 @@ class Problem:
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
-        """Return the reason for the first run that stopped at a fault; "" if every run reached its end."""
+        """Return data and reason of the first run that stopped at a fault; "" if no run stopped at one."""
         for k, run in enumerate(evaluation.runs):
             if run.status != OK:
                 return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"

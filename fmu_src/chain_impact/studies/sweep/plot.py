@@ -143,7 +143,7 @@ def panels_of_each(design: Design) -> int:
 
 
 def name_once(figure: Figure) -> None:
-    """Remove the name of a panel's horizontal axis if a panel below in its column has the same name."""
+    """Remove the label of a horizontal axis if an axis below, in the same column, has the same label."""
     named: set[tuple[int, str]] = set()
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()

@@ -60,7 +60,7 @@ class Runs:
         return table
 
     def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
-        """Yield some columns of CHUNK runs or fewer at a time, in the order of the runs: name → values."""
+        """Yield the columns ``names`` of CHUNK or fewer runs at a time, in their order: name → values."""
         if isinstance(self.rows, Dataset):
             yield from self.rows.chunks(names)
             return

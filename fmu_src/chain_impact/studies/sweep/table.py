@@ -153,7 +153,7 @@ def write_table(path: Path, chunks: Iterable[Columns]) -> None:
 
 
 def is_folder(path: str | Path) -> bool:
-    """Return whether a path for a table means a folder: the path is one, ends in ``/``, or has no suffix."""
+    """Return whether a path for a table means a folder: it exists as one, ends in ``/``, or has no suffix."""
     return str(path).endswith(("/", os.sep)) or not Path(path).suffix or Path(path).is_dir()
 
 

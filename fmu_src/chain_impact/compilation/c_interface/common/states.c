@@ -1,5 +1,5 @@
 /* Saved states (2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0): the whole record and a few numbers of the instance. A serialized
-   state has the bytes of the state in memory, with the checksum. */
+   state has the bytes of the state in memory, after the checksum has been set. */
 #include "instance.h"
 
 #include <math.h>

@@ -14,8 +14,8 @@ const BESIDE_RING = 2; // [pixels] least distance between a label and the line o
 const HALF = 7;
 
 /**
- * Return the rectangle [left, top, right, bottom] of a text whose vertical middle is y; `anchor` says whether it begins, has its middle or
- * ends at x.
+ * Return the rectangle [left, top, right, bottom] of a text whose vertical middle is y; `anchor` says which part of the text is at x: its
+ * start, middle or end.
  */
 function boxOf(text, [x, y], size, anchor) {
   const narrow = text.match(NARROW)?.length ?? 0;

@@ -9,7 +9,7 @@ const NUMBERED_PART = 0.5; // fraction of RING_TIME for which a ring has its num
 const PALE = 0.1; // a ring with a smaller opacity may lie behind a label
 const NUMBERS = 8; // largest number of impacts that have their numbers at one time
 
-/** Return the impacts that have rings at a frame: those that began at it, or less than RING_TIME before. */
+/** Return the impacts that have rings at a frame: those with an onset at the time of the frame, or less than RING_TIME before. */
 export function recentImpacts(recording, frame) {
   const now = recording.timeAt(frame);
   return recording.impacts.filter(({ onset }) => onset <= now && onset > now - RING_TIME);

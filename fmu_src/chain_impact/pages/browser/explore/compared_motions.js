@@ -175,8 +175,8 @@ function besideOthers([x, y], others) {
 }
 
 /**
- * Return the parts of the table that compares motions, the present one first: each has a `recording`, a `title` and, if it is pinned, a
- * `letter`. Its columns are in the order of time, each with one of the first LISTED impacts of a motion.
+ * Return the parts of the table that compares `motions`, the present one first: each motion has a `recording`, a `title` and, if it is
+ * pinned, a `letter`. The columns of the table are those of `alignedImpacts`.
  */
 function comparisonTable(motions) {
   const columns = alignedImpacts(motions.map(({ recording: { impacts } }) => impacts));

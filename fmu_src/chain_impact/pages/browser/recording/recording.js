@@ -69,7 +69,7 @@ export class Recording {
     return this.between(this.time, frame);
   }
 
-  /** Return the rate at a frame in slow motion at the speed 1: simulated seconds per second on the screen. */
+  /** Return the rate, simulated seconds per second on the screen, at a frame, in slow motion and with the speed 1. */
   rateAt(frame) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     return (this.time[index + 1] - this.time[index]) * this.frameRate;

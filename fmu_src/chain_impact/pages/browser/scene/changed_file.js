@@ -3,7 +3,7 @@
 import { numberText } from "../base/format.js";
 import { asWritten } from "./scene_file.js";
 
-/** Return the contents of the scene file with the reader's changes, except those of inputs, and with further `signals`. */
+/** Return the contents of the scene file with the reader's changes, except those of inputs, and with `signals`, name → signal. */
 export function contentsOf(changes, signals = {}) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {

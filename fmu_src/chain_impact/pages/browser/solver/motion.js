@@ -197,8 +197,8 @@ function frameRateOf({ parameters }, valueOf, stop) {
 }
 
 /**
- * Return increasing times from 0 to `stop` [s], one at an uneven place in each of `count` equal intervals: with times at equal distances, a
- * fast oscillation could look like a slow one, or like none.
+ * Return `count` + 1 increasing times [s]: one at an uneven place in each of `count` equal intervals from 0 to `stop`, and `stop`. With
+ * times at equal distances, a fast oscillation could look like a slow one, or like none.
  */
 function unevenTimes(stop, count) {
   const times = Float64Array.from({ length: count + 1 }, (_, k) => ((k + ((k * GOLDEN) % 1)) * stop) / count);

@@ -52,7 +52,7 @@ export function titleOf(name, unit) {
   return unit ? `${name}, ${unit}` : name;
 }
 
-/** The quantities that a map can show: name in a scene or a sweep → title. */
+/** The quantities that a map can show, except the coordinates of the tip: name in a scene or a sweep → title. */
 const QUANTITIES = {
   "impact.count": "Number of impacts",
   "impact.last_time": "Time of the last impact",

@@ -41,7 +41,7 @@ export function markFailing(name, reason) {
   });
 }
 
-/** Show in a row why its value is refused, or nothing if it is allowed. */
+/** Show in the row of a parameter why the value is refused, or why a run with the value fails; else show no reason. */
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   const reason = refused?.validationMessage ?? "";

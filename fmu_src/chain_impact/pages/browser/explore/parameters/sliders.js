@@ -98,8 +98,8 @@ function mainParameter(changes, entry, now) {
 }
 
 /**
- * Return the name of the law of walls or, if `ofStops`, of stops of joints, if it does not use a number `key`: an impulse needs no
- * stiffness, and a law without losses no restitution; otherwise "".
+ * Return the name of the law of walls or, if `ofStops`, of stops of joints, if this law does not use the number `key`: an impulse needs no
+ * stiffness, and a law without losses no restitution; "" if the law uses the number.
  */
 export function idleLaw(changes, key, ofStops) {
   const { contact, stops } = changes.scene.file;
