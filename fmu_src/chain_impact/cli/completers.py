@@ -126,7 +126,7 @@ def _model(source: str) -> Any:
 
 
 def _choices(source: str) -> dict[str, list[str]]:
-    """Return name → names of the choices, for each parameter of a scene that is an enumeration."""
+    """Return name of a parameter → names of its choices, for the enumerations of the scene ``source``."""
     return {
         variable.name: [item.name for item in variable.items]
         for variable in _model(source).parameters

@@ -117,7 +117,7 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
 
 
 def scene_of_options(options: argparse.Namespace) -> Scene:
-    """Return the scene ``source`` with ``--set`` and with the table ``--inputs``, if they are given."""
+    """Return the scene ``source`` with the values of ``--set`` and the table ``--inputs``, where given."""
     return scene_with(options.source, options.set, inputs_of(options))
 
 

@@ -154,10 +154,10 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 
 
 def meanings(recording: Recording) -> Iterator[str]:
-    """Yield lines on the numbers of points and the names of walls in the table of impacts.
+    """Yield lines that explain the numbers of points and the names of walls in the table of impacts.
 
-    If the recording of an FMU lacks the peak force of some impacts, but not of all, a further line counts
-    these.
+    If the recording of an FMU lacks the peak force of some impacts, but not of all, a further line tells
+    the number of these impacts.
     """
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}

@@ -85,7 +85,7 @@ def find(name: str) -> Path | None:
 
 
 def _is_whole(path: Path) -> bool:
-    """Return whether a path is that of a folder, or of a file with the checksum that its mark holds."""
+    """Return whether ``path`` is a folder, or a file with the checksum that the mark of the file holds."""
     try:
         return path.is_dir() or _mark(path).read_bytes() == _checksum(path)
     except OSError:

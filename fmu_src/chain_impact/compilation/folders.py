@@ -25,10 +25,10 @@ ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
 
 
 def base_folder() -> Path:
-    """Return the folder of the whole cache: ``CHAIN_IMPACT_CACHE``, or the user's cache folder.
+    """Return the folder of the whole cache: ``CHAIN_IMPACT_CACHE`` or, without it, the user's cache folder.
 
     Raises:
-        BuildError: when the user has no home folder.
+        BuildError: when ``CHAIN_IMPACT_CACHE`` is not set and the user has no home folder.
     """
     given = os.environ.get("CHAIN_IMPACT_CACHE")
     try:

@@ -26,7 +26,7 @@ from chain_impact.user_laws.law_syntax import FUNCTIONS, MATH
 
 MEMORY = "NRT required"  # words in numba's message on a function that allocates memory
 MATHEMATICS = ModuleType(math.__name__)
-"""The module ``math`` that a user's law gets: the kernel's own functions replace some of Python's."""
+"""The module ``math`` that a user's law gets; functions of the kernel replace some of Python's functions."""
 vars(MATHEMATICS).update(
     {name: getattr(math, name) for name in MATH}
     | {name: getattr(exponentials, name) for name in ("exp", "expm1")}

@@ -82,7 +82,7 @@ def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
 
 
 def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
-    """Return the file name of a kernel of the kind ``what``, for the scenes ``wanted`` and a platform.
+    """Return the file name of a kernel of the kind ``what`` for a platform; ``wanted``: the scenes (Sizes).
 
     ``law`` is the name of the user's law in the kernel, with a checksum of its text; "" without a law.
     """

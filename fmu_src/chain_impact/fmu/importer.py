@@ -102,8 +102,8 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 def listening() -> Iterator[Callable[[], list[str]]]:
     """Context that collects the messages of FMUs that this thread runs.
 
-    The context yields a function that returns the messages so far: those of slaves in Python, then those by
-    FMI's callback.
+    The context yields a function that returns the messages so far: the log messages of slaves in Python, then
+    the errors that FMUs send by FMI's callback; warnings by this callback are left out.
     """
     _here.said, _here.logged = [], []
     try:

@@ -283,7 +283,7 @@ def find_step(d):
         try_step(d, h)
         suggested = h * min(grow, control.next_size_factor(d))
         if control.accepted(d):
-            # a step that is shortened to end with a piece or segment does not reduce the proposed size
+            # a first try that is shortened to end with a piece or segment does not reduce the proposed size
             control.propose_size(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)

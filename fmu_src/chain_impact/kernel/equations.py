@@ -117,7 +117,7 @@ def rate_from_state(d, y, rate):
 
 
 def rate_and_points_from_state(d, y, rate):
-    """Locate the points for the state y, and set ``rate`` to ẏ = f(y)."""
+    """Locate the points for the state y, and set ``rate`` to ẏ = f(y), with the inputs at the time in y."""
     locate_points(d, y)
     rate_from_points(d, y, rate)
 
@@ -241,7 +241,7 @@ def add_spring_moments(d, y):
 
 
 def add_joint_moment(d, i, torque):
-    """Add a torque [N·m] in the proximal joint of link i: + on link i, and − on link i − 1."""
+    """Add a torque [N·m] in the proximal joint of link i: + on link i and, if i > 0, − on link i − 1."""
     d.scratch.moment[i] += torque
     if i > 0:
         d.scratch.moment[i - 1] -= torque

@@ -164,7 +164,7 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the limits and choices by which the page checks a value, from its type and its metadata."""
+    """Return the data by which the page checks and labels a value, such as limits, choices and unit."""
     limits = {
         name: rule[name] for name in ("minimum", "above", "maximum", "choices") if rule[name] is not None
     }

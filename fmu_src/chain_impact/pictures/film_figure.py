@@ -275,9 +275,9 @@ class Film:
         return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
-        """Add an arrow for the force in each joint in a frame, and the value of the largest if it has room.
+        """Add an arrow for the force in each joint in a frame; the largest force gets its value if this fits.
 
-        A force that is too small for ``ArrowScale.shows`` has neither.
+        A force that is too small for ``ArrowScale.shows`` has neither arrow nor value.
         """
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)

@@ -110,7 +110,10 @@ def curve_of(
 
 
 def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the peak force at the curve of ``draw_one_impact``, and return "" (see ``overview.NUMBERS``)."""
+    """Write the peak force or moment at the curve of ``draw_one_impact``.
+
+    The result is "", see ``overview.NUMBERS``.
+    """
     if found := course_of_hardest(recording):
         along, up, _ = curve_of(recording, found)
         top, peak = int(up.argmax()), recording.impacts["peak_force"][found[0]]

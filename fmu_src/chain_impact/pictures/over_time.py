@@ -46,7 +46,7 @@ ALIKE, MOSTLY = 0.03, 0.8
 CLOSER = 0.8
 ENERGY_PARTS = {"friction": BROWN}
 """Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``."""
-PART_LABEL = "{} loss"  # the label of an energy in ENERGY_PARTS
+PART_LABEL = "{} loss"  # the label of an energy in ENERGY_PARTS; {}: the name of this energy
 ENERGIES = {
     "kinetic": GREEN,
     "potential": OCHRE,

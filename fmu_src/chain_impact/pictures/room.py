@@ -34,8 +34,8 @@ SLIMMEST = 0.3
 GROWN = np.array([1.1, 1.2])  # the largest factors on width and height with which the view grows to fill axes
 # a wall counts as parallel to the x axis or the y axis if a |component| of its unit normal exceeds this
 STRAIGHT = 0.99
-# a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
-# most this number
+# a corner of the room in view lies on a wall if its distance from the wall, relative to the size of the view,
+# is less than this number
 ON_WALL = 1e-9
 # the left, right, lowest and highest point of a disc: x and y relative to its centre, in units of its radius
 DISC_ENDS = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])

@@ -43,7 +43,7 @@ class Recording:
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; for an FMU, the impacts in
             its outputs.
         walls: name of a wall → its free side, without the displacement that inputs may give.
-        wall_names: the names of all walls; ``impacts`` and ``stick_slip`` have indices into this list.
+        wall_names: the names of walls and stops; ``impacts`` and ``stick_slip`` have indices into this list.
         parameters: name of a parameter of the FMU → its value at the start; for an enumeration, the name of
             the choice. Empty if the values are unknown.
         sensitivities: the derivatives that were asked for, or None.
@@ -161,8 +161,8 @@ class Recording:
     def pinned(self) -> bool:
         """Whether the base is pinned, so that link 1 turns about joint 1; an input may move a pinned base.
 
-        The columns tell whether joint 1 exists. If there are no columns of any joint, the base counts as
-        pinned if there are several rows and it has the same position in all of them.
+        The columns tell whether joint 1 exists. If there are no columns of any joint, a base without a
+        slider counts as pinned if there are several rows, and its position is the same in all rows.
         """
         joints, bases = self.columns_of("joint"), self.points[:, :1]
         if self.rail is not None:

@@ -22,7 +22,7 @@ LEAST = 1e-6  # [m] size assumed for the view of a chain that does not move
 # a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
 # in absolute value; the component's sign tells on which side
 UPRIGHT = 0.5
-# [1] a point with at most this radius is not drawn as a circle; relative to the size of the motion
+# [1] points are drawn without circles if their largest radius is at most this, relative to the motion's size
 ALONE = 1e-3
 # [1] two lengths are equal if their difference, relative to the length, is at most this, which is round-off
 SAME_LENGTH = 1e-9

@@ -327,8 +327,8 @@ def base_hints(scene: Contents) -> list[str]:
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
     """Return a list with one sentence if ``changes`` set the start angle of a link, but not of the next link.
 
-    ``changes`` are names of parameters or paths. Angles are absolute, so the next link does not turn with
-    the link. The list is empty if there is no such link, or if the scene's file does not give
+    ``changes`` are names of parameters; paths are ignored. Angles are absolute, so the next link does not
+    turn with the link. The list is empty if there is no such link, or if the scene's file does not give
     ``initial.joint_angles``: only then may the user expect that the further links turn, too.
     """
     if not scene.has_joint_angles:

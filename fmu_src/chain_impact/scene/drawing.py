@@ -21,9 +21,9 @@ LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 
 def svg(scene: Contents, values: Mapping[str, Any]) -> str:
-    """Return the text of an SVG element with the chain at its start, in the text colour of the page.
+    """Return the text of an SVG element: the chain and near walls at the start, in the page's text colour.
 
-    ``values`` has value by name of a value of the scene (``Scene.values``).
+    ``values``: name of a value of the scene → value (``Scene.values``).
     """
     positions = np.array([point[:2] for point in scene.start.values()])
     points = positions[: len(scene.chain.links) + 1]

@@ -36,8 +36,9 @@ def scene_path(source: str | os.PathLike[str]) -> Path:
 def unreadable(source: object, error: Exception) -> str:
     """Return the message for a ``source`` that `load_scene` cannot read; ``error`` is the reason.
 
-    The message has the reason, the allowed kinds of sources, and a similar name: of a file in the same folder
-    or of a model. If ``source`` is an existing FMU, it has the commands that take FMUs in place of these.
+    The message has the reason, the allowed kinds of sources, and a similar name of a file in the same folder
+    or of a model or, without one, the command that lists models. For an existing FMU, the message has only
+    the commands that take FMUs.
     """
     path = Path(str(source))
     if path.suffix.lower() == ".fmu" and isinstance(error, ValueError):

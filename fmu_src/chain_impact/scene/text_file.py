@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # first bytes of a file in UTF-16
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # the byte order marks with which a file in UTF-16 can begin
 ZIP = b"PK\x03\x04"  # first bytes of a ZIP file, such as an FMU or a spreadsheet
 COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)")  # a value with a decimal comma in a line of TOML
 SEPARATORS = ";", "\t"  # the characters that can separate the cells of a table in place of commas
@@ -78,8 +78,8 @@ def comma_separated(text: str) -> str:
     rewritten. Any other text is returned unchanged.
 
     Raises:
-        ValueError: when the numbers of such a table have decimal points and decimal commas, or the text is
-            not valid CSV.
+        ValueError: when the numbers of such a table have decimal points and decimal commas, or when such a
+            table is not valid CSV.
     """
     # in the head line, a separator inside quotes does not separate cells, nor does a tab beside a comma
     head = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", text.partition("\n")[0]))

@@ -358,7 +358,7 @@ class Instance:
 
 
 _loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
-"""Loaded kernels without a user's law: (sizes, with derivatives, cache folder) → kernel."""
+"""Loaded kernels without a user's law: (sizes, with derivatives, ``CHAIN_IMPACT_CACHE`` or None) → kernel."""
 
 
 def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctypes.CDLL:

@@ -1,4 +1,4 @@
-"""Sentences that tell users why derivatives end: one for each ``trust.reason`` (kernel/tangent/trust.py)."""
+"""Texts that tell users why derivatives end (``trust.reason``, kernel/tangent/trust.py), lack or err."""
 
 from chain_impact.kernel.tangent.trust import (
     AT_FLOOR,

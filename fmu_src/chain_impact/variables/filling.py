@@ -264,7 +264,7 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
-    """Return a copy of an instance, with tangent instances after it in memory, in the field BEHIND.
+    """Return a copy of the instance ``memory``, with tangent instances after it, in the field BEHIND.
 
     ``paths`` are the paths in the record of the parameters and inputs with respect to which the kernel
     computes derivatives. Each of these numbers has a direction of its own, in which its derivative is 1 and

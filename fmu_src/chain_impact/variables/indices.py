@@ -125,7 +125,7 @@ class LogWords(NamedTuple):
 
 @cache
 def log_words(counts: Counts) -> LogWords:
-    """Return where a record with these counts has the status of the run and the list of contacts."""
+    """Return where a record with these counts has the run's status and the logs of contacts and friction."""
     layout = layout_of(*counts)
     paths: tuple[DataPath, ...] = (
         ("statistics", "status"),

@@ -175,7 +175,7 @@ class PreparedScene:
         return start
 
     def word(self, variable: Variable) -> int:
-        """Return the index of a variable in the record of the FMU, in words of 8 bytes from the start."""
+        """Return the index, in words of 8 bytes of the FMU's record, of a variable's value in use."""
         return word_index(self.start.dtype, variable.record_path)
 
     def table_row(self, variable: Variable) -> TableRow:

@@ -135,10 +135,11 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 def accelerate_link(d, y, i, outward, ax, ay, rate):
     """Set in ``rate`` the angular acceleration α_i of link i; its inner joint has the acceleration ax, ay.
 
-    Returns x and y of the acceleration [m/s²] of the link's outer joint.
+    If ``outward`` is true, the inner joint is the proximal joint. Returns x and y of the acceleration [m/s²]
+    of the outer joint, at the other end of the link.
     """
     stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
-    # the link's angular acceleration α = −(h·a + h₀)/H for the acceleration a of the inner joint
+    # the variable ``a`` is α = −(h·a + h₀)/H for the acceleration a of the inner joint
     a = -(stored.gain_x[i] * ax + stored.gain_y[i] * ay + stored.bias[i])
     rate[speed_index] = a
     w2 = y[speed_index] * y[speed_index]

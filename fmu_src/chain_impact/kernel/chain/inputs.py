@@ -31,8 +31,8 @@ DEGREE = 9  # the highest degree of the polynomials
 REINITIALIZE, CONTINUES = 1, 2
 # Velocities v and v′, given at the start and the end of a time T, explain a given displacement if a velocity
 # between v and v′ gives it in T. A displacement may differ from an explained one by UNEXPLAINED_PART × T (|v|
-# + |v′|). A larger difference is a contradiction, of which the user is warned; a difference beyond T (|v| +
-# |v′|) is a jump of the position if the channel moves a wall, and a fault.
+# + |v′|). A larger difference is a contradiction, of which the user is warned. If the channel moves a wall or
+# belt, a difference beyond T (|v| + |v′|) is a jump of the position, and a fault.
 UNEXPLAINED_PART = 0.05
 # the displacement, relative to the longest link, that round-off adds to both bounds of the difference
 UNEXPLAINED_DISPLACEMENT = 1e-9

@@ -156,11 +156,11 @@ def factorize(d, link_vectors, space, slot, coupled):
 
 
 def copy_factors(d, coupled):
-    """Copy the factors of the mass matrix, which ``accelerations`` has stored, to the slot FREE.
+    """Copy the mass matrix's factors that ``accelerations`` has stored to slot FREE of ``scratch.factors``.
 
     So ``solve`` can use the factors without a new factorization. ``coupled`` tells whether joints may
-    transmit moments, as for ``factorize``. In a chain with armatures the slot is already set, by
-    ``accelerations_with_armatures`` in rows/compliance.py, so the function does nothing.
+    transmit moments, as for ``factorize``. In a chain with armatures, ``accelerations_with_armatures`` in
+    rows/compliance.py has set this slot, so the function does nothing.
     """
     if d.chain.has_armatures:
         return

@@ -125,7 +125,7 @@ def signal_bounds(d, j):
 
 
 def is_sine(d, j):
-    """Return whether signal j is a sine that has begun, so that the sine is added in the present segment."""
+    """Return whether signal j has the form SINE and has begun, so that the sine adds to the polynomial."""
     return d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]
 
 

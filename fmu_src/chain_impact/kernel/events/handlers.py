@@ -90,7 +90,7 @@ def apply_events(d):
         or gets a new impact speed; a contact begins or ends whose force may jump then (``may_jump``); a rigid
         wall holds a point or has an event; the scene has dry friction or a drive with a limit.
     """
-    # ``onset``: of the candidates with a force law, the one whose contact the program has begun last
+    # ``onset``: the last candidate with a force law whose contact this function begins; −1: none begins
     touch, onset, jumped = d.touch, -1, False
     # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
     # friction or drive mode and, in the loop below, after a kink or a relatch

@@ -186,8 +186,8 @@ def apply_impulses(d):
     """Apply the impulses of an impact to the velocities; count lost energy and the work of moving walls."""
     lost, moved = find_impulses(d, 1.0)
     if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
-        # a NEIGHBOUR that moves away from its wall would add energy, or a wedged point cannot rebound: the
-        # restitution of all contacts is then 0
+        # The impulses add energy, as a NEIGHBOUR that moves away from its wall can cause, or a wedged point
+        # cannot rebound. In both cases the impulses are found again with the restitution 0 of all contacts.
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -282,7 +282,7 @@ def is_gentle(d):
 
 
 def bring_to_rest(d, gentle):
-    """Stop the points that do not separate; in a ``gentle`` impact also stop the sticking elements."""
+    """Stop held points along their normals; in a ``gentle`` impact also stop the sticking elements."""
     if not gentle:
         suspend_sticking(d)
     locate_points(d, d.step.state_end)
@@ -348,7 +348,7 @@ def release_gap(d, c, far):
 
 
 def release_contacts(d):
-    """End the held contacts that are not in the active set, and move their points off the wall a little."""
+    """End the held contacts that are not in the active set, and give them a clearance (``release_gap``)."""
     parting, far = False, largest_coordinate(d)
     set_start_to_state(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):

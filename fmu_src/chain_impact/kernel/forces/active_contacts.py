@@ -135,7 +135,7 @@ def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
     The function latches the impact speed v₀, the effective mass, the expected penetration and the damping of
-    the contact. These values stay until the contact ends, unless ``relatch`` changes v₀ or the law changes.
+    the contact. Later, ``relatch`` or a new law can change these values, except the effective mass.
     """
     _, gap_rate = clearance(d, c)
     touch = d.touch

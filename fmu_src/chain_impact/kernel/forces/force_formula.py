@@ -107,7 +107,8 @@ def set_damping(d, c):
         # the damping d = λ K/v₀ of the Hunt–Crossley family, with factor λ, stiffness K and impact speed v₀
         touch.damping[c] = factor * stiffness / touch.impact_speed[c]
     else:
-        # damping d = f K^(1−s) m^s, with the law's factor f and exponent s, stiffness K and effective mass m
+        # damping d = f K^(1−s) m^s × ``unit_of_damping``, with the law's factor f and exponent s,
+        # stiffness K and effective mass m
         ratio = touch.effective_mass[c] / stiffness
         factor_of_mass = power(ratio, mass_power)
         touch.damping[c] = factor * stiffness * factor_of_mass * unit_of_damping(d, c, mass_power)

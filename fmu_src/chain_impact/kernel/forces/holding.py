@@ -326,7 +326,7 @@ def solve_stopping_impulses(d):
 
 
 def least_impulse(d):
-    """Return the most negative impulse, or constraint force, of the held points; 0 if none is negative."""
+    """Return the least of 0 and the held points' last solved impulses [N·s] or constraint forces [N]."""
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.constraints.impulse[k])

@@ -21,7 +21,7 @@ At a stop in a joint they belong to an angle: rad, rad/s, kg·m², N·m/radⁿ.
 
 
 def is_present():
-    """Return 1 if there is a user's law, else 0; in plain Python there is none."""
+    """Return 0: there is no user's law. In a kernel with a law, another function replaces this one."""
     return 0
 
 

@@ -92,8 +92,8 @@ FIRST_TURN = 2.8
 # while other contacts last. The integration variable of this step is time. After the onset the force is
 # proportional to a fractional power of time, so the order of the error is lower than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
-# [m, rad, m/s, rad/s] A coordinate or rate of a smaller absolute value belongs to a chain at rest and is set
-# to 0. Otherwise the number would decay until its square is denormal, with which some processors are slow.
+# [m, rad, m/s, rad/s] A coordinate or rate of a smaller absolute value is set to 0. Otherwise, in a chain at
+# rest, it could decay until its square is denormal, and some processors are slow with denormal numbers.
 FADED_SIZE = 1e-100
 
 

@@ -77,7 +77,7 @@ def fraction(d, time):
 
 @has_dual_rule
 def event_fraction(_d):
-    """Return 0, the fraction of the last step at which the event lies that began this step.
+    """Return 0: the event that begins the last step lies at the fraction 0 of this step.
 
     In a tangent instance the result also has derivatives, because parameters shift the event.
     """

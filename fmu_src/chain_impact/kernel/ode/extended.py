@@ -137,7 +137,7 @@ def extend_start(d):
 
 
 def clearance_rates(d, z, rate):
-    """Set the entries ġ and g̈ of ``rate``, the rate ż of z; the points must be accelerated."""
+    """Set ġ and g̈ of contacts with a force law in ``rate``, the rate ż of z; points must be accelerated."""
     for k in range(clearance_count(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])

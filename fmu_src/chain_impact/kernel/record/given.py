@@ -74,7 +74,7 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         # distance of each link's centre of mass to the left of the link's line, over the link's length
         ("offset_ratio", REAL, (links,)),
         ("proximal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its proximal joint
-        ("distal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its distal joint
+        ("distal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its far end
         # index of the first site of each link, with links counted from 0: link i has the sites from
         # first_site[i] to first_site[i + 1] − 1; entry N is the number of sites
         ("first_site", bounded(0, sites), (links + 1,)),
@@ -296,10 +296,10 @@ def site_dtype(links: int, sites: int) -> np.dtype:
 @settable(AT_ANY_TIME)
 @written_by()
 def walls_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the walls at any angle, at most one for each candidate, and of all materials.
+    """Return the layout of the walls at any angle, and of the materials of all walls.
 
-    The materials are those of all walls. New values of materials take effect at any time, those of ``x``,
-    ``y`` and ``angle`` at the start of the next run.
+    The arrays have room for a wall at an angle for each candidate. New values of materials take effect at any
+    time, those of ``x``, ``y`` and ``angle`` at the start of the next run.
     """
     return record(
         ("x", FINITE, (candidates,)),  # m, x of a point on each wall

@@ -95,14 +95,16 @@ def output_dtype(
         # N, force of the slider's line on the carriage, along the normal to the left; set only if loads are
         # requested
         ("slider_reaction", REAL),
-        # N·m, moment of the slider's line on the carriage; set only if loads are requested
+        # N·m, moment of the slider's line on the carriage, anticlockwise; set only if loads are requested
         ("slider_moment", REAL),
-        ("force", REAL, (candidates,)),  # N, normal force of the wall on the point, ≥ 0
+        # N, normal force of the wall on the point, ≥ 0; for joints' stops see ``combine_forces``
+        ("force", REAL, (candidates,)),
         # m, penetration of each candidate; 0 without contact and at a rigid wall
         ("penetration", REAL, (candidates,)),
         # m/s, rate of the penetration, > 0 during compression; 0 where ``penetration`` is 0
         ("penetration_rate", REAL, (candidates,)),
-        # N·s, impulse of the wall's normal force on the point since the run's start
+        # N·s, normal impulse of the wall on the point since the run's start; for joints' stops see
+        # ``combine_impulses``
         ("impulse", REAL, (candidates,)),
         ("kinetic", REAL),  # J, kinetic energy of links, armatures and carriage
         ("potential", REAL),  # J, potential energy of gravity, zero at the origin

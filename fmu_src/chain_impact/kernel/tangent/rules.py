@@ -250,4 +250,4 @@ RULES = {
     kinematics.set_polar: set_polar,
     drives.has_effect: has_effect,
 }
-"""Function of the kernel → its replacement, which gives value and derivatives."""
+"""Function of the kernel → the function that replaces it where numbers are dual numbers."""

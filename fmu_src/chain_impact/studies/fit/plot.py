@@ -269,7 +269,7 @@ def running_means(at: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return the mean position and the mean value of each part of the values, shape (2, number of parts).
 
     Each part has ⌊n/MEANS⌋ of the n values, successive ones in the order of their positions ``at``.
-    Neighbouring parts share half of their values.
+    Neighbouring parts share about half of their values.
     """
     order, width = np.argsort(at, kind="stable"), len(at) // MEANS
     starts = range(0, len(at) - width + 1, max(1, width // 2))
@@ -332,8 +332,9 @@ def _estimate_text(fit: Estimates, label: str) -> str:
     """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013".
 
     For a parameter at a bound, the text has the bound in place of value and error. If ``size_of`` gives the
-    error in percent, or if the error is 100 or more or needs more than ERROR_DECIMALS decimals, ``rounded``
-    and ``size_of`` write value and error. Otherwise both have the decimals of the error's first two digits.
+    error in percent, or if the error is 0, not finite, at least 100 or needs more than ERROR_DECIMALS
+    decimals, ``rounded`` and ``size_of`` write value and error. Otherwise both have the decimals of the
+    error's first two digits.
     """
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]

@@ -280,7 +280,7 @@ def label_of(runs: Runs, variation: Variation) -> str:
 def unit_of(runs: Runs, variation: Variation) -> str:
     """Return the unit of a varied parameter, such as N/m^1.5.
 
-    If the runs vary an exponent, the unit has the word "exponent" in place of a number: N/m^exponent.
+    If the runs vary an exponent, a unit has the word "exponent" in place of its number: N/m^exponent.
     """
     unit = variation.variable.unit
     varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}

@@ -196,7 +196,7 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
     """Return the outputs that a pattern in ``panels`` matches and that the table of a job lacks.
 
     Raises:
-        UnknownNameError: when there is neither a column nor an output for a panel.
+        UnknownNameError: when an entry of ``panels`` matches neither a column nor an output.
         SceneError: when there are too many panels.
     """
     standard = job.dtype.names or ()

@@ -27,9 +27,9 @@ typedef struct Instance Instance;
 
 /* The differences between FMI 2.0 and FMI 3.0, for the code that both share. */
 typedef struct {
-    /* the names of arguments of calls, for messages */
+    /* the names of some arguments of calls in this version of FMI, for messages */
     const char *token, *resources, *references, *values, *state;
-    /* the names of the types REAL and INTEGER (shared.h), for messages */
+    /* the names of the types REAL and INTEGER (shared.h) in this version of FMI, for messages */
     const char *types[2];
     /* the characters that must be doubled in a message for the importer's logger, such as "%#" */
     const char *escaped;
@@ -134,7 +134,7 @@ Sentence reason(const Table *table, const Word *record, int status);
 typedef struct { char text[32]; } Number;
 /* Return a text of at most 17 digits from which exactly this number is read, such as "0.1" or "1.0". */
 Number number(double value);
-/* Return the text of a number with at most nine significant digits. */
+/* Return the text of a number, rounded to nine significant digits. */
 Number rounded(double value);
 
 /* Functions of table.c. */

@@ -34,8 +34,8 @@ export function commandOf(changes) {
 }
 
 /**
- * Return the Python code that adds the table of the option --inputs, the last signal of the scene file, to the scene. `[path]`: the path of
- * the table's file; without it the code is "".
+ * Return the Python code that adds the table of the option --inputs, the last signal of the scene file, to the scene. The second argument
+ * is a list with the path of the table's file; for an empty list the code is "".
  */
 function tableOf({ signals }, [path]) {
   if (!path) return "";

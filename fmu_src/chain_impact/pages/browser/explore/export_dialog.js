@@ -50,7 +50,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   });
 }
 
-/** Let the button with an id call `write`, which saves a file, and show the sentence on a fault that it returns or throws. */
+/** Let the button with an id call `write`, which saves a file and returns "" or a sentence on a fault; show this, or a thrown error. */
 function connectFile(id, write) {
   find(id).addEventListener("click", async () => {
     find("export-text").textContent = await write().catch((error) => `${error.message}.`);

@@ -21,9 +21,9 @@ export class Simulation {
   #notice = ""; // the sentence on a fault in the address, which is shown until something changes
 
   /**
-   * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show` is a function that shows
-   * the parts of a motion (null if there is none). Its second argument has the scene, the changes `values` and `inputSteps`, and the same
-   * changes in words (`changed`): words for a parameter → text of its value.
+   * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show(parts, about)` shows the
+   * parts of a motion (null if there is none). `about` has the scene, the changes `values` and `inputSteps`, and the same changes in words
+   * (`changed`): words for a parameter → text of its value.
    */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });
@@ -83,8 +83,8 @@ export class Simulation {
   }
 
   /**
-   * Give recordings of the present scene the curves of the chosen outputs, by another run of each that lacks some. Return whether any
-   * lacked some.
+   * Give recordings of the present scene the curves of the chosen outputs: run each recording again that lacks a chosen output. Return
+   * whether any recording lacked one.
    */
   async addCurves(recordings) {
     const { engine, choice: { names }, changes: { scene } } = this;

@@ -21,7 +21,7 @@ export class Changes {
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
     this.names = new Map(scene.parameters.flatMap(({ name, filePath }) => (filePath ? [[pathText(filePath), name]] : [])));
     this.values = {}; // name → changed value, a number; a choice is the number of its item
-    // inputs that the reader changed while the motion played: name → pairs of a time [s] and the input's value from then on
+    // inputs that the reader changed while the motion played: name → pairs of a time [s] and the value from it to the next pair's time
     this.inputSteps = {};
   }
 

@@ -18,8 +18,8 @@ export function setOfLink(file, k, key, value) {
 }
 
 /**
- * Return the entry of a link's point in a scene file. `entry`: index among all points of the link; the first are the corners of a box, for
- * which a file has no entries.
+ * Return a point of a link in a scene file. `link`: index from 0. `entry`: index from 0 among all points of the link; if the link is a box,
+ * the first are its corners, for which a file has no entries and which this function cannot return.
  */
 export function ownPoint({ chain: { links } }, link, entry) {
   return links[link].points[entry - (links[link].shape ? CORNERS.length : 0)];
@@ -37,7 +37,7 @@ export function moveToLink(file, link, entry, number) {
   links[number - 1].points.push(point);
 }
 
-/** Add a point to the left of the middle of the last link. */
+/** Add a point to the last link, beside the middle of its line: to the left by a tenth of the length. */
 export function addPoint({ chain: { links } }) {
   const { length, points } = links.at(-1);
   points.push({ x: length / 2, y: length / 10 });

@@ -143,8 +143,8 @@ export function movablePoints({ chain: { base, links } }) {
 const isAtBase = ({ link, x, y }) => link === 0 && x === 0 && y === 0;
 
 /**
- * Return the numbers of the points that may touch walls: the link ends that the file lists (by default all that can move), and the points
- * of links that can move.
+ * Return the numbers of the points that may touch walls: the link ends that the file lists (by default all ends that can move), and the
+ * other points of links, except those that cannot move.
  */
 export function touchingPoints(file) {
   const { chain: { base, links }, contact } = file;

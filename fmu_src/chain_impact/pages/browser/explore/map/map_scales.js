@@ -23,7 +23,7 @@ export function rangeOf({ name, low, high }, value) {
 
 /**
  * Return the end of an axis that the text of a field stands for. For an angle, a number without a unit is in degrees, and the result in
- * radians. A field with a refused value is marked; `words`: those for the parameter.
+ * radians. A field with a refused value is marked, and an error tells why, with `words` in place of the parameter's name.
  */
 export function limitOf(changes, name, field, words) {
   const { factor } = shownIn(changes.parameters.get(name));
