@@ -115,7 +115,7 @@ def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
 
     Raises:
         BuildError: when another process clears the cache while the file is made, when the cache's folder
-            cannot be written, or when other users can write to it.
+            cannot be written, or when other users can write to this folder.
     """
     existing = find(name)
     if existing:

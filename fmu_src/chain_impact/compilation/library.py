@@ -73,7 +73,7 @@ def kernel_library(
 
 
 def browser_module(law_file: str = "") -> Path:
-    """Return the path of the kernel as a WebAssembly module, for any number of links and all features.
+    """Return the path of the kernel as a WebAssembly module, for any scene, without derivatives.
 
     Args:
         law_file: the file of the user's law in the kernel; "" for none.

@@ -34,9 +34,9 @@ class NoChainError(SceneError):
 class Moving:
     """A joint, the index of its body, and the place of its axis in space.
 
-    ``anchor`` is a point on the axis [m], ``axis`` the unit vector along it, both shape (3,). They are those
-    with held joints at their start and all other joints at zero, or, in the result of ``joints_at_start``,
-    with all joints at their start.
+    ``anchor`` is a point on the axis [m], ``axis`` the unit vector along it, both shape (3,). Both
+    hold with held joints at their start and all other joints at zero or, in the result of
+    ``joints_at_start``, with all joints at their start.
     """
 
     joint: Joint

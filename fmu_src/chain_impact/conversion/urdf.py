@@ -189,7 +189,7 @@ def moving_parts(root: Element) -> bytes:
 
 
 def _shapes(link: Element) -> Iterator[LinkShape]:
-    """Yield the shapes of a link; shapes that are only seen, and meshes, have no corners."""
+    """Yield the visual and collision shapes of a link; visual shapes and meshes have no ``corners``."""
     for what in GEOMETRIES:
         for part in link.iter(what):
             geometry = next(iter(part.findall("geometry/*")), None)

@@ -99,8 +99,8 @@ def description_findings(path: Path) -> list[Finding]:
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
     """Return the faults that fmpy finds in the model description.
 
-    ``known`` tells whether another fault is already known. This fault is then probably the reason if fmpy
-    fails with an error of its own, so such an error is not reported.
+    ``known`` tells whether a fault of the FMU is already known. If fmpy then fails with an unexpected error,
+    the known fault is probably the cause, and the error of fmpy is not reported.
     """
     # imported here, because the import takes a second
     from fmpy.model_description import ValidationError, read_model_description

@@ -125,7 +125,10 @@ def reference(prepared: PreparedScene) -> Reference:
 
 
 def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
-    """Return the reference results at ``times``, equally spaced from 0 [s], as far as they are reliable."""
+    """Return the reference results at ``times``, equally spaced from 0 [s]; NaN near onsets and ends.
+
+    The results end where runs with two tolerances begin to differ.
+    """
     ends = {f"point[{k}].{axis}" for k in (0, prepared.sizes.links) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, prepared.sizes.links)}
     # outputs of the whole chain: energies and numbers of impacts, which depend on every part of the motion
@@ -244,7 +247,7 @@ class _Table(NamedTuple):
     Attributes:
         time: communication points, shape (T,) [s].
         columns: name of an input or output → its values, shape (T,); NaN where an output is not compared.
-        allowed: name → tolerance; NaN for an input and for the time.
+        allowed: name → allowed error, in the unit of the output; NaN for an input and for the time.
     """
 
     time: np.ndarray

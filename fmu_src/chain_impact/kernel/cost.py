@@ -112,10 +112,10 @@ def check_cost(d):
 
 
 def check_events(d, events):
-    """Add ``events``, a number, to the events of the present window of time; return a status.
+    """Add the number ``events`` to the count of events in the present EVENT_WINDOW; return a status.
 
-    The status is EVENT_STORM if the window has more than MOST_EVENTS × n events, with the n of the comment on
-    MOST_EVENTS, else OK.
+    The status is EVENT_STORM if the count exceeds MOST_EVENTS × n, else OK. The comment on MOST_EVENTS
+    defines n.
     """
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:

@@ -1,8 +1,8 @@
 """The outputs at the communication point.
 
-A value that an importer sets there changes the outputs of accelerations, forces, sticking and elastic energy
-at once. It changes outputs of positions and velocities, and of integrals such as impulses, only from the next
-step on.
+A value that an importer sets at this point changes the outputs of accelerations, forces, sticking and elastic
+energy at once. It changes the outputs of positions, of velocities, and of integrals such as impulses, only
+after the next step or ``event_update``.
 """
 
 from chain_impact.kernel import hooks

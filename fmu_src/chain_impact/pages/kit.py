@@ -179,8 +179,8 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
     """Return the data of a block of variables: its rows, and the kind of owner for which it is repeated.
 
-    ``counts`` in the result is what the owner's number counts (COUNTED), or None. ``row`` is the function
-    that returns the data of one row.
+    ``counts`` in the result is the value of COUNTED for this kind of owner; None for a kind without a value.
+    ``row`` is the function that returns the data of one row.
     """
     counts = COUNTED.get(block.owner_kind)
     return {"ownerKind": block.owner_kind, "counts": counts, "rows": [row(kind) for kind in block.kinds]}

@@ -130,7 +130,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     found = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
-        # a narrow figure has numbers at each panel, because the labels of the largest values need this room
+        # a narrow figure has numbers below each panel: they make space for the labels of the largest values
         axes.tick_params(labelbottom=axes is grid[-1] or is_narrow(figure))
         if axes is not grid[-1]:
             axes.set_xlabel("")

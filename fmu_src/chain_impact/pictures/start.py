@@ -162,7 +162,7 @@ def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: fl
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
     axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
-    # [points] the text is on the other side of the line from which the angle is measured than the link
+    # [points] text and link are on opposite sides of the line from which the angle is measured
     below = -9.0 if turned > 0.0 else 6.0
     _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE, below), ha="left")
 

@@ -22,7 +22,7 @@ PART = 0.01
 if its value is 0, times its unit."""
 
 # [1] largest difference between a change to first order and the change in a run with the new value, relative
-# to the larger of both; if the difference is larger, texts give both changes
+# to the larger |change| of these two; if the difference is larger, texts give both changes
 FIRST_ORDER = 0.25
 
 

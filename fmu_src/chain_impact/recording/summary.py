@@ -22,7 +22,7 @@ from chain_impact.variables.impact_units import unit_at
 
 # largest numbers of impacts in a list: LISTED_IMPACTS in a long text, LISTED_IN_SHORT in a short one
 LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
-NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the largest force in a joint
+NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the time of a joint's largest force
 JOINTS = 8  # largest number of joints whose forces the summary lists
 DEEP = 0.5  # [1] ``Body.deep`` of a link, relative to its length
 # largest number of contacts, joints and sliders that the summary names as sticking at the end

@@ -113,8 +113,8 @@ def framed(
 
     Returns:
         The lower left and the upper right corner, shape (2, 2) [m]. Then, for x and for y, the fraction of
-            additional space that goes to the left or below: 1 if only this side has no wall, 0 if only the
-            opposite side has none, else 0.5.
+            additional space that goes to the left or below: 1 if only this side has no near wall, 0 if only
+            the opposite side has none, else 0.5.
     """
     view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
     margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)

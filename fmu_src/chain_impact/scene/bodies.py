@@ -215,8 +215,8 @@ def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[
     bases = points[:, 0]
     if "slider.angle" in values:
         angle = float(values["slider.angle"])
-    # without slider.angle, the line is taken to point from the base at the least ``slider.position`` to the
-    # base at the largest one
+    # without slider.angle, the line is taken to point from the base's position at the time of the least
+    # ``slider.position`` to that at the time of the largest one
     elif positions is not None:
         x, y = bases[positions.argmax()] - bases[positions.argmin()]
         angle = math.atan2(y, x)

@@ -340,7 +340,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
 
 
 def law_hints(scene: Contents) -> list[str]:
-    """Return a list with one sentence if the scene has ``contact.law_file``, but no table uses its law."""
+    """Return one sentence, in a list, if neither walls nor stops use the law of ``contact.law_file``."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model

@@ -11,7 +11,7 @@ PRODUCT, SQUARE = re.compile(r"(?<=[a-zA-Z])\.(?=[a-zA-Z])"), re.compile(r"(?<=[
 PREFIXES = {"": 1.0, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "µ": 1e-6, "u": 1e-6}
 """Prefix of a unit → factor, for units that people write after a number; u stands for µ."""
 USUAL = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
-"""The units that ``number_hint`` knows by default, each with any of PREFIXES, in kg in place of k."""
+"""The units that ``number_hint`` knows by default, each after any of PREFIXES, which replaces the k of kg."""
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|[a-zA-Zµ][\w/·.²^]*)\s*")
 _POWER = re.compile(r"\s*(?:([+-]?\d+\.?\d*)\s*[*x×·]\s*)?10\s*(?:\^|\*\*)\s*([+-]?\d+)\s*")
 

@@ -374,7 +374,7 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctype
         BuildError: when the kernel cannot be compiled.
     """
     size, law = kernel_size(scene) if sizes is None else sizes, scene.contact.law_file
-    # in another cache folder, the kernel is loaded again
+    # a change of the cache folder makes another key, so that the kernel is loaded from that folder
     key = (size, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and key in _loaded:
         return _loaded[key]

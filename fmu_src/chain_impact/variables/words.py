@@ -64,7 +64,7 @@ def scene_words(structure: Structure) -> dict[str, Any]:
 
 
 def owner_words(of: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
-    """Return word in braces → text for an owner of the kind ``of`` with the values ``values``."""
+    """Return word in a template's braces → text, for an owner of the kind ``of`` with the ``values``."""
     words = _WORDS_OF.get(of)
     return words(structure, values) if words else {}
 

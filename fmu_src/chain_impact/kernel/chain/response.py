@@ -221,7 +221,7 @@ def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx
         inverse = reciprocal(about_joint + resistance)
         coupling = resistance * inverse
         factors.coupling[slot, i], factors.complement[slot, i] = coupling, about_joint * inverse
-        # the parts e = σ h and p = σ H of the articulated inertia at the inner joint, with σ = κ/(H + κ)
+        # the parts e = σ h and p = σ H (head of this module) at the inner joint, with σ = κ/(H + κ)
         ex, ey, p = coupling * hx, coupling * hy, coupling * about_joint
     else:
         inverse = reciprocal(about_joint)

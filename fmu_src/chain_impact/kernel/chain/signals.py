@@ -91,7 +91,7 @@ def sine_at(d, j, time):
 
 
 def signal_bounds(d, j):
-    """Return upper bounds of |rate| and |second derivative| of signal j within the last step."""
+    """Return upper bounds of the first and second |derivative| in time of signal j in the last step."""
     signal, knot, k = d.signal, d.knot, d.signal.segment[j]
     half = 0.5 * (d.step.end - d.step.start)
     x = time_since_knot(d, j, d.step.start + half)
@@ -327,7 +327,7 @@ def derive_sine(d, i, k):
 
 
 def derive_ramp(d, i, k, shape):
-    """Set the knots of a ramp of a ``shape``, from index k on; row i of `signal` has its given numbers."""
+    """Set the knots of a ramp with a ``shape``, from knot k on; row i of `signal` has the ramp's numbers."""
     signal, powers = d.signal, d.knot.powers
     way, lasts, start = signal.final[i] - signal.initial[i], signal.duration[i], signal.start[i]
     set_constant_knot(d, k, start, signal.initial[i])

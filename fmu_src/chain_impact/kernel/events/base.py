@@ -40,8 +40,8 @@ def check_base(d):
     """
     move_channels(d, d.step.end)
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
-        # if ``end_at_base`` has cut the step, the clearance is −OVERLAP up to round-off, so half of this is a
-        # safe limit
+        # if ``end_at_base`` has cut the step, the clearance is −OVERLAP up to round-off; the limit −OVERLAP/2
+        # leaves a margin for this round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK

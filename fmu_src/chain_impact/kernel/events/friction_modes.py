@@ -103,10 +103,10 @@ def reinit_modes(d, jumped):
 def set_slack(d, e):
     """Set the slack of element e: the speed [m/s] against the direction of sliding that counts as an error.
 
-    If the element is at rest, and the mode is unchanged or inconsistent with the forces, the slack is the
-    tolerance times the longest link per second: in the mode "slides", other forces may hold such an element,
-    and errors decide whether the element moves. In any other case the slack is 0. The slack of an element
-    that sticks has no effect.
+    If e is undecided (``first_mode``), and the mode is unchanged or inconsistent with the forces, the slack
+    is the tolerance times the longest link per second: in the mode "slides", other forces may hold e, and
+    errors decide whether e moves. In any other case the slack is 0. The slack of an element that sticks has
+    no effect.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = (
@@ -115,10 +115,10 @@ def set_slack(d, e):
 
 
 def widen_slack(d, e):
-    """Widen the slack of element e, if e is at rest, to twice its speed against the direction of sliding.
+    """Widen the slack of an undecided element e to twice the speed of e against the direction of sliding.
 
-    A larger slack stays. The exact speed is zero; the present speed is the error with which the event at zero
-    speed was located.
+    A larger slack stays. The exact speed of e is zero; the computed speed is the error with which the event
+    at zero speed was located.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     if d.element.undecided[e]:

@@ -338,7 +338,7 @@ def tolerated_momentum(d, speed):
 
     This impulse is m (w + ε v). With the longest link ℓ, the mass m is that of chain and carriage, plus the
     inertias of armatures over ℓ². w is the speed after a fall by LEAST_RISE × ℓ, with gravity plus ℓ/(1 s²)
-    as acceleration. ε is the tolerance, and v the largest speed, ``speed`` [m/s], plus ℓ/(1 s).
+    as acceleration. ε is the tolerance, and v is the sum of ℓ/(1 s) and ``speed``, the largest speed [m/s].
     """
     size = d.chain.longest_link
     mass = d.chain.energy_scale / (size * size)

@@ -95,7 +95,7 @@ def cosine_and_sine(angle):
 
 @inlined
 def cosine_and_sine_of_parts(turns, r):
-    """Return the cosine and sine of turns π/2 + r, for ``turns`` an integer from −2 to 2, and |r| to π/4."""
+    """Return cosine and sine of turns π/2 + r, for an integer ``turns`` from −2 to 2, and |r| up to π/4."""
     t = r * r
     t2 = t * t
     s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))

@@ -27,7 +27,7 @@ EXP_P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.00833333
 STEP_HIGH, STEP_LOW = in_two_doubles(LN_2 // POWER_COUNT, PLACES)
 STEPS_PER_ONE = (POWER_COUNT << FIXED) / LN_2
 ROUND_BITS = bits_of(ROUND)
-# the bound of |x| for ``exp_of_common``: below it e^x is finite, and not so small that it has fewer digits
+# the bound of |x| for ``exp_of_common``: for |x| < COMMON, e^x is finite, and has all digits of a double
 COMMON = 650.0
 # for |x| ≥ COMMON, e^x is computed as e^(x ∓ HALF_RANGE ln 2) times 2^±HALF_RANGE, so that the first factor
 # is in the range of ``exp_of_common``

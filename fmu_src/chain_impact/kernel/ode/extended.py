@@ -239,8 +239,8 @@ def solve_shift(d, s, space, slot, x):
         add_along(constraint_row(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, slot, change)
     if d.slides:
-        # The slider's drive has put a load on point 0, the base. This load is removed here, because in flight
-        # no other function clears the loads on points.
+        # ``load_drive`` has put the load of the slider's drive on point 0, the base. The load is removed
+        # here, because in flight no other function clears the loads on points.
         space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]

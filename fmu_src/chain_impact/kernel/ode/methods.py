@@ -106,10 +106,10 @@ def choose_method(d):
 def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
-    If the present method is implicit, the proposed size of the next step decides. If the present method is
-    explicit, the length of the last step decides; the implicit method also costs less if the explicit method
-    has replaced it, and the next step is shorter than the implicit steps were by more than the factor
-    FAR_SHORTER.
+    If the present method is implicit, the proposed size of the next step decides. If it is explicit, the
+    length of the last step decides. If the explicit method has replaced the implicit method, the result is
+    also true for a proposed size that, times FAR_SHORTER, is less than the size of the implicit steps
+    (``other_size``).
     """
     step = d.step
     if step.method == IMPLICIT:

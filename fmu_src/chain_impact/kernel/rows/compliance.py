@@ -65,8 +65,8 @@ def held_mobility(d, mobility):
 
     W′ is defined by the impulse m/W′ that the iteration gives this constraint for a residual m.
     STICKING_ITERATIONS = n iterations with the impedance D reduce m to m/(1 + D W)ⁿ, so that
-    W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can hardly be constrained: in a toggle
-    position, where W = 0, W′ is 1/(n D).
+    W′ = W/(1 − (1 + D W)⁻ⁿ). If D W is large, W′ equals W up to round-off. D W is small for a motion that
+    can hardly be constrained: in a toggle position, where W = 0, W′ is 1/(n D).
     """
     compliance = 1.0 / holding_impedance(d)
     left = compliance / (compliance + max(0.0, mobility))
@@ -119,8 +119,8 @@ def solve_space(d, link_vectors, space, slot, change):
 def solve_contacts(d, slot, impulse, change):
     """Compute the response Δ to the impulses p_k [N·s] in ``impulse``, one for each constraint k.
 
-    ``slot`` is the slot of the factors. The function stores Δ in ``change``, and the motion of the places in
-    ``scratch.motion``.
+    ``slot`` is the index of the factors in ``scratch.factors`` (chain/response.py). The function stores Δ in
+    ``change``, and the motion of the places in ``scratch.motion``.
     """
     clear_loads_of(d, d.scratch.load)
     for k in range(constraint_count(d)):

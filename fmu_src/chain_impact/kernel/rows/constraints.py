@@ -71,8 +71,8 @@ SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, o
 # the impedance D would be taken from impulses, and a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
 UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
-# Impulses against motions below NEGLIGIBLE_MOTION times the squared tolerance times the largest motion are
-# removed, if the motions can hardly be constrained. Such impulses would end the sticking again and again.
+# Motions that can hardly be constrained, and are well below NEGLIGIBLE_MOTION times the squared tolerance
+# times the largest motion, get no impulses: such impulses would end the sticking again and again.
 NEGLIGIBLE_MOTION = 0.1
 # the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
 # relative to the largest impulse or motion
@@ -331,7 +331,7 @@ def clear_unsolved(d):
 
 
 def note_unsolved(d):
-    """Record that forces or modes have not been found; at an event this ends the run."""
+    """Record that forces or modes are not found: a tried step is rejected; at an event, the run ends."""
     d.constraints.unsolved = UNSOLVED
 
 

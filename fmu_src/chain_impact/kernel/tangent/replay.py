@@ -266,10 +266,10 @@ def last_correction(d, t, size):
 
 
 def speed_by_friction(d, t, direction):
-    """Return the derivative of the speed that friction at its limits could cause in the step, times a weight.
+    """Return the |slope| of the speed that friction at its limits could cause in the step, times a weight.
 
-    The derivative belongs to a ``direction``; the weight is the largest error weight of a speed. If no
-    element sticks, the result is 0.
+    The slope is the derivative in the ``direction``, an index from 0. The weight is the largest error
+    weight of a speed. If no element sticks, the result is 0.
     """
     force, weight = 0.0, 0.0
     if d.friction.stuck_count == 0:

@@ -133,9 +133,9 @@ def shift_start(t, delay):
 def fraction(t, time):
     """Return the fraction of the last step at a ``time`` [s], with derivatives.
 
-    In a regularized step, one Newton step from the value gives the derivatives. Dual numbers in the iteration
-    of the replaced function would not do: this iteration stops when the value is exact, and the derivatives
-    may then not be exact.
+    In a regularized step, one Newton step from the value of the fraction gives the derivatives. The iteration
+    of the kernel's own ``fraction`` with dual numbers would not do: it stops when the value is exact, and the
+    derivatives may then not be exact.
     """
     step, clock = t.step, time_at(t.links)
     elapsed = time - step.start

@@ -74,7 +74,8 @@ def move_to_segment(t):
 def is_crossing(t, c):
     """Return whether the time of candidate c's event at the end of the last step affects the motion.
 
-    Without an event of c there, the result is False. RELEASE and KINK do not count.
+    The result is False without an event of c there, for RELEASE and KINK, for END of the regularized contact,
+    and for RELATCH at the end of a step without duration.
     """
     kind = t.touch.event[c]
     # at the end of a regularized contact dt/ds = 0, with the step's variable s, so a shift of the end in s

@@ -89,8 +89,8 @@ def fastest_speed(t):
 def check_turns(t):
     """End the derivatives if a user's force jumps where a penetration has turned in the last step.
 
-    A penetration turns where its rate changes sign. The contacts are those that are active in the step; the
-    derivatives end at the start of the step.
+    A penetration turns where its rate changes sign. The function tests the active contacts with force laws;
+    the derivatives end at the start of the step.
     """
     if not user_law.is_present() or t.trust.reason != TRUSTED:
         return

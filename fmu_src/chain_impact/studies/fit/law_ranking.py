@@ -72,9 +72,9 @@ def _part(progress: Progress, k: int, count: int) -> Progress:
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     """Return a scene with another law.
 
-    If the law does not allow the scene's exponent, the scene gets the exponent that the law needs, and the
-    stiffness with which the first impact of the fit ``first`` that obeys ``contact.model`` would, without
-    losses, be equally deep. Without such an impact, or without ``first``, exponent and stiffness stay.
+    If the law does not allow the scene's exponent, the scene gets the exponent that the law needs, and a new
+    stiffness. Without losses, the first impact under ``contact.model`` in the fit ``first`` would then be as
+    deep as before. Without such an impact, or without ``first``, exponent and stiffness stay.
     """
     impacts = first.models[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)

@@ -104,8 +104,8 @@ class Measurements:
     def end(self, stop_time: float) -> float:
         """Return the time [s] up to which a model must run to have all measured outputs and impacts.
 
-        This is the last time of a value. An impact without a measured time counts as one at ``stop_time``,
-        the scene's stop time [s]. If an impact was measured, the result is LATE × this last time.
+        This is the last time of a measured value; an impact without a measured time counts as an impact at
+        ``stop_time``, the scene's stop time [s]. If an impact was measured, the result is LATE × this time.
         """
         last = float(np.nanmax(self.order, initial=0.0))
         if np.isnan(self.order).any():

@@ -1,5 +1,5 @@
-/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0). The table of the scene has the words of the
-   record with the values of each variable. */
+/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0). The table of the scene has, for each
+   variable, the indices of the record's words with the values of this variable. */
 #include "instance.h"
 #include "registers.h"
 

@@ -87,7 +87,7 @@ ACCESS(fmi3GetInt64, get, fmi3Int64, INT64S)
 ACCESS(fmi3SetFloat64, set, const fmi3Float64, FLOAT64S)
 ACCESS(fmi3SetInt64, set, const fmi3Int64, INT64S)
 
-/* Define the functions that get and set a type that no variable has: they accept an empty list only. */
+/* Define a function that gets or sets values of a type that no variable has: it accepts only an empty list. */
 #define NO_VARIABLES(name, ...)                                                                                \
     FUNCTION(name, ((void)vr, none(c, __func__, count, "variables of this type")), fmi3Instance c,             \
              const fmi3ValueReference vr[], size_t count, __VA_ARGS__)

@@ -195,8 +195,8 @@ function comparisonTable(motions) {
 }
 
 /**
- * Return columns of impacts that belong together, in the order of their first onsets. A column has for each list of `all` its impact or
- * undefined. Each of the first LISTED impacts of a list is in one column: that of its partner in the first list that has one, else its own.
+ * Return columns of impacts that belong together, sorted by the onset of the first impact in each column. A column has one entry for each
+ * list of `all`: an impact or undefined. Each of the first LISTED impacts of a list is in one column, with its partners in other lists.
  */
 function alignedImpacts(all) {
   const used = new Set();

@@ -21,7 +21,7 @@ function noOutput(name, columns) {
 
 /**
  * Return the names of the outputs that a text names: names between commas, in which `*` stands for any text, as for `simulate --curves`.
- * Refuse an unknown name, and more curves or units than charts can show.
+ * Refuse an unknown name, more than MOST_CURVES outputs with the same unit, and more than MOST_UNITS units.
  */
 function namesIn(text, columns) {
   const all = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {

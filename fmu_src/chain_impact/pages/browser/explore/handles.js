@@ -373,7 +373,7 @@ export class Handles {
   }
 }
 
-/** Return kind and index of the grip on which an event happens, as one text such as "joint 2"; undefined if it is on no grip. */
+/** Return kind and index, or kind and wall, of an event's grip as a text: "joint 2", "wall floor"; undefined if the event is on no grip. */
 function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }
@@ -393,7 +393,7 @@ function componentOf([x, y], [dx, dy]) {
   return x * dx + y * dy;
 }
 
-/** Return the position [m] that a point would reach with its velocity in a time [s]. */
+/** Return the position [m] that a point reaches with a constant velocity [m/s] in a time [s]. */
 function tipOf([x, y], [vx, vy], time) {
   return [x + vx * time, y + vy * time];
 }

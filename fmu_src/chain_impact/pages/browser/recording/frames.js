@@ -33,8 +33,8 @@ export function timesOf(impacts, start, stop, pointCount, impactTime, rate) {
 }
 
 /**
- * Return values at frames, interpolated between rows, from values at rows. Both are in one array, row after row or frame after frame, with
- * `width` values in each; `places`: the place of each frame among the rows, from `placeIn`.
+ * Return values at frames, interpolated between rows, from values at rows. The given array has `width` values for each row, row after row;
+ * the result has `width` values for each frame, frame after frame. `places`: the place of each frame among the rows, from `placeIn`.
  */
 function interpolatedColumn(values, places, width) {
   const column = new Float64Array(places.length * width);

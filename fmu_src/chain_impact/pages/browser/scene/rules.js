@@ -73,8 +73,8 @@ export function membersIn(rule, valueOf) {
 
 /**
  * Return, for each member of the list that a rule names, a function from a name to its value: `order`, the index of the member (from
- * 0); a value of the member; or else the result of `valueOf`. A member that is a table of the file has all keys of this table; the value
- * of a key that the file leaves out is undefined, not the default.
+ * 0); a value of the member; or else the result of `valueOf`. If the member is a table of the file, each name without a dot is a key of
+ * this table; the value of a key that the file leaves out is undefined, not the default.
  */
 export function valuesOfMembers(rule, valueOf) {
   const isInFile = rule.name?.includes(".");

@@ -23,8 +23,8 @@ export class Engine {
 
   /**
    * Send a request to the worker, and return its result; null if the worker was ended, or if the request has the option `replaces` and a
-   * newer one of its kind has replaced it. `kind`: motion, pinned, rows or study (worker.js); `values`: the changed parameters; `progress`
-   * is called with the fraction that is done.
+   * newer request of this `kind` has replaced it. `kind`: motion, pinned, rows or study (worker.js, also for `options`); `values`: the
+   * changed parameters; `progress` is called with the fraction of the work that is done.
    */
   async ask(kind, values, options = {}, progress = () => {}) {
     await this.#sceneSent;

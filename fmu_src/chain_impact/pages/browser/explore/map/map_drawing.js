@@ -101,7 +101,7 @@ export class MapDrawing {
     this.#write(note.replace(/^,? /, ""), middle, y + LINE, "middle");
   }
 
-  /** Draw the scale of the colours with its numbers and its title, which names extremes beyond the ends of the colours. */
+  /** Draw the scale of colours, with numbers and title; the title also has the least and largest value, if beyond the ends of the scale. */
   #drawColours(left, top, width, output, scale) {
     const { factor, text } = scaledTo(output, scale);
     const colours = this.scales.gradient("linear", (add) => gradientStops(scale).forEach((stop) => add.stop(...stop)));

@@ -112,8 +112,8 @@ function rigidLaw(changes, name) {
 }
 
 /**
- * Return the output that a map shows first: the first of MAIN_OUTPUTS that no rigid law leaves unknown. If all that the scene has of these
- * are unknown, it is the number of impacts; if the scene has none of these, the energy.
+ * Return the output that a map shows first: the first of the scene's MAIN_OUTPUTS that no rigid law leaves unknown. If rigid laws leave all
+ * of these unknown, the result is the number of impacts; if the scene has none of MAIN_OUTPUTS, the total energy.
  */
 export function mainOutput(changes, outputs) {
   const named = (name) => outputs.filter((output) => output.name === name);

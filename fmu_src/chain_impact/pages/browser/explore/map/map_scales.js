@@ -1,4 +1,4 @@
-// The scales of the map: titles, units and ticks of its axes.
+// The scales of a map: ranges and ticks of the axes, titles and units of parameters and outputs.
 
 import { ticksBetween } from "../../base/ticks.js";
 import { shownIn, shownUpTo } from "../../scene/angles.js";
