@@ -117,6 +117,27 @@ def test_a_contact_that_lasts_is_listed_as_such(show):
     assert any("lasts" in row for row in rows)
 
 
+def test_a_ratio_of_speeds_above_1_is_told_as_such_and_no_impulse_is_cut(show):
+    """With rigid walls, the arms push a point off in many contacts whose impact speed is tiny."""
+    changes = {"contact.model": "newton_impact", "contact.restitution": 0.38}
+    page = show(hash_="#contact.model=newton_impact&contact.restitution=0.38")
+    impacts = simulate(load_scene("four_link_box").with_values(changes)).impacts[:40]
+    cells = page.locator("#impacts tbody td:nth-child(6)")
+    ratios = impacts["separation_speed"] / impacts["impact_speed"]
+    assert ratios.max() > 1e3
+    expected = [">\u00a01" if ratio > 1 else f"{ratio:.3f}" for ratio in ratios]
+    assert cells.all_inner_texts()[:40] == expected
+    pushed = int(np.argmax(ratios))
+    title = cells.nth(pushed).get_attribute("title")
+    told, prefix = re.search(r"([\d.]+)\u202f(m?)m/s", title).groups()
+    speed = float(told) * (1e-3 if prefix else 1.0)
+    assert speed == pytest.approx(impacts["separation_speed"][pushed], rel=5e-3)
+    box = page.locator("#impacts").bounding_box()
+    last = page.locator("#impacts tbody tr:first-child td:last-child").bounding_box()
+    assert last["x"] + last["width"] <= box["x"] + box["width"] + 0.5
+    assert page.evaluate("impacts.scrollWidth <= impacts.clientWidth")
+
+
 def test_the_page_within_a_lesson_without_a_worker_and_in_an_old_browser(browser, server):
     page = browser.new_page()
     page.goto(f"{server}/lesson.html")

@@ -59,6 +59,27 @@ def test_an_angle_is_shown_in_degrees(script):
     assert (turned, half, length) == ("-25 deg", "28.648 deg", "3.141592653589793")
 
 
+@pytest.mark.parametrize(
+    ("speed", "text"),
+    [
+        (4.972, "4.97 m/s"),
+        (0.1, "0.10 m/s"),
+        (0.0479, "47.9 mm/s"),
+        (0.00263, "2.63 mm/s"),
+        (7.35e-4, "735 µm/s"),
+        (1.13e-6, "1.13 µm/s"),
+        (4e-10, "0.400 nm/s"),
+        (1e-13, "0 m/s"),
+        (0.0, "0 m/s"),
+    ],
+)
+def test_a_small_speed_or_impulse_has_a_prefix(script, speed, text):
+    told = script.evaluate("speed => speedWithUnit(speed, 'm/s')", speed)
+    assert told.replace("\u202f", " ") == text
+    impulse = script.evaluate("impulse => impulseText({ impulse, atStop: false })", speed)
+    assert impulse.split("\u202f")[1] == text.split()[1].replace("m/s", "N·s")
+
+
 def test_an_axis_by_decades_has_two_ticks_or_more_however_narrow_it_is(script):
     narrow = [[2.2e6, 4.4e6], [6.1e6, 6.4e6]]
     function = "ranges => ranges.map(([low, high]) => decadesBetween(low, high))"

@@ -2,6 +2,8 @@
 
 const [PRODUCT, SQUARE] = [SHARED.units.PRODUCT, SHARED.units.SQUARE].map((pattern) => new RegExp(pattern, "g"));
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
+// for small speeds and impulses: least value of each prefix of the unit, and the factor that the prefix replaces
+const SMALL_PREFIXES = [[1e-1, 1, ""], [1e-3, 1e3, "m"], [1e-6, 1e6, "µ"], [1e-10, 1e9, "n"]];
 
 /** Return a unit as a reader sees it, as `unit_text.py` does; "" for a pure number. */
 export function unitText(unit) {
@@ -62,9 +64,17 @@ export function forceText(newtons, count = 3, unit = "N") {
   return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
 }
 
+/** Return a value ≥ 0 and its unit, with a prefix if the value is small; a value below those of all prefixes is 0. */
+function withSmallPrefix(value, unit) {
+  const [, factor, prefix] = SMALL_PREFIXES.find(([least]) => value >= least) ?? [0, 0, ""];
+  return [factor * value, prefix + unit];
+}
+
 /** Return the impulse of an impact [N·s], at a stop of a joint [N·m·s], as text; "" if it is unknown. */
 export function impulseText(impact, count = 3) {
-  return Number.isFinite(impact.impulse ?? NaN) ? forceText(impact.impulse, count, unitsOf(impact).impulse) : "";
+  if (!Number.isFinite(impact.impulse ?? NaN)) return "";
+  const [value, unit] = withSmallPrefix(impact.impulse, unitsOf(impact).impulse);
+  return forceText(value, count, unit);
 }
 
 /** Return the labels for an axis of forces, all with the prefix of the unit that suits the largest tick. */
@@ -78,6 +88,12 @@ export function forceTicks(ticks, unit) {
 export function durationText(seconds, count = 3) {
   const [factor, unit] = seconds < 1e-3 ? [1e6, "µs"] : seconds < 1 ? [1e3, "ms"] : [1, "s"];
   return `${digits(seconds * factor, count)}\u202f${unit}`;
+}
+
+/** Return a speed in a `unit` as text: with two decimals or, if it is small, with three digits and a prefix, for example 3.52 mm/s. */
+export function speedWithUnit(speed, unit) {
+  const [value, suited] = withSmallPrefix(speed, unit);
+  return `${suited === unit && value > 0 ? value.toFixed(2) : digits(value)}\u202f${suited}`;
 }
 
 /** Return words for a rate relative to real time, for example: 480 × slower; "real time" for a rate near 1. */

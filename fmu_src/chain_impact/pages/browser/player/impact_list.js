@@ -1,7 +1,7 @@
 // The list of impacts; a click on a row goes to the largest force of its impact.
 
 import { find, make } from "../base/dom.js";
-import { fixed, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
+import { fixed, forceText, impulseText, speedWithUnit, unitsOf, withMinus } from "../base/format.js";
 import { placeText, toucherText, wallText } from "../scene/words.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
@@ -24,16 +24,21 @@ function peakText(impact) {
 }
 
 function approachText(impact) {
-  return `${impact.speed.toFixed(2)}\u202f${unitsOf(impact).speed}`;
+  return speedWithUnit(impact.speed, unitsOf(impact).speed);
 }
 
 /**
- * Return the ratio of the separation speed (`rebound`) to the impact speed as text: "lasts" if the contact has a peak force and no
- * separation speed yet, else a dash if the ratio is unknown.
+ * Return {textContent, title} for the ratio of the separation speed (`rebound`) to the impact speed. The text is "lasts" if the contact has
+ * a peak force and no separation speed yet, else a dash if the ratio is unknown. A ratio above 1 does not describe the contact, because
+ * other forces have accelerated the point: the text is "> 1", and the title tells the separation speed.
  */
-function reboundText({ speed, rebound, peak }) {
-  if (!Number.isFinite(rebound ?? NaN)) return peak === null ? "–" : "lasts";
-  return speed > 0 ? (rebound / speed).toFixed(3) : "–";
+function reboundCell(impact) {
+  const { speed, rebound, peak } = impact;
+  if (!Number.isFinite(rebound ?? NaN)) return { textContent: peak === null ? "–" : "lasts" };
+  const ratio = speed > 0 ? (rebound / speed).toFixed(3) : "–";
+  if (!(Number(ratio) > 1)) return { textContent: ratio };
+  const title = `Other forces act during the contact: the separation speed is ${speedWithUnit(rebound, unitsOf(impact).speed)}`;
+  return { textContent: ">\u00a01", title };
 }
 
 export class ImpactList {
@@ -123,10 +128,8 @@ export class ImpactList {
       toucherText(impact),
       impact.boxWall?.replace(" wall", "") ?? wallText(impact),
       approachText(impact),
-      reboundText(impact),
-      peakText(impact),
-    ];
-    texts.forEach((textContent) => Object.assign(row.insertCell(), { textContent }));
+    ].map((textContent) => ({ textContent }));
+    [...texts, reboundCell(impact), { textContent: peakText(impact) }].forEach((cell) => Object.assign(row.insertCell(), cell));
     const { jointForce, joint } = impact;
     const ofJoint = joint > 0 ? { textContent: forceText(jointForce), title: `In joint ${joint}` } : { textContent: "–" };
     if (columns.includes(JOINT_FORCE)) row.append(make("td", ofJoint));
