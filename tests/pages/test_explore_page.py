@@ -274,8 +274,33 @@ def test_an_unknown_name_gets_the_nearest_one(show):
 
 
 def test_a_scene_whose_controller_is_elsewhere_tells_that_its_inputs_are_0(show):
-    assert "Here the inputs are 0" in show("controlled_arm").inner_text("#description")
-    assert "Here the inputs are 0" not in show("four_link_box").inner_text("#description")
+    page = show("controlled_arm")
+    assert "Here no controller sets the inputs" in page.inner_text("#description")
+    assert "These inputs are 0: Torque of joint 1; Torque of joint 2." in page.inner_text("#inputs")
+    page = show("four_link_box")
+    assert "controller" not in page.inner_text("#description")
+    assert not page.locator("#inputs").is_visible()
+
+
+def test_only_inputs_that_nothing_sets_are_told_to_be_0(show):
+    page = show("cart_pole")
+    assert "controller" not in page.inner_text("#description"), "a signal sets an input"
+    assert "These inputs are 0: Force on the slider; Force on the tip, y." in page.inner_text("#inputs")
+    names = "[...document.querySelectorAll('#inputs-over-time dt')].map((name) => name.title)"
+    assert page.evaluate(names) == ["tip.force.x"]
+    page.get_by_role("slider", name="Force on the slider").press("PageUp")
+    assert "This input is 0: Force on the tip, y." in page.inner_text("#inputs")
+    until(page, "document.querySelectorAll('#inputs-over-time dt').length === 2")
+    assert page.evaluate(names) == ["tip.force.x", "slider.force"]
+    value = float(page.evaluate("chainImpact.parameters['slider.force']"))
+    assert value > 0
+    shown = page.locator("#inputs-over-time dd").last.inner_text().split("\u202f")
+    assert (float(shown[0]), shown[1]) == (value, "N")
+    page.evaluate("chainImpact.show({ 'tip.force.y': 0.1 })")
+    until(page, "!document.getElementById('inputs').textContent.includes('0')")
+    page.get_by_role("button", name="Reset all").click()
+    assert "These inputs are 0: Force on the slider; Force on the tip, y." in page.inner_text("#inputs")
+    until(page, "document.querySelectorAll('#inputs-over-time dt').length === 1")
 
 
 def test_a_row_of_an_impact_tells_where_it_is(show):

@@ -110,18 +110,18 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
 }
 
 /**
- * Return { time, curves } of inputs for a run: of driven inputs, whose values are the run's columns, and of inputs with steps. A curve has
- * `words` for its input.
+ * Return { time, curves } of inputs for a run: of driven inputs, whose values are the run's columns, and of those that the reader has set,
+ * by the changes `values` or with steps. A curve has `words` for its input.
  */
-function inputCurves({ scene, parameters }, { time, columns }, inputSteps, valueOf) {
+function inputCurves({ scene, parameters }, { time, columns }, { values, inputSteps }, valueOf) {
   const driven = scene.driven.map(({ name, unit }, k) => ({ name, unit, values: columns[k] }));
-  const stepped = Object.entries(inputSteps).map(([name, pairs]) => ({
+  const given = scene.inputs.filter((name) => name in values || name in inputSteps).map((name) => ({
     name,
     unit: parameters.get(name).unit,
     isStepped: true,
-    values: time.map((now) => pairs.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
+    values: time.map((now) => inputSteps[name]?.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
   }));
-  return { time, curves: [...driven, ...stepped].map((curve) => ({ ...curve, words: inputText(curve.name, valueOf) })) };
+  return { time, curves: [...driven, ...given].map((curve) => ({ ...curve, words: inputText(curve.name, valueOf) })) };
 }
 
 /**
@@ -159,7 +159,7 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   if (time.length < 2) return { ...ending, parts: null };
   const column = (word) => columns[words.indexOf(word)];
   const rows = rowsOf(scene, valueOf, { time, impacts: shown, column });
-  const inputs = inputCurves(kernel, first, inputSteps, valueOf);
+  const inputs = inputCurves(kernel, first, { values, inputSteps }, valueOf);
   const outputs = { time, curves: chosen.map(({ name, unit, integer }, k) =>
     ({ name, unit, isStepped: integer, values: columns[words.length + k] })) };
   const frames = times.slice(0, lastBefore(times, time.at(-1)) + 1);
