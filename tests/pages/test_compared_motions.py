@@ -52,6 +52,43 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     assert page.locator("#pins tbody tr").count() == 3
 
 
+def test_letters_of_five_pins_beside_a_wall_stay_in_the_scene(show):
+    page = show("pinned_arm")
+    for value in (0.3, 0.4, 0.5, 0.7, 0.8):
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate(LATER)
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}, "pinned_arm"))
+        until(page, "document.getElementById('stage').ariaBusy === 'false'")
+    page.get_by_role("button", name="Go to impact 1, ").click()
+    until(page, "document.getElementById('time').textContent.startsWith('0.49')")
+    scene = page.locator("#scene").bounding_box()
+    dots = [one.bounding_box() for one in page.locator(".compared-tip:not(.before)").all()]
+    assert len(dots) == 5
+    for dot in dots:
+        for at, size in AXES:
+            assert scene[at] - 0.5 <= dot[at] <= scene[at] + scene[size] - dot[size] + 0.5
+    for one, other in itertools.combinations(dots, 2):
+        assert np.hypot(one["x"] - other["x"], one["y"] - other["y"]) > 14.0
+
+
+def test_after_a_refused_start_no_pin_tells_a_change_and_the_clock_no_rate(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.45})")
+    change = page.locator("#pins tbody tr:nth-child(2) td:nth-child(2) small")
+    percent = re.compile(r"A → now [+−][\d.]+\u202f%")
+    change.filter(has_text=percent).wait_for()
+    assert page.locator("#rate").is_visible()
+    page.evaluate("chainImpact.show({'box.y_min': 1.5})")
+    until(page, "document.body.classList.contains('stale')")
+    change.filter(has_text=re.compile(r"^A → now –$")).wait_for()
+    assert not page.locator("#rate").is_visible()
+    page.get_by_role("button", name="Undo the change of Position of the floor").click()
+    change.filter(has_text=percent).wait_for()
+    assert page.locator("#rate").is_visible()
+
+
 def partners(present, other):
     """Return for each impact the other one of its point and wall, if each is nearest in time to the other."""
 

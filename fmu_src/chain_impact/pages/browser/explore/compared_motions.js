@@ -79,14 +79,14 @@ export class ComparedMotions {
    * its link ends on the screen, `letter` (undefined for the motion before the last change) and `at`, the position of the letter.
    */
   get #shown() {
-    const { drawing: { camera }, clock, recording: shown } = this.player;
+    const { drawing: { camera, size }, clock, recording: shown } = this.player;
     const pinned = this.pinned.map(({ recording, colour }) => ({ recording, kind: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     const tips = [camera.toScreen(...shown.pointAt(shown.frameAt(clock.time), shown.traced))];
     const others = [{ recording: this.before, kind: "before" }, ...pinned].filter(({ recording }) => recording && recording !== shown);
     return others.map(({ recording, kind, letter }) => {
       const frame = recording.frameAt(clock.time);
       const positions = Array.from({ length: recording.links + 1 }, (_, point) => camera.toScreen(...recording.pointAt(frame, point)));
-      const at = letter ? besideOthers(positions[recording.traced], tips) : positions[recording.traced];
+      const at = letter ? besideOthers(positions[recording.traced], tips, size) : positions[recording.traced];
       if (letter) tips.push(at);
       return { recording, frame, kind, letter, positions, at };
     });
@@ -130,7 +130,8 @@ export class ComparedMotions {
       ({ ...motion, letter: lines[k].letter, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
     const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
     const all = [{ recording: player.recording, text }, ...listed];
-    table.replaceChildren(...comparisonTable(all.map((motion) => ({ ...motion, title: this.#title(motion) }))));
+    const isPresent = !document.body.classList.contains("stale"); // else the present values have no motion
+    table.replaceChildren(...comparisonTable(all.map((motion) => ({ ...motion, title: this.#title(motion) })), isPresent));
   }
 
   #title(motion) {
@@ -168,17 +169,27 @@ function isSame(file, other) {
   return file === other || JSON.stringify(file) === JSON.stringify(other);
 }
 
-/** Return a position on the screen, moved to the right until it is at least TIPS_APART away from all positions `others`. */
-function besideOthers([x, y], others) {
-  const isNear = others.some(([left, top]) => Math.hypot(left - x, top - y) < TIPS_APART);
-  return isNear ? besideOthers([x + 1, y], others) : [x, y];
+/**
+ * Return a position on the screen for a letter: inside the drawing, which has the given size, and moved until it is at least TIPS_APART
+ * away from all positions `others`: to the right or, without room there, in a row below or above.
+ */
+function besideOthers(position, others, size) {
+  const inside = (value, axis) => Math.min(Math.max(value, TIP / 2), size[axis] - TIP / 2);
+  const [left, top] = position.map(inside);
+  const isFree = (x, y) => others.every((other) => Math.hypot(other[0] - x, other[1] - y) >= TIPS_APART);
+  for (const way of [TIPS_APART, -TIPS_APART]) {
+    for (let y = top; y === inside(y, 1); y += way) {
+      for (let x = left; x === inside(x, 0); x += 1) if (isFree(x, y)) return [x, y];
+    }
+  }
+  return [left, top];
 }
 
 /**
  * Return the parts of the table that compares `motions`, the present one first: each motion has a `recording`, a `title` and, if it is
- * pinned, a `letter`. The columns of the table are those of `alignedImpacts`.
+ * pinned, a `letter`. The columns of the table are those of `alignedImpacts`. Without `isPresent`, no change to the present motion is told.
  */
-function comparisonTable(motions) {
+function comparisonTable(motions, isPresent) {
   const columns = alignedImpacts(motions.map(({ recording: { impacts } }) => impacts));
   const lettersOf = (column) => motions.filter((_, k) => column[k]).map(({ letter }) => letter).join(", ");
   const headOf = (column) => (column[0] ? `${column[0].number}` : `only ${lettersOf(column)}`);
@@ -186,7 +197,7 @@ function comparisonTable(motions) {
   if (motions.some(({ recording: { impacts } }) => impacts.length > LISTED)) heads.push(`the first ${LISTED} of each motion are listed`);
   const head = make("tr", {}, ...heads.map((textContent) => make("th", { scope: "col", textContent })));
   const body = motions.map(({ title, recording, letter }, k) => {
-    const change = k ? percentText(motions[0].recording, recording) : "";
+    const change = k && (isPresent ? percentText(motions[0].recording, recording) : "–");
     const largest = make("td", { textContent: largestText(recording) });
     if (change) largest.append(make("small", { textContent: `${letter} → now ${change}`, title: "From this motion to the present one" }));
     return make("tr", {}, title, largest, ...columns.map((column) => cellOf(column[k], column[0]?.number)));

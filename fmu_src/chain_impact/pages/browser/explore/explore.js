@@ -64,6 +64,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
     simulation.addCurves(comparedMotions.pins).then((isNew) => isNew && comparedMotions.show());
   } else if (player.recording) {
     player.clock.set({ playing: false });
+    comparedMotions.show();
   }
   showOutcome(parts ? player.recording : undefined);
   window.begun.finishLoad();
