@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
-from tests.pages.in_pages import DESK, PHONE, until, until_told
+from tests.pages.in_pages import DESK, PHONE, impacts_of, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -301,6 +301,33 @@ def test_only_inputs_that_nothing_sets_are_told_to_be_0(show):
     page.get_by_role("button", name="Reset all").click()
     assert "These inputs are 0: Force on the slider; Force on the tip, y." in page.inner_text("#inputs")
     until(page, "document.querySelectorAll('#inputs-over-time dt').length === 1")
+
+
+def test_the_slider_of_the_restitution_ends_where_the_law_does(show):
+    """A law that does not allow 0 ends at one step of the slider, any other law at 0."""
+    page = show()
+    slider = page.get_by_role("slider", name="Restitution")
+    slider.press("Home")
+    until(page, "chainImpact.parameters['contact.restitution'] === '0.0025'")
+    until_told(page, impacts_of({"contact.restitution": 0.0025}))
+    assert not page.locator("#status").is_visible()
+    slider.press("End")
+    until(page, "chainImpact.parameters['contact.restitution'] === '1'")
+    page.evaluate("chainImpact.show({ 'contact.model': 'hunt_crossley' })")
+    slider.press("Home")
+    until(page, "chainImpact.parameters['contact.restitution'] === '0'")
+
+
+def test_the_words_for_a_contact_without_a_curve_are_whole(show):
+    page = show("bouncing_ball")
+    title = page.locator("#contact-name")
+    assert "no force over time is known" in title.inner_text()
+    whole = "(one) => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight"
+    assert title.evaluate(whole)
+    assert title.bounding_box()["height"] > 30.0, "two lines"
+    card = page.locator("#contact").bounding_box()
+    box = title.bounding_box()
+    assert box["y"] + box["height"] <= card["y"] + card["height"]
 
 
 def test_a_row_of_an_impact_tells_where_it_is(show):

@@ -102,11 +102,23 @@ function mainParameter(changes, entry, now) {
  * stiffness, and a law without losses no restitution; "" if the law uses the number.
  */
 export function idleLaw(changes, key, ofStops) {
-  const { contact, stops } = changes.scene.file;
-  const model = changes.parameters.get("contact.model");
-  const law = (ofStops && stops.model) || (model?.items[changes.valueOf(model.name) - 1]?.[0] ?? contact.model);
+  const law = lawOf(changes, ofStops);
   const fact = { stiffness: "impulsive", restitution: "lossless" }[key];
   return SHARED.laws[law]?.[fact] ? law : "";
+}
+
+/** Return the name of the present law of walls or, if `ofStops`, of stops of joints. */
+function lawOf(changes, ofStops) {
+  const { contact, stops } = changes.scene.file;
+  const model = changes.parameters.get("contact.model");
+  return (ofStops && stops.model) || (model?.items[changes.valueOf(model.name) - 1]?.[0] ?? contact.model);
+}
+
+/** Return the least value that the slider of a parameter gives: that of the first step if the scale has 0 there, and 0 is not allowed. */
+function leastOf(changes, { name, spread }) {
+  if (spread) return rounded(changes.starts[name] / 100);
+  const isRefused = name.endsWith("restitution") && SHARED.laws[lawOf(changes, name.startsWith("stop."))]?.allows_zero === false;
+  return isRefused ? rounded(1 / STEPS) : -Infinity;
 }
 
 /** Return an element for the sentence on a parameter's choice, and `show`, a function that writes the sentence on the present choice. */
@@ -143,7 +155,7 @@ function slider(changes, entry, { field, write, now, unit }) {
     const from = Number(time.toFixed(6));
     isDragged = true;
     if (entry.isInput && isPlaying && from > 0) attempt(element, () => changes.setFrom(name, value, from));
-    else attempt(element, () => changes.set({ [name]: Math.max(value, entry.spread ? rounded(changes.starts[name] / 100) : value) }));
+    else attempt(element, () => changes.set({ [name]: Math.max(value, leastOf(changes, entry)) }));
   });
   // dragging a slider back to its first value causes no event `change`, so other events end the drag, too
   ["change", "pointerup", "pointercancel"].forEach((end) => element.addEventListener(end, () => {
