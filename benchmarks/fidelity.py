@@ -119,7 +119,7 @@ SIZE = (11.0, 4.6)  # inches, of the chart
 
 def draw(figure: Any, record: dict[str, Any]) -> None:
     """Draw error against CPU time, at both times."""
-    panels = figure.subplots(1, 2)
+    panels = figure.subplots(1, 2, sharey=True)
     for stop, axes in zip(PROBLEM.times, panels, strict=True):
         rows = [row for row in record["results"] if row["stop"] == stop and "seconds" in row]
         draw_stiffness(axes, rows)
@@ -140,8 +140,8 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
         figure,
         f"Error of the tip: {number(wrong, 1)} mm or more by another law or stiffness, "
         f"{number(right['tip'], 1)} mm by the solver",
-        f"four_link_box to {PROBLEM.times[0]} s  ·  right: zhang_sharf with the stiffness of steel, in "
-        f"{1e3 * right['seconds']:.1g} ms  ·  numbers at points: tolerances",
+        f"four_link_box to {PROBLEM.times[0]} s  ·  the solver's error: with zhang_sharf and the stiffness "
+        f"of steel, in {1e3 * right['seconds']:.1g} ms  ·  numbers at points: tolerances",
     )
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
 

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.pictures import style
 from chain_impact.pictures.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
 
-OURS = VERMILLION
+OURS, LIGHT_BLUE = VERMILLION, "#56b4e9"
 STYLE = style.STYLE | {"axes.grid": True}
 LOOKS = {
     "chain-impact": (OURS, "o", "-"),

@@ -64,6 +64,23 @@ def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> fl
 
     If even the loosest run has a smaller error, return the time of this run; if no run is so accurate, None.
     """
+    line = _front(rows, key)
+    if not line or error <= 0.0 or math.log(error) < line[0][0]:
+        return None
+    return math.exp(np.interp(math.log(error), [x for x, _ in line], [y for _, y in line]))
+
+
+def above_loosest(error: float, rows: list[dict[str, Any]], key: str = "tip") -> float:
+    """Return an error relative to that of a contender's loosest run, but at least 1.
+
+    With 1, ``seconds_at`` is the time for an equal error; otherwise it is the time for this smaller error.
+    """
+    line = _front(rows, key)
+    return max(1.0, error / math.exp(line[-1][0]))
+
+
+def _front(rows: list[dict[str, Any]], key: str) -> list[tuple[float, float]]:
+    """Return the logarithms of error and time [s] of a contender's runs, the smallest error first."""
     points = [
         (row[key], row["seconds"]["median"])
         for row in rows
@@ -71,7 +88,4 @@ def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> fl
     ]
     # a run with a worse error and time than another run is not part of the front
     front = [(x, y) for x, y in points if not any(a < x and b < y for a, b in points)]
-    line = sorted((math.log(x), math.log(y)) for x, y in front)
-    if not line or error <= 0.0 or math.log(error) < line[0][0]:
-        return None
-    return math.exp(np.interp(math.log(error), [x for x, _ in line], [y for _, y in line]))
+    return sorted((math.log(x), math.log(y)) for x, y in front)

@@ -21,11 +21,12 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
 from benchmarks import common
+from benchmarks.looks import LIGHT_BLUE
 from benchmarks.peers.cvode import OVER_BUDGET, Cvode
 from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
-from chain_impact.pictures.dark import ORANGE, SKY
+from chain_impact.pictures.dark import ORANGE
 from chain_impact.pictures.style import BLUE, GREEN, PURPLE, VERMILLION, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
@@ -53,7 +54,7 @@ OUTSIDE = 1e-9  # m, depth without a contact at which an onset was missed
 
 OUTCOMES = {
     "completed": GREEN,
-    "over budget": SKY,
+    "over budget": LIGHT_BLUE,
     "gained energy": VERMILLION,
     "tunnelled": PURPLE,
     "not finite": "black",

@@ -65,6 +65,39 @@ def test_a_chart_is_drawn_with_its_quantities_above_and_figures_below(charts, na
     assert re.search(r"\d", " ".join(text.get_text() for text in page.texts if text.get_text() != title))
 
 
+def test_the_chart_of_friction_tells_factors_of_time_and_error(charts):
+    module, results = charts("friction"), stored("friction")["results"]
+    title, text = module.told(results)
+    at = {
+        key: next(r for r in results[key] if (r["name"], r["setting"]) == (module.CREEPS, module.SHOWN))
+        for key in module.TIMES
+    }
+    ours = {key: max(r["error"] for r in results[key] if r["name"] == "ours") for key in module.TIMES}
+    more = sorted(at[key]["error"] / ours[key] for key in module.TIMES)
+    assert more[0] > 10.0, "the errors are not equal"
+    times = sorted(row["times ours"] for row in at.values())
+    assert f"at least {times[0]:.2g} times our CPU time" in title
+    assert f"{more[0]:.2g} to {more[1]:.2g} times the error" in text
+    assert "equal error" not in title + text
+
+
+def test_an_error_is_compared_with_that_of_the_loosest_run(charts):
+    race = charts("race")
+    runs = ((1e-6, 3.0), (1e-3, 1.0), (1e-2, 2.0))
+    rows = [{"tip": tip, "seconds": {"median": time}} for tip, time in runs]
+    assert race.above_loosest(1e-4, rows) == 1.0
+    assert race.above_loosest(5e-2, rows) == pytest.approx(50.0)
+    assert race.seconds_at(5e-2, rows) == pytest.approx(race.seconds_at(1e-3, rows))
+
+
+def test_both_panels_of_the_errors_of_models_have_the_same_limits(charts):
+    _, page = message(charts("fidelity"), stored("fidelity"))
+    first, second = page.axes
+    assert first.get_ylim() == second.get_ylim()
+    assert first.get_xlim() != second.get_xlim()
+    assert "right" not in " ".join(text.get_text() for text in page.texts)
+
+
 def test_a_peer_without_a_time_is_a_gap(charts):
     module, record = charts("work_precision"), stored("work_precision")
     results = record["results"]
