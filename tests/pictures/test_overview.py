@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Text
 
@@ -310,8 +311,14 @@ def test_legends_have_each_entry_once():
     legend_above(first, [Patch(label="sticks")])
     legend_above(second, [Patch(label="sticks")])
     fit_legends(first.figure)
-    assert first.get_legend() is None
-    assert second.get_legend() is not None
+    assert second.get_legend() is None
+    assert first.get_legend() is not None
+    first, second = Figure((4.0, 6.0)).subplots(2)
+    legend_above(first, [Line2D([], [], linestyle="-", label="point 1")])
+    legend_above(second, [Line2D([], [], linestyle="--", label="point 1")])
+    fit_legends(first.figure)
+    assert first.get_legend() is not None
+    assert second.get_legend() is not None, "another look"
 
 
 def test_a_legend_in_two_rows_is_read_row_by_row():

@@ -41,6 +41,7 @@ UMBER, PLUM, OCHRE = "#6b4c00", "#5c1a6e", "#c07f00"
 YELLOW, SKY, ORANGE = "#f0e442", "#8fd3ff", "#e69f00"
 # colour of a curve on white → the colour on a dark ground; mixed with white, the curve would look like others
 REPLACED = {UMBER: YELLOW, PLUM: SKY, OCHRE: ORANGE}
+NO_MARK = ("", "None", None)  # what matplotlib returns as the marker of a line without marks
 COLOURED = 0.3  # a colour with less saturation counts as a grey
 # On a dark ground, the distance of a grey from the ground, 0…1, is raised to this power. The distance becomes
 # larger, because greys near black are hard to see.
@@ -91,6 +92,9 @@ class Ground(NamedTuple):
                 artist.set_color(self.suited(artist.get_color()))
                 artist.set_markerfacecolor(self._suited_or_none(marker[0]))
                 artist.set_markeredgecolor(self._suited_or_none(marker[1]))
+                opacity = artist.get_alpha()
+                if opacity is not None and artist.get_marker() not in NO_MARK:
+                    artist.set_alpha(self._opacity(opacity, artist.get_color()))
             elif isinstance(artist, Collection | AxesImage):
                 self._suit_mapped(artist)
             elif isinstance(artist, Patch):
@@ -106,6 +110,13 @@ class Ground(NamedTuple):
             # ticks that matplotlib makes later get the colours of the axis, too
             elif isinstance(artist, Axis):
                 artist.set_tick_params(which="both", color=self.text, labelcolor=self.text)
+
+    def _opacity(self, least: float, colour: Any) -> float:
+        """Return the opacity of marks, at least ``least``, with which their colour is seen on this ground."""
+        low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(colour))
+        needed = least_luminance(self.ground, VISIBLE_CONTRAST)
+        tried = np.linspace(least, 1.0, MIXTURES).tolist()
+        return next((part for part in tried if luminance(low + part * (high - low)) >= needed), 1.0)
 
     def _suited_or_none(self, colour: Any) -> Any:
         return colour if isinstance(colour, str) and colour == "none" else self.suited(colour)

@@ -18,6 +18,7 @@ ABOVE_AXES: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
 BESIDE_AXES: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
 # the space between two entries in a row of a legend, and between two rows, relative to the font size
 ENTRY_GAP, ROW_GAP = 0.8, 0.2
+LOOKS = ("color", "facecolor", "linestyle", "marker")  # by which two entries with one label differ
 MARK = "above"  # the matplotlib identifier (gid) of a legend above its axes, by which the legend is found
 
 
@@ -60,22 +61,22 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break each legend above its axes into rows, as few as fit into the width of the axes.
 
-    In a narrow figure, an entry that is also in the legend of lower axes is removed, and so is a legend
-    without entries. ``wanted`` are the axes whose legends are broken, by default all axes, from the top to
-    the foot. Returns whether a legend has changed its size or was removed.
+    In a narrow figure, an entry that is also in the legend of higher axes, with the same look, is removed,
+    and so is a legend without entries. ``wanted`` are the axes whose legends are broken, by default all axes,
+    from the top to the foot. Returns whether a legend has changed its size or was removed.
     """
     is_changed = False
-    labels_below: set[str] = set()
-    for axes in reversed(figure.axes if wanted is None else wanted):
+    known: set[tuple[str, ...]] = set()
+    for axes in figure.axes if wanted is None else wanted:
         legend: Any = axes.get_legend()
         if legend is None or legend.get_gid() != MARK:
             continue
         before = legend.get_window_extent().size
         labels = [text.get_text() for text in legend.get_texts()]
         entries = list(zip(legend.legend_handles, labels, strict=True))
-        kept = [(handle, label) for handle, label in entries if label not in labels_below]
+        kept = [(handle, label) for handle, label in entries if (label, *_look(handle)) not in known]
         if is_narrow(figure):
-            labels_below.update(label for _, label in kept)
+            known.update((label, *_look(handle)) for handle, label in kept)
         if len(kept) < len(entries):
             legend.remove()
             _put(axes, kept)
@@ -85,6 +86,12 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
             _fill_rows(legend, axes.get_window_extent().width)
         is_changed |= not kept or not np.allclose(legend.get_window_extent().size, before)
     return is_changed
+
+
+def _look(handle: Any) -> list[str]:
+    """Return the colours, the line and the mark of an entry of a legend as texts, as far as it has them."""
+    getters = (getattr(handle, f"get_{name}", None) for name in LOOKS)
+    return [str(getter()) for getter in getters if getter is not None]
 
 
 def _put(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:

@@ -6,9 +6,11 @@ import itertools
 import re
 from dataclasses import replace
 
+import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.collections import PathCollection
+from matplotlib.colors import to_rgb
 
 from chain_impact import fit, load_scene, simulate
 from chain_impact.pictures.style import PEAK_COLOUR
@@ -16,6 +18,7 @@ from chain_impact.studies.fit.estimates import LawEstimates
 from chain_impact.studies.fit.plot import MOST_DOTS, MOST_IN_TITLE, running_means
 from chain_impact.studies.fit.report import heading, sigma_of
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
+from tests.pictures.pictures import contrast
 
 SIGMA = dict.fromkeys(TIP, NOISE) | {"onset": 1e-4}
 
@@ -139,6 +142,22 @@ def test_a_narrow_page_has_one_column(found):
     )
     with pytest.raises(ValueError, match="must be width and height"):
         found.plot(size=(1.0, 1.0))
+
+
+@pytest.mark.parametrize("style", ["default", "dark_background"])
+def test_the_first_panel_of_a_narrow_page_explains_the_curve_and_the_dots(found, style):
+    with matplotlib.style.context(style):
+        page = found.plot(size=(84 / 25.4, None))
+    legends = [panel.get_legend() for panel in page.axes[::2]]
+    told = [[text.get_text() for text in legend.get_texts()] if legend else [] for legend in legends]
+    first, second, onsets = told
+    assert [text.partition(" ")[0] for text in first] == ["model", "measured", "±"]
+    assert "measured" not in " ".join(second), "the same dots"
+    assert {"model", "measured"} <= {*onsets}, "a circle and bars are other marks"
+    _, points = page.axes[0].get_lines()
+    ground, colour = (np.array(to_rgb(each)) for each in (page.get_facecolor(), points.get_color()))
+    seen = ground + points.get_alpha() * (colour - ground)
+    assert contrast(seen, ground) > (3.0 if style == "dark_background" else 1.5)
 
 
 def test_the_picture_of_a_fit_is_written_to_a_file(found, tmp_path):
