@@ -41,6 +41,18 @@ def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
     assert counts.get_ydata()[-1] == len(result.impacts)
 
 
+def test_small_lengths_are_in_millimetres_below_a_force_with_a_legend(result):
+    page = result.plot(curves=[FORCES, "contact[*].y_min.penetration", "point[4].y"], size=(84 / 25.4, None))
+    forces, lengths = page.axes
+    assert forces.get_legend() is not None
+    assert lengths.get_ylabel() == "[m]", "a point is 1 m above the floor"
+    forces, depths = result.plot(curves=[FORCES, "contact[*].y_min.penetration"], size=(84 / 25.4, None)).axes
+    assert forces.get_legend() is not None
+    assert depths.get_ylabel() == "penetration [mm]"
+    deepest = max(line.get_ydata().max() for line in depths.lines)
+    assert deepest == pytest.approx(1e3 * result.impacts["max_penetration"].max(), rel=1e-2)
+
+
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("width", [118, 120, 125])  # [mm]
 def test_the_label_of_the_time_stays_within_the_figure(width):

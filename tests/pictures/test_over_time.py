@@ -51,6 +51,15 @@ def test_every_impact_is_in_the_picture(model):
     assert [path[0, 0] for path in lines.get_segments()] == recording.impacts["onset"].tolist()
 
 
+@pytest.mark.parametrize(("model", "told"), [("sliding_rod", True), ("rod_drop", False)])
+def test_the_legend_says_that_impacts_stand_at_their_peaks(model, told):
+    recording = recorded(model)
+    late = impacts_at_peaks(recording)["onset"] - recording.impacts["onset"]
+    assert (late.max() > 0.1) == told
+    texts = [text.get_text() for text in impacts_of(recording).get_legend().get_texts()]
+    assert ("impacts, at the time of their peak force" in texts) == told
+
+
 @pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", MODELS)
 def test_a_number_stands_near_its_impact_and_counts_in_time(model):

@@ -58,6 +58,7 @@ END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
 TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
+SMALL = 0.1  # [m] a panel with smaller lengths only has the unit mm or µm
 LONGEST = 14  # a name with more characters has two lines as the label of a panel with one curve
 # the largest number of curves for a legend beside the panel; with more curves the legend is above the panel
 SIDE = 8
@@ -362,10 +363,12 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     """Return the factor from ``unit`` to an axis's unit for some curves, and the axis's unit: kN for 5000 N.
 
-    Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``).
+    Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``),
+    and the unit m if all |values| are below SMALL.
     """
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
-    return load_unit(largest, unit) if unit in LOAD_UNITS else (1.0, unit)
+    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest < SMALL)
+    return load_unit(largest, unit) if has_prefix else (1.0, unit)
 
 
 def vector_of(names: Sequence[str]) -> str:

@@ -46,6 +46,7 @@ ONE_MARK = 0.005
 # [points] the widths of the line at an impact and of the line that shows a contact, the size of the mark at
 # its start, and the height of a row of these lines
 STEM, CONTACT, CONTACT_MARK, ROW = 0.8, 2.0, 3.5, 4.5
+STEM_KEY = 8.0  # [points] the height of the line at an impact in the legend
 SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
 HOLLOW: dict[str, Any] = {"color": INK, "markerfacecolor": "white", "markeredgewidth": 0.8}
 # Marks of points, and of joints at their stops. The marks differ in form, not in colour, because colours
@@ -111,6 +112,16 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         handles, _ = axes.get_legend_handles_labels()
         if (ends - onsets > SEEN_CONTACT * span).any():
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
+        if (late := times > onsets).any():
+            words, *_ = measure(recording, is_stop=bool(stopped[late].all()))
+            stem: dict[str, Any] = {
+                "color": INK,
+                "marker": "|",
+                "markersize": STEM_KEY,
+                "markeredgewidth": STEM,
+            }
+            told = f"impacts, at the time of their {words}"
+            handles.append(Line2D([], [], linestyle="", label=told, **stem))
         legend_above(axes, handles)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
