@@ -16,6 +16,7 @@ from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.differences import slope
 
 NAMES = ("contact.*", "link[2].mass", "link[2].joint_rest_angle", "initial.*", "joint[1].torque")
+FOUR = ("contact.stiffness", "contact.restitution", "link[2].mass", "contact.exponent")
 
 
 @pytest.fixture(scope="module")
@@ -164,13 +165,60 @@ def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
     share = signed(100.0 * change / ranking.value).replace("-", "−")
     page = checked.plot()
     assert all(share in text.get_text() for axes in page.axes for text in axes.texts)
-    assert "2 of 2 effects differ" in " ".join(page.texts[1].get_text().split())
+    assert "for 2 effects: all differ by more" in " ".join(page.texts[1].get_text().split())
     for axes in page.axes:
         marks = [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "D"]
         assert marks == [change]  # on the scale of the bars
         assert axes.get_xlim()[0] <= change <= axes.get_xlim()[1]
         assert [bar.get_facecolor()[3] for bar in axes.patches] == [0.0]  # hollow
     assert all(bar.get_facecolor()[3] == 1.0 for axes in ranking.plot().axes for bar in axes.patches)
+
+
+def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
+    ranking = result.ranking("point[2].x", FOUR)
+    runs = [0.02, -0.01, 0.03, 0.01]  # m
+    firsts = [400.0, -90.0, 0.029, -0.5]  # m
+    effects = tuple(
+        effect._replace(change=first, simulated=run)
+        for effect, first, run in zip(ranking.effects, firsts, runs, strict=True)
+    )
+    page = replace(ranking, effects=effects).plot(size=(120 / 25.4, None))
+    page.draw_without_rendering()
+    (axes,) = page.axes
+    assert axes.get_xlabel() == "change [mm]"
+    assert np.abs(axes.get_xlim()) == pytest.approx([43.5, 43.5], rel=0.1)
+    arrows = {line.get_marker(): [] for line in axes.lines} | {"D": []}
+    for line in axes.lines:
+        arrows[line.get_marker()].append(line.get_ydata()[0])
+    assert arrows[">"] == [0]
+    assert arrows["<"] == [1, 3]
+    assert len(arrows["D"]) == 3, "the third run confirms its effect"
+    told = " ".join(page.texts[1].get_text().split())
+    assert "3 differ by more than 25 % (hollow bars; the diamond is the run); a bar with an arrow" in told
+    title = page.get_suptitle()
+    assert "effect of" in title.replace("\n", " ")
+    assert "+\n" not in title
+
+
+def test_bars_that_a_run_refutes_stay_whole_if_the_run_is_of_their_size(result):
+    ranking = result.ranking("point[2].x", FOUR[:2])
+    pairs = zip(ranking.effects, (0.02, 0.1), strict=True)
+    effects = tuple(effect._replace(change=0.05, simulated=run) for effect, run in pairs)
+    page = replace(ranking, effects=effects).plot()
+    assert not [line for line in page.axes[0].lines if line.get_marker() in "<>"]
+    assert "arrow" not in " ".join(text.get_text() for text in page.texts)
+
+
+def test_the_words_on_effects_without_a_run_count_them_once(result):
+    ranking = result.ranking("point[2].x", FOUR)
+    first, second, *rest = ranking.effects
+    checked = [e._replace(simulated=2.0 * e.change) for e in (first, second)]
+    found = replace(ranking, effects=(*checked, *rest))
+    assert found.verdict(checked) == (
+        "runs with the new values for 2 of 4 effects: all differ by more than 25 %"
+    )
+    one = [checked[0], second._replace(simulated=second.change)]
+    assert found.verdict(one) == "runs with the new values for 2 of 4 effects: 1 differs by more than 25 %"
 
 
 def test_an_effect_whose_run_lacks_the_impact_is_refuted(result):

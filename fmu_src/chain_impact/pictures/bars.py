@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.figures import settle
 from chain_impact.pictures.style import (
@@ -35,6 +37,10 @@ THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar of each
 # block is at most ONE_SCALE times as long as the longest bar of any other block.
 ONE_SCALE = 10.0
+CUT = 4.0  # if bars are longer than CUT times all marks, and marks refute most bars, long bars are cut off
+ROOM_BESIDE = 1.5  # the arrow at the end of a bar is seen beside the mark that is farthest from 0
+CUT_BARS = "; a bar with an arrow is longer than the axis"
+ARROW_HEAD = 6.0  # [points] the size of the arrow at the end of a bar that is cut off
 
 
 @dataclass(frozen=True)
@@ -66,9 +72,24 @@ class Bars:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The ends of the axis without margins: the least and the largest of 0, all values and all marks."""
+        """The ends of the axis without margins: the least and the largest of 0, all values and all marks.
+
+        If most bars have marks, which are all much nearer to 0 than the longest bar (CUT), longer bars are
+        cut off at ROOM_BESIDE times the largest distance of a mark, or of a bar without mark, from 0.
+        """
         seen = [value for value in (*self.values, *self.marks) if value is not None and math.isfinite(value)]
-        return min([0.0, *seen]), max([0.0, *seen])
+        low, high = min([0.0, *seen]), max([0.0, *seen])
+        marks = self.marks or [None] * len(self.values)
+        shown = [v if mark is None else mark for v, mark in zip(self.values, marks, strict=True)]
+        reach = max((abs(value) for value in shown if math.isfinite(value)), default=0.0)
+        is_refuted = 2 * sum(mark is not None for mark in marks) > len(marks)
+        if is_refuted and 0.0 < CUT * reach < max(-low, high):
+            return max(low, -ROOM_BESIDE * reach), min(high, ROOM_BESIDE * reach)
+        return low, high
+
+    def are_cut(self, ends: tuple[float, float]) -> bool:
+        """Return whether a bar is longer than an axis with these ends."""
+        return any(not ends[0] <= value <= ends[1] for value in self.values if math.isfinite(value))
 
 
 def bars_size(counts: Sequence[int]) -> tuple[float, float]:
@@ -89,6 +110,9 @@ def fill_bars(
         blocks: the blocks, each with at least one bar; without a block the picture says "no effect".
         warning: a text in PEAK_COLOUR between title and conditions; "" for none.
     """
+    scales = _scales(blocks) if blocks else []
+    if any(block.are_cut(ends) for block, ends in zip(blocks, scales, strict=True)):
+        warning += CUT_BARS
     headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
     if not blocks:
         axes = figure.subplots()
@@ -97,7 +121,7 @@ def fill_bars(
         return
     heights = [len(block.names) for block in blocks]
     grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
-    for axes, block, ends in zip(grid, blocks, _scales(blocks), strict=True):
+    for axes, block, ends in zip(grid, blocks, scales, strict=True):
         draw_bars(axes, block, ends, small=is_narrow(figure))
     settle(figure)
 
@@ -134,6 +158,9 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
         marks = block.marks or [None] * len(rows)
         hollow = ["none" if mark is not None else colour for mark, colour in zip(marks, colours, strict=True)]
         axes.barh(rows, block.values, THICK, color=hollow, edgecolor=colours)
+        for place, (value, colour) in enumerate(zip(block.values, colours, strict=True)):
+            if not ends[0] <= value <= ends[1]:
+                _draw_arrow(axes, place, colour, to_right=value > 0.0)
         for place, mark in enumerate(marks):
             if mark is not None:
                 axes.plot([mark], [place], "D", color=INK, markersize=RUN_MARK)
@@ -159,3 +186,14 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
     low, high = ends
     margin = BAR_MARGIN * (high - low)
     axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))
+
+
+def _draw_arrow(axes: Axes, row: int, colour: str, *, to_right: bool) -> None:
+    """Draw an arrow inside the right or the left edge of axes, in the row of a bar that is cut off."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    side = 1.0 if to_right else -1.0
+    inward = ScaledTranslation(-0.5 * side * ARROW_HEAD / 72.0, 0.0, figure.dpi_scale_trans)
+    look: dict[str, Any] = {"color": colour, "markersize": ARROW_HEAD, "markeredgewidth": 0.0}
+    transform = axes.get_yaxis_transform() + inward
+    axes.plot([float(to_right)], [row], ">" if to_right else "<", transform=transform, **look)

@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 
 from matplotlib.text import Text
 
-# pattern of a space at which a line may end: not beside =, ≤ or ±, and not before a unit
-BREAKABLE_SPACE = re.compile(r"(?<![=≤±]) (?![=≤±]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
+# pattern of a space at which a line may end: not beside =, ≤ or ±, after +, or before a unit
+BREAKABLE_SPACE = re.compile(r"(?<![=≤±+]) (?![=≤±]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions of a run; lines end here if possible
 COMMA = ", "  # the text between two parts of a headline
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line

@@ -182,7 +182,8 @@ class Ranking:
         count = sum(effect.differs for effect in checked)
         if not count:
             return f"runs with the new values confirm {found} within {limit}"
-        return f"runs with the new values: {count} of {found} differ by more than {limit}"
+        many = "all differ" if count == len(checked) > 1 else f"{count} differ{'s' * (count == 1)}"
+        return f"runs with the new values for {found}: {many} by more than {limit}"
 
     def _other(self, checked: Sequence[Effect]) -> Iterator[str | TextTable]:
         """Yield a table of the effects that differ in a run with the new value; nothing if there are none."""
@@ -234,7 +235,9 @@ class Ranking:
         from chain_impact import pictures
 
         percent, blocks = f"{100.0 * PART:g} %", self._blocks()
-        sizes = [max(abs(effect.change) for effect in effects) for effects in blocks]
+        reach = [max(map(abs, pictures.Bars(**self._bars(effects, 1.0)).ends)) for effects in blocks]
+        longest = [max(abs(effect.change) for effect in effects) for effects in blocks]
+        sizes = list(map(min, reach, longest))
         if blocks and pictures.have_one_scale(sizes):
             sizes = [max(sizes)] * len(sizes)
         factor, unit = readable(self.value, self.unit)
@@ -276,7 +279,7 @@ class Ranking:
     def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:
         """Return the arguments of ``pictures.Bars`` for effects; their unit has a prefix that suits ``size``.
 
-        ``size`` is the largest change of the quantity in the block or, with one scale, in all blocks.
+        ``size`` is the length of the longest bar in the block or, with one scale, in all blocks.
         """
         factor, unit = readable(size, self.unit)
         values = [factor * effect.change for effect in effects]
