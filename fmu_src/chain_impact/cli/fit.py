@@ -115,7 +115,7 @@ def run(options: argparse.Namespace) -> int:
     if options.scene:
         result.save(options.scene, scene_path(options.source))
         say(f"scene    {options.scene}")
-    # the result is printed before the picture is drawn, which fails if --size is too small
+    # the result is printed before `write_picture` draws, because drawing fails if --size is too small
     say(repr(result))
     write_picture(options.plot, options.size, result.plot)
     return 0

@@ -147,7 +147,8 @@ class Source:
 def _changed(scene: Scene, name: str, value: float) -> Recording | None:
     """Return a run of a scene with another ``value`` of the parameter or input ``name``.
 
-    An input has the value during the whole run. The result is None if the run is not possible.
+    An input has the value during the whole run. The result is None if the scene refuses the value, or if
+    the run ends with a fault.
     """
     inputs = {name: value} if input_key(name) else {}
     try:

@@ -106,8 +106,8 @@ def browser_module(law_file: str = "") -> Path:
 def _lowered_kernel(what: str) -> str:
     """Return the text of a part of the kernel, KERNEL or DERIVATIVES, in LLVM's language.
 
-    The part is ready, from the cache, or newly lowered. The text fits all scenes: ``compilers.complete`` adds
-    the sizes.
+    The text is that of ``ready.module``, if it exists, for KERNEL; else from the cache, or newly lowered.
+    The text fits all scenes: ``compilers.complete`` adds the sizes.
     """
 
     def lower(module: Path) -> None:

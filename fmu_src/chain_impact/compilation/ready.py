@@ -63,11 +63,11 @@ def for_release() -> bool:
 
 
 def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the scenes for which a kernel is compiled that must run the scenes ``wanted``.
+    """Return the sizes for which to compile the kernel that runs scenes of the sizes ``wanted``.
 
-    A number of links is returned only while a wheel for release is built, and only if this wheel gets a
-    kernel for this number; otherwise None is returned in its place, for any number of links. GENERAL, None,
-    and a tuple of all counts and flags of a scene are returned unchanged. ``kind`` is KERNEL or DERIVATIVES.
+    If ``wanted`` is a number of links, the result is this number while a wheel for release is built that gets
+    a kernel for this number, else None, for any number of links. If ``wanted`` is GENERAL, None, or a tuple
+    of all counts and flags of a scene, the result is ``wanted``. ``kind`` is KERNEL or DERIVATIVES.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 

@@ -248,9 +248,10 @@ def _radii(scene: Scene) -> list[float | None]:
 
 
 def _limits(scene: Scene) -> Iterator[tuple[str, float | None]]:
-    """Yield (name, value) of the limit of the drives of each joint and of the slider.
+    """Yield (name, value) of the drive's limit for the joint of each link and for the slider, if any.
 
-    A name is, for example, ``link[1].joint_torque_limit``; the value [N·m or N] is None without a limit.
+    A name is ``link[1].joint_torque_limit`` [N·m], for example, or ``slider.force_limit`` [N]. The value of a
+    drive without a limit is None.
     """
     for i, link in enumerate(scene.chain.links, 1):
         yield f"link[{i}].joint_torque_limit", link.joint_torque_limit

@@ -348,7 +348,7 @@ def land(d, theta):
 
 
 def begin_step(d):
-    """Apply events and inputs at the end of the last step, set up the next; return the number of events."""
+    """Apply events and inputs at the last step's end, set up the next step; return the number of events."""
     events, kinked = apply_pending_events(d)
     if d.given.changed:
         apply_next_piece(d)

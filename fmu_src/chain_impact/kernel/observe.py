@@ -157,7 +157,7 @@ def fill_state(d, theta):
 
 
 def fill_forces(d):
-    """Fill the outputs of contacts, except impulses; points must be located, and the rate just evaluated."""
+    """Fill the outputs of contacts, except impulses, from the located points and the last evaluated ẏ."""
     out = d.output
     for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0

@@ -228,7 +228,7 @@ def _change_in_run(
 
 
 def _size_text(size: float, unit: str) -> str:
-    """Return a |change| as text, with a unit whose prefix suits the number: "362 µm"."""
+    """Return a |change| as text, if possible with a unit whose prefix suits the number: "362 µm"."""
     scale, readable_unit = readable(size, unit)
     return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
 

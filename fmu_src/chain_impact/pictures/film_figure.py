@@ -182,7 +182,7 @@ class Film:
         return [*draw_room(self.scene, self.view, walls), *pin]
 
     def _moved_room(self, frame: int) -> list[Artist]:
-        """Draw walls and the base's mark anew for a frame, and return the artists; [] if nothing moves."""
+        """Draw walls and the base's mark anew for a frame; return the artists; [] if none of them moves."""
         if not self.room_moves:
             return []
         for artist in self.room:

@@ -184,8 +184,8 @@ def stop_scale(recording: Recording) -> float:
 def marks_of(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Return the position of each impact's mark in the panel: times [s] and heights, each of shape (I,).
 
-    The time is that of the largest force or the onset (``impacts_at_peaks``). The height, in the unit of the
-    left axis, is the value by ``measure`` or, at stops of joints, this value times ``stop_scale``.
+    The time is that of the largest force, or else the onset (``impacts_at_peaks``). The height, in the unit
+    of the left axis, is the value by ``measure`` or, at stops of joints, this value times ``stop_scale``.
     """
     at_walls, at_stops = (measure(recording, is_stop=is_stop)[-1] for is_stop in (False, True))
     return impacts_at_peaks(recording)["onset"], at_walls + stop_scale(recording) * at_stops

@@ -1,4 +1,4 @@
-"""The points of links that are not link ends, and the parameters that decide how bodies are drawn."""
+"""Points of links that are not link ends, and parameters for drawing bodies and the slider's line."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ class Effect(NamedTuple):
 
 
 def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
-    """Return two lists: effects of steps of 1 %, and, for parameters with the value 0, of fixed steps.
+    """Return two lists: effects of steps of 1 % of the value, and effects of fixed steps, if the value is 0.
 
     The sizes of effects in different lists cannot be compared.
     """

@@ -57,7 +57,7 @@ def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[Data
 
 
 def above(paths: Iterable[Any]) -> set[DataPath]:
-    """Return the paths of all tables and lists that contain one of the values at ``paths``.
+    """Return the paths of all tables and lists that contain a value at ``paths``, without the whole data.
 
     An entry of ``paths`` that is no path, such as the name of a value, is ignored.
     """

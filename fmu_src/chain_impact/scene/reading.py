@@ -364,9 +364,9 @@ def _convert(kind: Any, value: Any) -> Any:
 
 
 def meant_number(value: Any, unit: str) -> str:
-    """Return a hint how to write a text with a number in another form; "" for any other value.
+    """Return a hint how to write the number that a text has in a wrong form; "" for any other value.
 
-    The text may have a unit that differs from ``unit`` by a prefix, a power of ten, a decimal comma, or
+    A wrong form has a unit (``unit`` with any prefix, or %), a power such as 10^7, a decimal comma, or
     several values.
     """
     if not isinstance(value, str):

@@ -236,7 +236,7 @@ def _plain(value: Any) -> Any:
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene without [stops], [signals], materials and ``points`` that are empty."""
+    """Return a scene's data without empty [stops], [signals] and ``points``, and materials without values."""
     data, contact, chain = dict(data), data["contact"], data["chain"]
     if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
         data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}

@@ -22,7 +22,7 @@ _APART = object()
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
-    """Return the scene in which the points of each link that is a box begin with the four corners.
+    """Return the scene in which the points of each link that is a box begin with the box's four corners.
 
     Refuse a shape without a height, and a height without a shape.
     """

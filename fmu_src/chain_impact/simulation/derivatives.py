@@ -304,8 +304,8 @@ class DifferentiatedRun:
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
         """Run from the start with some values of the parameters.
 
-        If the run cannot start, all outputs and their derivatives are NaN, and there are no impacts. After
-        a later fault, outputs and derivatives are NaN.
+        If the run cannot start, all outputs and their derivatives are NaN, and there are no impacts. If the
+        run fails later, the outputs and derivatives after the fault are NaN.
 
         Args:
             values: the values of the parameters, shape (P,); the value for an input is not used if ``inputs``

@@ -119,7 +119,7 @@ def message(comparison: LawRuns, *, small: bool = False) -> str:
 
 
 def peaks(comparison: LawRuns) -> str:
-    """Return words for the least and the largest peak force under all laws with a force; "" without any."""
+    """Return words for the range of the peak forces or moments that are above 0; "" if there is none."""
     found = [run.peak_force for run in comparison.runs if run.peak_force > 0.0]
     unit = unit_at("peak_force", stop=comparison.at_stop)
     ends = " to ".join(dict.fromkeys(force_text(end(found), unit) for end in (min, max))) if found else ""

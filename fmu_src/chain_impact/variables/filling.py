@@ -179,7 +179,7 @@ def _given(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> li
 
 
 def _getter(path: DataPath) -> Callable[[Any], Any]:
-    """Return a function that reads the value at a path in a scene or table: names, then at most one index."""
+    """Return a function that reads the value at ``path`` (names, at most one index) of a scene or table."""
     names, indices = (tuple(step for step in path if isinstance(step, kind)) for kind in (str, int))
     named = attrgetter(".".join(map(str, names))) if names else _itself
     return (lambda whole: named(whole)[indices[0]]) if indices else named

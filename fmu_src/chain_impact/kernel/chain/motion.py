@@ -21,7 +21,7 @@ from chain_impact.kernel.chain.state import time_at
 
 
 def move_channels_to_state(d, y):
-    """Set all prescribed motions to those at the time that the state y contains (``move_channels``)."""
+    """Set the motions of all channels to those at the time that the state y contains (``move_channels``)."""
     move_channels(d, d.step.clock + y[time_at(d.links)])
 
 

@@ -151,9 +151,9 @@ def choose_search(slow, fast):
 
 
 def mark_kinks(d, c, theta):
-    """Mark contact c and all other contacts that are at their kinks at the fraction θ of the step.
+    """Mark contact c, and each contact that passes its kink up to SIMULTANEOUS_TIME after the fraction θ.
 
-    Afterwards the points are located at θ.
+    θ is a fraction of the last step. Afterwards the points are located at θ.
     """
     mark_contact_event(d, c, KINK)
     # contacts of a symmetric chain reach their kinks at one time, up to round-off: all are marked
@@ -310,7 +310,7 @@ def rest_speed(d):
 
 
 def friction_round_off(d, e):
-    """Return by how much [N] round-off may let the friction force of element e exceed the limit."""
+    """Return the excess [N] of the friction force of element e over its limit that counts as round-off."""
     return FRICTION_EXCESS * (
         d.element.limit[e] + mean_mass(d) * (d.chain.gravity_size + d.chain.longest_link)
     )

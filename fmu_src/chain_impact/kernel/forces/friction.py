@@ -220,7 +220,7 @@ def store_static_forces(d):
 def static_power(d):
     """Return the power [W] that the forces of sticking elements dissipate, and add it to ``friction.power``.
 
-    A sticking element has a speed only by the error of a step; a projection then moves the element back
+    A sticking element moves only because a step has an error; a projection moves the element back
     (ode/last_step.py). An implicit step does not use this power, because the last correction of its stages
     changes the speeds; ode/friction_work.py computes the work along the corrected motion.
     """

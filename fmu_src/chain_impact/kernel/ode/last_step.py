@@ -41,7 +41,7 @@ NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2
 
 
 def reset_step(d, time, y):
-    """Set the last step to a step of zero length at ``time`` [s] in state y, and count a break.
+    """Set the last step to a step without duration, at ``time`` [s] in state y, and count a break.
 
     The communication point is set to ``time``, too. The quadratures get their stored totals and rates.
     ``step.start_delay``, which is 0 and has only derivatives, does not change.

@@ -62,8 +62,8 @@ export function traceFinder({ frames, positions }, width) {
 }
 
 /**
- * Return for each step between frames the slopes of the curve at both its ends [pixels per step]; an empty list if an impact begins in the
- * step. `at`: position on the screen at each frame.
+ * Return for each step between frames the slopes [x, y] of the curve at the step's start and end [pixels per step]; an empty list if an
+ * impact begins in the step or the step has no duration. `at`: position on the screen at each frame.
  */
 function slopesOf(at, recording) {
   const { time, impacts } = recording;

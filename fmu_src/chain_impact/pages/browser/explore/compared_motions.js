@@ -97,7 +97,7 @@ export class ComparedMotions {
     return this.pinned.length ? this.#shown.filter(({ letter }) => letter).map(({ at }) => at) : [];
   }
 
-  /** Draw the compared motions at the present time. */
+  /** Draw the bodies, links and tips of the compared motions at the present time, behind the present motion. */
   draw() {
     const { behind, camera } = this.player.drawing;
     behind.clear();

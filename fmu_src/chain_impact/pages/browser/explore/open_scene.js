@@ -25,7 +25,7 @@ export class OpenScene {
     this.undoEdits();
   }
 
-  /** Show the open scene as it was before all edits. */
+  /** Show the open scene as it was opened, without later edits. */
   undoEdits() {
     this.#show(this.origin.scene, this.origin.text);
   }

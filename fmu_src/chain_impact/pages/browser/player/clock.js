@@ -114,7 +114,7 @@ export class Clock {
     const now = this.time;
     const same = 1e-9 * (1 + Math.abs(now)) + 2e-3 * this.recording.rateAt(this.frame) / this.recording.frameRate;
     const ahead = ({ peakTime }) => direction * (peakTime - now);
-    // all impacts are searched, because the times of their largest forces may be in another order than their onsets
+    // all impacts are searched, because an impact with an earlier onset may have its largest force later
     const nearest = this.recording.impacts.filter((impact) => ahead(impact) > same)
       .reduce((best, impact) => (best && ahead(best) <= ahead(impact) ? best : impact), null);
     if (nearest) this.toImpact(nearest);

@@ -8,7 +8,7 @@ const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit,
 const DEGREE = Math.PI / 180; // [rad] one degree
 /** The largest number of significant digits with which an angle is shown in degrees. */
 export const DEGREE_DIGITS = 5;
-/** The number of digits that determine a number. */
+/** The number of significant digits that determine each double. */
 export const ALL_DIGITS = 17;
 const ROOM = 9; // number of characters for which the field of a parameter has room
 

@@ -145,7 +145,7 @@ export class GridMap {
     });
   }
 
-  /** Note whether the values of the fields are refused: then the map, which is that of earlier values, is pale. */
+  /** Note whether the values of the fields are refused. If they are, the map still shows earlier values, and is drawn pale. */
   #refuse(isRefused) {
     this.#refuses = isRefused;
     find("map-frame").classList.toggle("earlier", isRefused);
@@ -307,7 +307,7 @@ export class GridMap {
     this.#hasRing = this.drawing.drawScales(inWords, units, { present, chosen: this.#chosen });
   }
 
-  /** Return whether the present parameters equal those of the map, apart from the map's two; false if inputs have steps in time. */
+  /** Return whether all changed values, except those of the map's two parameters, equal those of the map; false if inputs have steps. */
   #isOfPresent() {
     const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
     return !Object.keys(this.changes.inputSteps).length && others(this.shown.values) === others(this.changes.values);

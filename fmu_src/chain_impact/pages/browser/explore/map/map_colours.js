@@ -60,7 +60,7 @@ function shareBetween(knots) {
   };
 }
 
-/** Return the limits between and beside at most MOST_COLOURS colours for counts from `least` to `most`; each is 0.5 below a count. */
+/** Return the limits of at most MOST_COLOURS colours for counts from `least` to `most`: one more than colours, each 0.5 below a count. */
 function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
   // widths of a colour, in counts, up to 5e14

@@ -97,7 +97,7 @@ export function failureOf({ names, values, faults, runs }) {
   return `All ${faults.size} runs fail; the first one: ${faults.get(0)}.${others}`;
 }
 
-/** Return the outputs of a map, each with `rigid`, the rigid law, if any, with which an output of 0 in a run with impacts is unknown. */
+/** Return the outputs of a map. Each has `rigid`: the rigid law, if any, under which the output 0 means "unknown" in a run with impacts. */
 export function presentOutputs(changes) {
   return outputsOf(changes.scene).map((output) => ({ ...output, rigid: rigidLaw(changes, output.name) }));
 }

@@ -3,7 +3,10 @@
 import { make } from "../../base/dom.js";
 import { largestText } from "../compared_motions.js";
 
-/** Return a function that shows the result of a recording, or nothing without one, in the row of the slider moved last in an element. */
+/**
+ * Return a function that shows the number of impacts in a recording and the largest impact; nothing without a recording. The text is in
+ * the row of the slider in `element` that the reader has moved last.
+ */
 export function outcomeBeside(element) {
   const outcome = make("p", { className: "sentence outcome" });
   outcome.setAttribute("role", "status");

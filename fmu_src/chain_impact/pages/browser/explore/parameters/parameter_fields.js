@@ -4,7 +4,7 @@ import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { shortText, shownIn, valueText } from "../../scene/angles.js";
 
-/** Take the mark of a refused or failing value from a field. */
+/** Remove the marks of a refused and of a failing value from a field. */
 function release(field) {
   field.setCustomValidity("");
   delete field.dataset.fails;
