@@ -139,7 +139,7 @@ def nowhere() -> str:
 
 def cores() -> int:
     """Return the number of cores that this process may use or, on systems other than Linux, of all cores."""
-    # of the supported systems, only Linux has this function, which tells the cores that a process may use
+    # of the supported systems, only Linux has sched_getaffinity, which tells the cores that a process may use
     affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 

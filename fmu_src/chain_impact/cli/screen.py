@@ -221,9 +221,9 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
     """Yield for each parameter or input with derivatives a heading and a table with the changes of impacts.
 
     The heading has a small change of the parameter, such as 1 %. The table has the changes of the impacts by
-    this change, to first order: of the onset in ms, of other quantities in percent. After all tables,
-    sentences tell of derivatives that do not exist, are one-sided or inexact. Nothing is yielded if the run
-    has no derivatives.
+    this change, to first order: of the onset in ms, of other quantities in percent. In a run without impacts,
+    a text replaces each table. After all tables, sentences tell of derivatives that do not exist, are
+    one-sided or inexact. Nothing is yielded if the run has no derivatives.
     """
     sensitivities = recording.sensitivities
     if not sensitivities:

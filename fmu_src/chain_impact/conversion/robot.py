@@ -108,7 +108,7 @@ def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str
         low: least angle or position of the joint in the scene [rad or m]; −∞ without a stop.
         high: largest angle or position of the joint in the scene [rad or m]; ∞ without a stop.
     """
-    # None marks a value that is left out
+    # values that are None, −∞ or ∞ are left out
     values = {key: getattr(joint, key) or None for key in JOINT_KEYS}
     values |= {"rest": rest if joint.stiffness else None, "torque_limit": joint.torque_limit}
     values |= {"low": low, "high": high}

@@ -167,7 +167,7 @@ def _attributes(
     high: float | None,
     limit: float | None,
 ) -> dict[str, str]:
-    """Return the values of a joint as attributes of MJCF; values of 0 are left out.
+    """Return the values of a joint as attributes of MJCF; each key of ``names`` with the value 0 is left out.
 
     Args:
         table: the link or slider with the values.

@@ -269,8 +269,8 @@ class Walls:
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
         """Report how far the shapes of the link with index ``i`` reach beyond its points in the scene.
 
-        Without ``balls``, the link touches walls with its two ends. The shapes are those that points do not
-        replace, and oblique cylinders, whose outline reaches beyond the points on their rims.
+        Without ``balls``, the link touches walls with its two ends. Of the shapes that can touch, only those
+        count that no points replace, and oblique cylinders, which reach beyond the points on their rims.
         """
         ends = self.places[i : i + 2]
         touching = balls or [Ball(end, 0.0, "") for end in ends]

@@ -1,6 +1,6 @@
 """The table with the inputs for the run of an FMU, in fmpy's form.
 
-Derivatives and integrals of an input that the user's table leaves out are computed.
+Derivatives and integrals of a table's input are computed from this input if the table leaves them out.
 """
 
 from __future__ import annotations

@@ -131,7 +131,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     """
     ends = {f"point[{k}].{axis}" for k in (0, prepared.sizes.links) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, prepared.sizes.links)}
-    # outputs of the whole chain: energies and numbers of impacts, which depend on every part of the motion
+    # outputs of the whole chain: the energies, the number of impacts, and the data of the last impact
     whole_chain = [v for v in prepared.outputs if v.kind.owner_kind == "one"]
     ends |= {v.name for v in whole_chain if v.kind.parts.owner in ("energy", "impact")}
     chosen = [v for v in prepared.outputs if v.name in ends]
@@ -205,8 +205,8 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    # divided by the number of links, so that all torques together move chains of few and of many links about
-    # equally
+    # The amplitude of a torque is divided by the number of links, so that all torques together move chains of
+    # few and of many links about equally.
     torque = SWING * nominal["inertial_moment"] / prepared.sizes.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}

@@ -292,9 +292,9 @@ def first_size(d):
 def check_start(d):
     """Return a fault status if the run cannot start in its initial state, else OK.
 
-    A run cannot start if the state, its rate or its energy is not finite, if a point is beyond a wall or a
-    joint or the slider beyond a stop, if motions are prescribed and the pinned base is beyond a wall that can
-    meet it, or if no forces are found.
+    A run cannot start if the state, its rate or its energy is not finite, if the clearance of a candidate is
+    below −OVERLAP, if motions are prescribed and the pinned base is beyond a wall (``check_base``), or if no
+    forces are found.
     """
     locate_points(d, d.step.state)
     for j in range(len(d.scratch.y)):

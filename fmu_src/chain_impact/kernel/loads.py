@@ -217,7 +217,7 @@ def fill_load_peaks(d):
     """Fill the outputs of the largest joint forces since the start, up to the communication point.
 
     A whole step is searched only once. Only if the step raises a peak, an output at a time within the step
-    needs a second search, up to this time. A search leaves the points located at another time.
+    needs a second search, up to this time. After a search, the points are not located at the output's time.
     """
     out, transmitted, rises = d.output.load, d.transmitted, False
     if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:

@@ -78,7 +78,7 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
 
 
 def name_loads(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the MOST_VALUES largest forces in joints beside their joints, as far as ``ink`` has room."""
+    """Write the MOST_VALUES largest peak forces near their joints at these peaks, where ``ink`` has room."""
     peaks = [peak for peak in joint_peaks(recording)[:MOST_VALUES] if peak.force > 0.0]
     values = [force_text(peak.force, "N") for peak in peaks]
     labels = [

@@ -15,7 +15,7 @@ from chain_impact.pictures.style import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
 
-BENT = 0.01  # the largest width of a ball's path that counts as a line, relative to its extent along the line
+BENT = 0.01  # the largest width of a ball's path that counts as a line, relative to the length of this line
 # BALL_MARGIN: the margin at both ends of the axis of positions; WALL_BAND: the visible width of the area
 # beyond a wall; both relative to the range of the ball and the walls
 BALL_MARGIN, WALL_BAND = 0.06, 0.14

@@ -367,7 +367,7 @@ class Result(Pictured):
         return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IMPACTS))
 
     def _facts(self) -> list[str]:
-        """Return lines on the energy, on a wall that is too soft, and on the solver's work."""
+        """Return lines on the energy, on a wall or slider stop that is too soft, and on the solver's work."""
         facts = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
         return [*summary.energy_lines(self.energies), *facts, *summary.solver_lines(self.statistics)]
 

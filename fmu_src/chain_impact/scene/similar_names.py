@@ -11,7 +11,7 @@ SYNONYMS = {"bounce": "restitution", "law": "model", "floor": "box"}
 SHORTEST = 3
 """The least number of characters of a known name that ``one_typo`` returns."""
 LIKE_NAME = 0.6
-"""The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name."""
+"""The usual least similarity, from 0 to 1, to the unknown name of a similar name that ``nearest`` returns."""
 SAME_LAST = 0.45
 """The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name with the same
 part after the last dot."""

@@ -158,11 +158,11 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
 
     A law with several reasons has them all, with commas between them. The reasons are: "reference"; "of the
-    scene", unless the scene's law is the reference; "no losses", if the restitution in the first impact under
-    this law differs from that under the reference; "differs most with losses", for the law whose restitution
-    is farthest from that under the reference; and JUMPS. The law without losses does not count as the
-    farthest, because it ignores the prescribed restitution. No law is the farthest if the restitutions do not
-    describe the contact alone (``has_restitution``).
+    scene", unless the scene's law is the reference; "no losses", for the law LOSSLESS, if the
+    restitution in the first impact under LOSSLESS differs from that under the reference; "differs most with
+    losses", for the law whose restitution is farthest from that under the reference; and JUMPS. LOSSLESS does
+    not count as the farthest, because it ignores the prescribed restitution. No law is the farthest if the
+    restitutions do not describe the contact alone (``has_restitution``).
     """
     reference = comparison.reference
     why = {reference: "reference"}

@@ -37,7 +37,7 @@ SPRING_ROUND_OFF = 1e-14
 
 
 def first_joint(d):
-    """Return the index of the first joint, which is that of the first drive: 0, or 1 if the base is free."""
+    """Return the least index i of a link with a drive at its proximal joint: 0, or 1 if the base is free."""
     return 0 if d.chain.has_base_joint else 1
 
 
@@ -197,7 +197,7 @@ def is_powered(d, i):
 
 
 def unlimited_spring_force(d, y, i):
-    """Return stiffness times stretch [N·m or N] of drive i's spring, in every mode of the drive."""
+    """Return stiffness times stretch [N·m or N] of drive i's spring, also while the drive is at its limit."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 

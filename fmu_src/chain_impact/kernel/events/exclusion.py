@@ -218,8 +218,8 @@ def stays_in_contact(d, c, error):
     stays above ``error`` − ``harmless_depth`` [m] (``stays_positive``).
     """
     if c == d.step.regularized:
-        # φ is u; u > 0 at the end of the step suffices, because within one step of a regularized contact the
-        # point does not leave its wall and return to it
+        # φ of a regularized contact is u. That u > 0 at the end of the step suffices, because within one such
+        # step the point does not leave its wall and return to it.
         return d.search.phi_end[c] > 0.0
     return stays_positive(d, c, error)
 

@@ -248,8 +248,8 @@ def end_rebounding_contacts(d):
     """
     free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
     fall = set_start_to_accelerations(d, d.step.state_end, d.scratch.rate)
-    # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed
-    # LEAST_RISE times the longest link
+    # A point with the speed u rises to u²/(2 a) against a, the largest component of the accelerations of all
+    # places. This height must exceed LEAST_RISE times the longest link.
     slow = math.sqrt(2.0 * fall * LEAST_RISE * d.chain.longest_link)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]

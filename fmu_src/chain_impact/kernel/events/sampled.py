@@ -300,7 +300,7 @@ def mark_changes(d, element, theta):
 
 
 def element_error(d, e):
-    """Return the tolerated error of element e: of the speed [m/s] if e slides, else of the force [N]."""
+    """Return the tolerated error of element e: of friction force [N] if e sticks, else of speed [m/s]."""
     return friction_round_off(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 

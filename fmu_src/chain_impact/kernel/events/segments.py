@@ -100,10 +100,10 @@ def begin_next_segment(d, j):
 def begin_segments(d):
     """Begin the segments that follow the segments which end at the end of the last step.
 
-    If an input jumps, springs gain or lose energy at once; this change counts as supplied energy.
+    If a target jumps, its spring gains or loses energy at once; this change counts as supplied energy.
 
     Returns:
-        The largest effect of all signals, in the order NO_JUMP < BENDS < JUMPS.
+        The largest effect of these segments on the motion, in the order NO_JUMP < BENDS < JUMPS.
     """
     last = -1
     for j in range(d.signals):

@@ -208,7 +208,7 @@ def clear_quadratures(d):
 
 
 def quadrature_rates(d, factor, out):
-    """Set ``out`` to ``factor`` times the rates of the integrated quadratures, in the order of ``index``.
+    """Set ``out[k]`` to ``factor`` times the rate of the integrated quadrature ``quadrature.index[k]``.
 
     The rate of the state must have just been evaluated.
     """

@@ -140,7 +140,7 @@ def impact_dtype() -> np.dtype:
         ("last_time", REAL),  # s, time of the latest onset; the start of the run before the first one
         # point of the latest onset, as in `candidate.point`; −1 before the first impact
         ("last_point", INTEGER),
-        # 1 + index of the wall of the latest onset in the scene's wall_names; 0 before the first impact
+        # 1 + index of the latest onset's wall or stop in the scene's wall_names; 0 before the first onset
         ("last_wall", INTEGER),
         ("last_speed", REAL),  # m/s, approach speed at the latest onset; rad/s at a stop in a joint
     )

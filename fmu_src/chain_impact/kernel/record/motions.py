@@ -74,8 +74,8 @@ def moved_dtype(channels: int) -> np.dtype:
 def shift_dtype(candidates: int) -> np.dtype:
     """Return the layout of the motion of wall and belt of each candidate.
 
-    Every candidate has a row. For a wall that does not move, and for a stop, ``channel`` is −1, and of the
-    other columns only ``unmoved_offset`` is set, and the rest stays 0.
+    Every candidate has a row. For a stop, and for a wall without prescribed motion, ``channel`` is −1,
+    ``unmoved_offset`` is set, and the other columns stay 0.
     """
     return table(
         candidates,

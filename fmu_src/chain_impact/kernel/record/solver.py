@@ -146,7 +146,7 @@ def balance_dtype() -> np.dtype:
         ("start", REAL),
         # J, energy balance at the start of the window, plus the later changes that new parameters cause
         ("reference", REAL),
-        ("allowed", REAL),  # J, largest change that is allowed to a step, over the window so far
+        ("allowed", REAL),  # J, the largest change allowed to any step in the window so far
         # J, the part of a step's allowed change of the balance that does not depend on the state
         ("least_allowed", REAL),
         ("since", REAL),  # s, time at which the run started

@@ -243,7 +243,7 @@ def iterated_enough(_d, _iterations):
 
 
 def clear_impulses(d):
-    """Set all impulses to zero, and the motion ``reached`` of each constraint to its ``start``."""
+    """Set all impulses and their ``change`` to 0, and ``reached`` of each constraint to its ``start``."""
     constraints = d.constraints
     for j in range(len(constraints.change)):
         constraints.change[j] = 0.0

@@ -392,7 +392,7 @@ def faces_base(d, c):
 
 
 def base_clearance(d, c):
-    """Return the distance [m] of a pinned base, without a radius, from the wall of candidate c; < 0 in it."""
+    """Return n·p − offset [m] of a pinned base p at candidate c's wall, without radius; < 0 in the wall."""
     x, y = d.step.state_end[0], d.step.state_end[1]
     if d.chain.base_moves:
         x, y = d.moved.position[0], d.moved.position[1]

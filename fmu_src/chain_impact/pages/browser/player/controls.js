@@ -5,8 +5,8 @@ import { speedText } from "../base/format.js";
 import { SPEEDS } from "./clock.js";
 
 /**
- * Connect buttons, slider and keys with the clock; they do nothing until the clock has a recording. Return a function that must be called
- * when the clock has another recording.
+ * Connect buttons, slider and keys with the clock. Without a recording, the keys, the slider and the buttons that change the time
+ * do nothing. Return a function that must be called when the clock has another recording.
  */
 export function connect(clock, drawing) {
   const actions = {

@@ -57,7 +57,7 @@ export class Changes {
     return sumOf(derived, (factor) => this.valueOf(factor, values));
   };
 
-  /** Return the value of an input at a time [s], with its steps; for any other parameter return its value, which holds at all times. */
+  /** Return the value at a time [s]: of an input, after its steps up to this time; of any other parameter, its value at all times. */
   valueAt(name, time) {
     return this.inputSteps[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
   }

@@ -220,7 +220,7 @@ export class GridMap {
     return { names, axes, values: { ...this.changes.values }, outputs: presentOutputs(this.changes) };
   }
 
-  /** Simulate the rows of a map, each in the next free worker. There are as many workers as processors, but at most WORKERS. */
+  /** Simulate the present values, then the rows of a map, each in the next free worker. Each processor has a worker, up to WORKERS. */
   async #simulate(shown) {
     const { names, axes, values, outputs, points, known } = shown;
     const words = wordsOfRun(this.changes.scene, outputs);

@@ -92,7 +92,7 @@ export class MapDrawing {
     return this.scales.plain(withMinus(text)).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
   }
 
-  /** Write the title of the colours, with its `note` in the same line or, if this is wider than the drawing, in the next line. */
+  /** Write the title of the colours, with its `note` in the same line or, if that line does not fit in the drawing, in the next one. */
   #writeTitle(title, note, middle, y) {
     const room = 2 * Math.min(middle, this.frame.clientWidth - middle);
     const whole = this.#write(title + note, middle, y, "middle");

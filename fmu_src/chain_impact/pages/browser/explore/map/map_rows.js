@@ -25,7 +25,7 @@ export function completed({ results, points, coarse }) {
   });
 }
 
-/** Return the output of the run of `coarse` that is nearest to the fractions `shares` of both axes; undefined if there is none. */
+/** Return the output of that run of the map `coarse` which is nearest to the fractions `shares` of both axes; undefined without one. */
 function coarseAt(coarse, ...shares) {
   if (!coarse) return undefined;
   const [column, row] = shares.map((share) => Math.round(share * (coarse.points - 1)));
