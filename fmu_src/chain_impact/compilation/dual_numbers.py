@@ -37,7 +37,7 @@ class Dual(types.Type):
         super().__init__(name=f"dual{DIRECTIONS}")
 
     def can_convert_from(self, _context: Any, other: types.Type) -> Conversion | None:
-        """Return how numba converts the type ``other`` to this type; None if ``other`` is no type of numbers.
+        """Return how numba converts ``other`` to this type; None if ``other`` is no type of numbers or bools.
 
         The derivatives of a converted number are 0.
         """
@@ -46,7 +46,7 @@ class Dual(types.Type):
     def unify(self, _context: Any, other: types.Type) -> types.Type | None:
         """Return the type of a variable that has values of this type and of the type ``other``: this type.
 
-        The result is None if ``other`` is no type of numbers.
+        The result is None if ``other`` is no type of numbers or bools.
         """
         return self if isinstance(other, types.Number | types.Boolean) else None
 

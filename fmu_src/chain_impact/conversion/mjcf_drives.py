@@ -282,7 +282,7 @@ class Drives:
         self.differences.append(of_joint(joint.name, text, effect, differs=True))
 
     def _tell_limit(self, joint: Joint, limit: float) -> None:
-        """Report that ``limit`` [N·m or N] also limits the joint's spring and damper in a scene.
+        """Report, for a joint with spring or damper, that ``limit`` [N·m or N] also limits these in a scene.
 
         In MuJoCo, the limit acts on the actuators only.
         """

@@ -66,7 +66,7 @@ class Variable:
     def value(self, text: str) -> Value:
         """Return the value that a text stands for: a number, a bool or a text, by the type of the variable.
 
-        NaN stands for a number that the text does not have; only "true" and "1" are True.
+        The result is NaN for a text that is no number of the type; a bool is True only for "true" or "1".
         """
         if self.type in TEXTS:
             return text

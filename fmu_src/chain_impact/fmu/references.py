@@ -57,7 +57,7 @@ MOST_WORK = 2_000_000
 SWING = 0.1
 # amplitude of a motion of base or wall that is given as input, relative to the length of the longest link
 MOVED = 0.01
-# FEWEST_ROWS: a table has at least this number of rows, as the start alone is no simulation; DIGITS: number
+# FEWEST_ROWS: least number of rows of a table, because a row at the start alone tests no step; DIGITS: number
 # of digits of each value in the file
 FEWEST_ROWS, DIGITS = 2, 12
 

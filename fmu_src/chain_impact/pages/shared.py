@@ -38,7 +38,7 @@ from chain_impact.scene.tables import STEP_ROUND_OFF
 from chain_impact.variables import indices
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 
-FINEST = 65535  # the largest integer of 16 bits, which stands for the largest value of packed numbers
+FINEST = 65535  # the largest unsigned integer of 16 bits, for the largest value of packed numbers
 
 CONSTANTS = {
     "pacing": (

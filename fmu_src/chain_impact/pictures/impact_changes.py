@@ -94,7 +94,7 @@ def cell_text(change: float) -> str:
 
 
 def quantity_words(quantity: str, at_stops: np.ndarray) -> str:
-    """Return the words for a quantity of impacts; ``at_stops``: whether each one is at a stop of a joint."""
+    """Return the words for a quantity of impacts; ``at_stops``: whether each is at a joint's stop."""
     if quantity != "peak_force":
         return quantity
     return "peak moment" if at_stops.all() else "peak force or moment" if at_stops.any() else "peak force"

@@ -75,7 +75,10 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
 
 
 def draw_one_impact(axes: Axes, recording: Recording) -> None:
-    """Draw the force of the hardest impact over the time after the onset; the axis label has the duration."""
+    """Draw the force, or moment at a stop of a joint, of the hardest impact over the time after the onset.
+
+    The label of the horizontal axis tells how long the impact lasts.
+    """
     found = course_of_hardest(recording)
     if found is None:
         axes.text(0.5, 0.5, "no force over time is known", transform=axes.transAxes, ha="center", color=INK)
@@ -112,7 +115,7 @@ def curve_of(
 def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the peak force or moment at the curve of ``draw_one_impact``.
 
-    The result is "", see ``overview.NUMBERS``.
+    The result is "": no number of an impact lacks room (``overview.NUMBERS``).
     """
     if found := course_of_hardest(recording):
         along, up, _ = curve_of(recording, found)

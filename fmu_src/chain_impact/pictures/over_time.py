@@ -65,7 +65,7 @@ TINY = 0.05
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 # the height of a bar that shows sticking, and of a name above its bars, relative to the distance of two rows
 PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
-MOST_ROWS = 8  # the largest number of contacts, joints and sliders whose phases of dry friction are drawn
+MOST_ROWS = 8  # at most so many contacts, joints and sliders together have phases of dry friction drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
 SHORT = 0.002
 TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time

@@ -179,7 +179,7 @@ def cut_sentence(count: int) -> str:
 
 
 def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
-    """Return the table of impacts from an FMU's outputs over time, the columns `impact[j].*`."""
+    """Return the table of those impacts that the columns `impact[j].*` of an FMU's outputs over time show."""
     time, counts = _column(record, "time"), _column(record, "impact.count").astype(np.int64)
     shown = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
     if len(time) == 0:

@@ -302,7 +302,7 @@ def start_hints(scene: Contents) -> list[str]:
 def start_hint(axis: str, start: float, given: float) -> str:
     """Return the sentence of ``start_hints`` on the coordinate ``axis``, "x" or "y".
 
-    ``start`` is the coordinate at which the base starts, ``given`` that in initial.position [m].
+    ``start`` [m] is the coordinate at which the base starts, ``given`` [m] that in initial.position.
     """
     return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
 

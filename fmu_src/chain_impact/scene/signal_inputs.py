@@ -51,7 +51,7 @@ class Driven(NamedTuple):
 
 
 def driven_by(scene: Contents) -> tuple[Driven, ...]:
-    """Return all inputs that signals drive, in the order of the record: target velocities come last."""
+    """Return all driven inputs in the order of signals, but target velocities last, as in the record."""
     if not scene.signals:
         return ()
     driven = [
@@ -84,8 +84,8 @@ def family(name: str) -> tuple[str, ...]:
 def driven_alone(name: str) -> tuple[str, ...]:
     """Return the inputs that no other signal may drive if a signal drives the input ``name``.
 
-    For a position, velocity or acceleration of the base or a wall, these are all three, which follow from
-    each other; for any other input, only the input itself.
+    For a position, velocity or acceleration of the base along an axis, or of a wall, these are all three,
+    because each determines the others; for any other input, only the input itself.
     """
     return family(name) if is_motion(name) else (name,)
 

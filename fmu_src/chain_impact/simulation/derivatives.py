@@ -128,7 +128,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _directions(self) -> int:
-        """The number of derivatives of each number: P, rounded up to a multiple of ``DIRECTIONS``."""
+        """The number of derivatives of each number: that of parameters or more, a multiple of DIRECTIONS."""
         return len(self._tangents) * DIRECTIONS
 
     @property

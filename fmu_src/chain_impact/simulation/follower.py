@@ -28,7 +28,7 @@ Sampled = Callable[[np.ndarray], np.ndarray]
 CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function from which the polynomial of a piece is computed
 SHORTEST = 4e-13  # [1] an interval at most this long, relative to the run, is dropped: at a jump or kink
-# [1] two pieces count as equally long if their lengths differ by at most this, relative to the length
+# [1] pieces count as equally long if their lengths differ by at most this, relative to one of the lengths
 ALIKE = 1e-6
 # an interval longer than 2^FAR times the last piece is halved without trying a polynomial, which would
 # probably fail
@@ -252,7 +252,7 @@ class Follower:
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
         # The first round extrapolates polynomials from afar, to find on which side of the jump or kink a time
-        # lies. The second round uses polynomials close to it, to locate it accurately.
+        # lies. The second round uses polynomials near the jump or kink, to locate this accurately.
         for until in (0.125 * quarter, self._shortest):
             left = self._simple(before - quarter, before)
             right = self._simple(after, after + quarter) if left is not None else None

@@ -323,8 +323,8 @@ def _with_functions(
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
     """Return the communication points together with the times of samples inside the run.
 
-    A sample that is at most ``same`` [s] from a communication point is left out. So is a sample that is at
-    most ``same`` after the one before, also if that one is left out for this reason.
+    A sample that is at most ``same`` [s] from a communication point is left out. Of the others, a
+    sample at most ``same`` after the sample before, which may be left out itself, is left out, too.
     """
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]

@@ -202,7 +202,7 @@ def unlimited_spring_force(d, y, i):
 
 
 def spring_force(d, y, i):
-    """Return stiffness times stretch [N·m or N] of drive i's spring: minus the spring's part of the force.
+    """Return minus the torque or force [N·m or N] of the spring of drive i: stiffness times stretch.
 
     The result is 0 while the drive is at its limit, and for i = 0 at a free base, which has no drive.
     """

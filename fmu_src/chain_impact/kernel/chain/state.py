@@ -27,7 +27,7 @@ def velocity_at(n):
 
 
 def omega_at(n):
-    """Return the index in y of the first angular velocity."""
+    """Return the index in y of the angular velocity of link 1, for ``n`` links."""
     return n + 4
 
 

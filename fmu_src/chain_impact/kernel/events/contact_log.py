@@ -134,7 +134,7 @@ def update_to_output_time(d):
 def update_own_to_output_time(d):
     """Do what ``update_to_output_time`` does, but do not call ``on_truncate`` (kernel/hooks.py).
 
-    The cost does not count: the caller, not the motion, demands this cut.
+    The cost does not count, because the caller, not the motion, chooses the communication point.
     """
     counted = counted_cost(d)
     end_at_output_time(d)

@@ -206,7 +206,7 @@ def find_impulses(d, fraction):
 
     Returns:
         The energy [J] that the impulses p dissipate, and Σ p (|u⁻| + |u⁺|) [J], with u⁻ and u⁺ the speeds
-        before and after them.
+        before and after the impulses.
     """
     constraints, lost, moved = d.constraints, 0.0, 0.0
     activate_all(d)
@@ -290,7 +290,7 @@ def bring_to_rest(d, gentle):
 
 
 def end_changed_contacts(d):
-    """End held contacts whose wall or stop has got a law with a force, so that new contacts can begin."""
+    """End each held contact whose wall or stop has changed to a force law, so that new contacts can begin."""
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]

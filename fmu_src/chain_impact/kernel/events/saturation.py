@@ -10,7 +10,7 @@ from chain_impact.kernel.functions import has_dual_rule
 
 
 def clear_saturation(d):
-    """Set the modes of all drives to "below the limit", and remove the mark for a change.
+    """Set the modes of all drives to "below the limit", and remove the mark of a change of mode.
 
     ``drive.chosen`` stays: in a tangent instance it contains the modes of the primal run.
     """

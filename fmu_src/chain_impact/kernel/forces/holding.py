@@ -50,8 +50,8 @@ from chain_impact.kernel.rows.geometry import (
 # a point stays deeper in a scene with moving walls or a moving base, the walls leave no room for the chain,
 # and the step is rejected.
 SQUEEZED_DEPTH = 1e-6
-# A point leaves a rigid wall only if its speed lifts it at least to this height, relative to the longest
-# link. A lower height could not be distinguished from round-off, and the next onset could not be located.
+# A point leaves a rigid wall only if the point's speed suffices for at least this height, relative to the
+# longest link. A lower height could not be distinguished from round-off, nor could the next onset be located.
 LEAST_RISE = 1e-14
 # A projection may change an angle [rad], or a length relative to the longest link, by at most
 # LARGEST_CORRECTION times the sum of the tolerance and the largest residual, relative to the longest link. A

@@ -35,7 +35,7 @@ HALF_RANGE = 512
 UP, DOWN = 2.0**HALF_RANGE, 2.0**-HALF_RANGE
 HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two_doubles(HALF_RANGE * LN_2, PLACES)
 OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
-# |x| below which x + x²/2 is e^x − 1 to about eleven digits, which one step of Newton's method doubles
+# |x| below which x + x²/2 is e^x − 1 to about eleven digits; a step of Newton's method gives twice as many
 NEARLY_LINEAR = 1e-5
 # from this x on, 1 is at most 1/32 ulp of e^x, so that the rounded e^x, minus 1, is accurate
 STEEP = 40.0

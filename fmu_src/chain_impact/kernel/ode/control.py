@@ -144,7 +144,7 @@ def scale_next_size(d, ratio):
 
 
 def store_flight_size(d):
-    """Store the proposed step size, before contacts with a force law begin, for ``propose_flight_size``."""
+    """Store the size proposed while no contact with a force law is active, for ``propose_flight_size``."""
     d.step.flight_size = d.step.next_size
 
 

@@ -216,7 +216,8 @@ def store_output_state(d):
 def return_to_stored_state(d):
     """Set the last step to a step of zero length at the communication point, in the stored state.
 
-    ``store_output_state`` has stored this state. The start delay becomes 0, without derivatives.
+    ``store_output_state`` has stored this state. The start delay and, in a tangent instance, the
+    derivatives of this delay become 0.
     """
     reset_step(d, d.step.time, d.trial.state)
     d.step.start_delay = 0.0

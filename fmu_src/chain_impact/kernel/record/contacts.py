@@ -271,7 +271,7 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         # value of ``count`` when the caller last collected ended contacts
         ("collected", INTEGER),
         ("point", INTEGER, (log,)),  # point of the contact, as in `candidate.point`
-        ("wall", INTEGER, (log,)),  # wall of the contact, as in `candidate.wall`
+        ("wall", INTEGER, (log,)),  # index of the wall or kind of stop, as in `candidate.wall`
         ("onset", REAL, (log,)),  # s, time of the contact's onset
         # s, end of the contact; for an active contact NaN or, in rows for `latest`, the communication point
         ("end", REAL, (log,)),

@@ -27,7 +27,7 @@ def motion_dtype(channels: int) -> np.dtype:
 
 @written_by("chain/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
 def moved_dtype(channels: int) -> np.dtype:
-    """Return the layout of the present motions of base and walls, and of the given values they follow."""
+    """Return the layout of the present motions of base and walls, and of the given values that cause them."""
     return record(
         ("began", REAL),  # s, time at which the run started
         ("until", REAL),  # s, the communication point at which the cubics of the motions end

@@ -57,8 +57,8 @@ def check_onsets(t):
 def near_least_speed(t, c, speed):
     """Return whether an approach ``speed`` [m/s] equals the least impact speed of candidate c's law.
 
-    Both may differ by errors. At a lower speed the law uses the least impact speed, at a higher speed the
-    approach speed.
+    Speeds count as equal if errors can explain the difference. The law uses the larger one of the two speeds,
+    so the derivatives differ on both sides.
     """
     errors = OPEN_DISTANCE * value(t.solver.tolerance) * fastest_speed(t)
     return abs(speed - value(t.law.minimum_impact_speed[c])) <= errors

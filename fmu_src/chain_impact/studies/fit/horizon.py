@@ -170,7 +170,7 @@ def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> d
 
 
 def _first_sigma(problem: Problem) -> np.ndarray:
-    """Return the first σ of each value, shape (M,): the given one, or a hundredth of the column's size."""
+    """Return the first σ of each value, shape (M,): the given one, or 0.01 × the column's ``size``."""
     sigma = problem.sigma.copy()
     for group, least in _estimated(problem):
         sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least

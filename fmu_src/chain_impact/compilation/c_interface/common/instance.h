@@ -119,7 +119,7 @@ int deserialize(const Instance *instance, const char *call, const void *bytes, s
 #define REFUSALS (1u << DISCARD | 1u << ERROR)
 /* Return the bits of a category of messages in `categories`: all bits for "logAll", 0 for an unknown name. */
 unsigned category_bit(const char *name);
-/* Log a sentence if the importer wants messages of this status, or if it is an error in FMI 3.0. Return the status. */
+/* Log a sentence if the importer wants messages of `status` or, in FMI 3.0, `status` is an error; return `status`. */
 int say(const Instance *instance, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Return 1 if the call is allowed in the present phase; else log an error and return 0. A null instance gives 0 without
    a message. `given` returns 1 if an argument is not NULL; else it logs an error and returns 0. */

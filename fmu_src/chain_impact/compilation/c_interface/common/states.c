@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A saved state; the record follows in memory. `checksum` is 0 until the state is serialized. */
+/* A saved state; the record follows in memory. `checksum` is valid only in serialized bytes. */
 typedef struct {
     char magic[8];
     /* `size` is the number of bytes from guid to the end of the record, which the checksum covers */

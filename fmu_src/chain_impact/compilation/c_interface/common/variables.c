@@ -24,8 +24,8 @@ static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType
 }
 
 /* Return whether the kernel must compute a variable before it is read. This is so for an output and, from
-   initialization mode on, for a parameter whose given value has a word of its own, such as a parameter that the kernel
-   can derive, also if the importer has set it. */
+   initialization mode on, for a parameter whose given value and value in use are in two words, such as a parameter that
+   the kernel can derive, also if the importer has set this parameter. */
 static int worked_out(const Instance *instance, const Variable *of) {
     return of->kind == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
 }

@@ -26,7 +26,7 @@ export function withMinus(text) {
   return text.replace(/^-(?=[\d.])/, "−");
 }
 
-/** Return a number as text, rounded to `count` significant digits, but not coarser than to a whole number, with at most 9 decimals. */
+/** Return a number as text with `count` significant digits, but all digits before the decimal point, and at most 9 decimals. */
 export function digits(value, count = 3) {
   if (value === 0) return "0";
   const decimals = count - 1 - Math.floor(Math.log10(Math.abs(value)));

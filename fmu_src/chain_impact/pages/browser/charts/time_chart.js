@@ -178,7 +178,7 @@ export class EnergyChart extends TimeChart {
   }
 }
 
-/** Return how often values turn from rising to falling or back; values within `least` of the last used one are skipped. */
+/** Return how often values turn from rising to falling or back; a value within `least` of the last value not skipped is skipped. */
 function turnsOf(values, least) {
   let [turns, rises, from] = [0, undefined, values[0]];
   for (const value of values) {

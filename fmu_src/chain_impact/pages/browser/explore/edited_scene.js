@@ -18,8 +18,8 @@ export function partsOf({ chain: { links } }) {
 }
 
 /**
- * Return an owner of variables with the numbers that it has after an edit; undefined if the edit has removed it. `counts`: what its number
- * counts (`COUNTED` in kit.py); `before`, `after`: results of `partsOf` for the scene before and after the edit.
+ * Return an owner of variables with the numbers that it has after an edit; undefined if the edit has removed it. `counts`: what the number
+ * of the owner counts (`COUNTED` in kit.py); `before`, `after`: results of `partsOf` for the scene before and after the edit.
  */
 function ownerAfter(owner, counts, before, after) {
   const { n, at } = owner;

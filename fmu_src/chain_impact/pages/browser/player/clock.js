@@ -76,7 +76,7 @@ export class Clock {
     this.set({ playing: !this.playing, frame: again ? 0 : this.frame });
   }
 
-  /** Advance the frame by a time on the screen [s], which may be negative. */
+  /** Move the frame ahead by a time on the screen [s], or back if this time is < 0; loop or pause at the end of the recording. */
   advance(seconds) {
     const frame = this.slow
       ? this.frame + seconds * this.speed * this.recording.frameRate

@@ -116,7 +116,7 @@ export class Changes {
     this.replace(this.with(given), without(this.inputSteps, Object.keys(given)));
   }
 
-  /** Give an input a value from a time [s] on, and remove its later steps. */
+  /** Give an input a value from a time [s] on, and remove the input's steps at this time and later. */
   setFrom(name, given, time) {
     const before = (this.inputSteps[name] ?? []).filter(([from]) => from < time);
     this.replace(this.values, { ...this.inputSteps, [name]: [...before, [time, this.numberOf(name, given)]] });
