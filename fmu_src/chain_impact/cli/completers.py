@@ -1,4 +1,4 @@
-"""The names and values that a shell offers for an option, which depend on the scene or FMU of the command."""
+"""The names and values that a shell offers for an option; the command's scene or FMU determines them."""
 
 from __future__ import annotations
 

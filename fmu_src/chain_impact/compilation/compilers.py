@@ -69,7 +69,7 @@ for a number of links, or for any number (None), these functions return 0."""
 Sizes = int | tuple[int, ...] | None
 """The scenes that a kernel can run: a number of links, or None for any number, without rare features; GENERAL
 for all scenes; a tuple of all counts and flags at the start of a record for the scenes with exactly these."""
-# C code of a function that does nothing, for its name
+# C code of a function that does nothing; the first braces stand for the name of the function
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # LLVM code of a function that reads a count or flag from the record. LLVM is told that the number does not

@@ -317,6 +317,6 @@ class Drives:
 def _of_servo(name: str, text: str, joints: frozenset[str]) -> Difference:
     """Return a difference between the control of servo ``name`` in the file and the target in the scene.
 
-    ``text`` is the rest of the sentence; ``joints`` are the names of the joints of the servo.
+    ``text`` follows "actuator" and ``name`` in the sentence; ``joints``: names of the joints of the servo.
     """
     return Difference(kind="actuator", name=name, text=text, effect=Effect.NONE, differs=True, joints=joints)

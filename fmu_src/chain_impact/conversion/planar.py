@@ -26,8 +26,8 @@ from chain_impact.conversion.walls import Walls
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import UnknownNameError
 
-# number of significant digits of each number in a scene; robot files have fewer digits, so further digits are
-# round-off
+# number of significant digits of each real number in the scene of a robot; robot files usually have fewer
+# digits, so most further digits are round-off
 DIGITS = 14
 
 

@@ -116,9 +116,10 @@ def outermost(balls: Sequence[Ball]) -> list[Ball]:
 
 
 def is_within(inner: Ball, outer: Ball, joint: np.ndarray) -> bool:
-    """Return whether the ball ``inner`` of a link lies in the ball ``outer`` of a neighbour, up to ``blur``.
+    """Return whether the ball ``inner`` of a link lies in the ball ``outer`` of a neighbour, for all angles.
 
-    This must hold for all angles of the joint between both links, whose position is ``joint`` [m].
+    The angles are those of the joint between both links, at the position ``joint`` [m]. ``inner`` may reach
+    beyond ``outer`` by the larger ``blur`` of both balls.
     """
     away = float(np.linalg.norm(inner.at - joint) + np.linalg.norm(outer.at - joint))
     return away + inner.radius <= outer.radius + max(inner.blur, outer.blur)

@@ -102,12 +102,11 @@ def driven_rows(
 
 
 def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return an input as polynomials of time: their start times [s] and their coefficients.
+    """Return member ``k`` of a family of inputs as polynomials of time: start times [s] and coefficients.
 
-    Row k of the coefficients has those of polynomial k, in ascending powers of the time since its start.
-    ``members`` are an input with its integrals before it and its derivatives after it (``family``). The
-    result is for the member with the index ``k``; if the table does not have it, it is computed from a member
-    that the table has.
+    Each row of the coefficients belongs to one polynomial, in ascending powers of the time since its start.
+    ``members`` are the names of a quantity and of the derivatives after it (``family``). If the table does
+    not have member ``k``, the result is computed from a member that the table has.
     """
     given = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given if j <= k), default=given[0])

@@ -126,7 +126,7 @@ def _parameters(description: Any) -> dict[str, Any]:
 
 
 def _outputs(description: Any) -> list[str]:
-    """Return the names of the outputs that are scalars; arrays of FMI 3.0 only repeat their values."""
+    """Return the names of the outputs that are scalars; the arrays of FMI 3.0 repeat their values."""
     variables = description.modelVariables
     return [v.name for v in variables if v.causality == "output" and not v.dimensions]
 

@@ -281,7 +281,7 @@ def refuse_value(d, k, i):
 
 
 def first_size(d):
-    """Return a first step size ≤ 1 s from the links' angular velocities and accelerations in ``step.state``.
+    """Return a first step size ≤ 1 s from the links' angular motion in the state ``step.state``.
 
     The function sets ``scratch.rate_start`` to ẏ in this state. The error control adapts the size later.
     """

@@ -30,7 +30,7 @@ STRIP, ABOVE_STRIP = 0.13, 0.075
 
 
 def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: float) -> list[Line2D]:
-    """Draw the charts; return their cursors, vertical lines at the time of a frame; the energies' is first.
+    """Draw the charts; return the vertical line at a frame's time in each chart, that of energies first.
 
     ``times`` has the time of the recording that each of the F frames shows [s], ascending, shape (F,).
     Without forces at walls or in joints there is no chart of forces. The legend of the energies must end
@@ -80,7 +80,7 @@ def stretch(axes: Axes, times: np.ndarray) -> bool:
 
 
 def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
-    """Return "wall" → the largest normal force at walls, "joint" → that in joints, each of shape (T,) [N].
+    """Return "wall" → largest normal force at walls, "joint" → largest force in joints; both (T,) [N].
 
     Stops of a slider count as walls, stops of joints do not. A name whose forces are unknown or always 0 is
     left out.

@@ -198,7 +198,7 @@ def range_of(energies: dict[str, np.ndarray]) -> float:
 
 
 def offset_text(offset: float) -> str:
-    """Return the number ``offset`` [J], which is added to an energy, as text: "+ 22 J"."""
+    """Return the number ``offset`` [J], which is added to an energy, as text: "+ 22 J", "− 22 J"."""
     return f"{'+' if offset > 0.0 else '−'} {abs(offset):.10g} J"
 
 

@@ -340,7 +340,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
 
 
 def law_hints(scene: Contents) -> list[str]:
-    """Return one sentence, in a list, if neither walls nor stops use the law of ``contact.law_file``."""
+    """Return a sentence in a list if neither walls nor stops use the law of ``contact.law_file``, else []."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model

@@ -144,7 +144,7 @@ def parse_scene(text: str, source: str) -> Scene:
     """Return the scene of a TOML `text`; `source`, its path, is for errors and for relative paths in it."""
     try:
         data = tomllib.loads(text.removeprefix("\ufeff"))
-    except (ValueError, RecursionError) as error:  # ValueError includes Python's own limits on digits
+    except (ValueError, RecursionError) as error:  # ValueError: wrong TOML, or too many digits
         raise SceneError(f"{source}: not valid TOML: {error}{fault_hint(text, str(error))}") from None
     try:
         return scene_from_dict(data, source)
@@ -322,8 +322,8 @@ def _path_and_value(
 ) -> tuple[DataPath, Any]:
     """Return the path and the new value of a change; ``change`` is the path or the name of the value.
 
-    Refuse an unknown name. ``every`` is a function that returns name → path for all names of the scene; it is
-    called only if the name is not in ``_keys``. ``given`` is the new value.
+    Refuse an unknown name, but no path. ``every`` is a function that returns name → path for all names of the
+    scene; it is called only if the name is not in ``_keys``. ``given`` is the new value.
     """
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):

@@ -41,10 +41,10 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Replace each corner of a box by the mark ``_APART`` in ``data``, the plain data of a scene.
+    """Replace the corners or the shape of each box in ``data``, the plain data of a scene.
 
-    If ``given`` is true, the corners stay, as ordinary points, and the keys ``shape`` and ``height`` of each
-    box are removed.
+    The mark ``_APART`` replaces each corner. If ``given`` is true, the corners stay instead, as ordinary
+    points, and the keys ``shape`` and ``height`` of the box are removed.
     """
     for link in data["chain"]["links"]:
         if "shape" not in link:

@@ -91,7 +91,7 @@ def longer(name: str, names: Iterable[str]) -> str | None:
 def proposed(name: str, names: Iterable[str]) -> str | None:
     """Return the one of ``names`` that a message proposes for the unknown ``name``.
 
-    It is the result of ``nearest`` or, if this is None, that of ``longer``.
+    The result is that of ``nearest`` or, if this is None, that of ``longer``, which may be None, too.
     """
     names = list(names)
     return nearest(name, names) or longer(name, names)

@@ -71,7 +71,7 @@ class Table:
         Args:
             row: the index of the row.
             name: the name of the column.
-            otherwise: the end of the error, with what the cell may contain in place of a number.
+            otherwise: the end of the error: ", or …", which tells what a cell may be other than a number.
 
         Raises:
             SceneError: when the cell is neither empty nor a finite number.

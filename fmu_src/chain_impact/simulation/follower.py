@@ -236,9 +236,9 @@ class Follower:
                 yield from self._parted(*part)
 
     def _is_vain(self, length: int) -> bool:
-        """Return whether to try no polynomial for an interval, because others of this length failed before.
+        """Return whether to try no polynomial, because one of a similar length failed a few pieces before.
 
-        ``length`` is the binary exponent of the interval's length in [s].
+        ``length`` is the binary exponent of the interval's length in [s]; similar lengths have the same one.
         """
         return self._count < self._again.get(length, 0)
 

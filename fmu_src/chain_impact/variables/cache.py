@@ -62,8 +62,8 @@ signals: two scenes share nothing if one of these fields is not the same object 
 def _decisive(table: type, path: DataPath) -> list[str]:
     """Return the keys of a table whose values may decide the layout of the record, or which variables exist.
 
-    ``path`` is the path of the table in a scene, a template. The other keys of the table are those of
-    parameters that each scene with this table has.
+    ``path`` is the path of the table in a scene, with AT in place of an index. The other keys of the table
+    are those of parameters that each scene with this table has.
     """
     numbers = {
         kind.path[-1]

@@ -67,7 +67,7 @@ def spring_stretch(d, y, i):
     """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i, in the state y.
 
     ψ is the joint's angle or the slider's position; ψ_t is the value of ψ at which the spring has no
-    force: the rest angle, the rest position, or the target of a servo.
+    force: the rest angle of a joint, the rest position of a slider, or the target of a servo.
     """
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]

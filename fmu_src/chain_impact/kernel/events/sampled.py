@@ -83,7 +83,7 @@ WHOLE = (lambda _d: 1, lambda _d, _k: 0)
 
 
 def turn_of_inputs(d):
-    """Return the largest turn [rad] of an input in the last step: angular frequency times duration."""
+    """Return the largest turn [rad] of an input in the last step: ``search.input_rate`` times duration."""
     return (d.step.end - d.step.start) * d.search.input_rate
 
 
@@ -287,7 +287,7 @@ find_release = choose_search(
 
 
 def mode_may_end(d, e):
-    """Return whether a stage of the last step shows that the mode of element e ends (forces/friction.py)."""
+    """Return whether the margin of e's mode was below −``element_error`` at a stage of the last step."""
     return d.element.margin[e] < -element_error(d, e)
 
 

@@ -183,9 +183,9 @@ def force_on_side(d, c, depth, rate):
 
 
 def note_crossing(d, c, height):
-    """Record that candidate c has crossed its kink, if ``height`` is on the other side by more than a margin.
+    """Record that candidate c has crossed its kink, if ``height`` is across it by more than ``kink_margin``.
 
-    ``height`` is the result of ``height_over_kink``.
+    ``height`` is the result of ``height_over_kink``; ``touch.beyond_kink`` tells the side before a crossing.
     """
     margin = d.touch.kink_margin[c]
     if height > margin if d.touch.beyond_kink[c] else height < -margin:

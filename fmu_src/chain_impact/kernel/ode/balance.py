@@ -272,7 +272,7 @@ def loss_allowed(d, available):
 def loss_budget(d, available):
     """Return the energy B [J] that all steps of the run, up to the end of the last one, may lose by errors.
 
-    ``available``: the most [J] that motion, springs, walls and heat can have had up to this end. Even if
+    ``available``: an upper bound [J] on the energy of motion, springs, walls and heat up to then. Even if
     nothing of B is left, a step may lose round-off, or as much as B grows in this step (``loss_allowed``).
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)

@@ -51,9 +51,9 @@ EQUAL_COST_RATIO = 2.5
 # explicit method, with the size h and the rate ρ as for STIFF_STEP: two stable explicit steps then cover the
 # same time at a lower cost.
 NOT_STIFF_STEP = 5.0
-# If an explicit step is shorter than the implicit steps before the last change of the method by more than the
-# factor FAR_SHORTER, it suggests the implicit method: far from the origin the round-off of positions causes
-# errors of the forces at random, which only very short explicit steps keep below the tolerance.
+# The implicit method is suggested if FAR_SHORTER times the proposed size of an explicit step is less than the
+# size of the implicit steps before the last change of the method: far from the origin the round-off of
+# positions causes random errors of forces, which only very short explicit steps keep below the tolerance.
 FAR_SHORTER = 25.0
 # The largest product hρ of an explicit step that is limited to a stable size, with its size h and the fastest
 # rate ρ of contacts and joints: two thirds of the hρ up to which DOP853 is stable. A longer step amplifies

@@ -47,7 +47,7 @@ Q: tuple[tuple[float, ...], ...] = (
      0.22310390108357075, 0.04),
 )
 REAL_EIGENVALUE = 0.15906584442746913
-# real and imaginary part of one of the two conjugate eigenvalues in each pair
+# for each pair of conjugate eigenvalues of Q: the real part, and the imaginary part that is > 0
 COMPLEX_EIGENVALUES = ((0.06506577854574362, 0.11646852774031707), (0.1331790770182996, 0.07499451183581853))
 LEFT: tuple[tuple[float, ...], ...] = (
     (27.697693775684087, 12.783337911304406, 3.20848938671343,

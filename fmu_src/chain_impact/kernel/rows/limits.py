@@ -113,9 +113,9 @@ def lower_limit(d, k):
 def upper_limit(d, k):
     """Return the upper limit [N] of the force of constraint k.
 
-    For a sticking element the limit is µ F_n, with the normal force F_n and the coefficient µ of sliding
-    friction, because an element at its limit slides; or the largest friction of a joint or slider. For a
-    point at a rigid wall the limit is infinite.
+    For a sticking contact the limit is µ F_n, with the normal force F_n and the coefficient µ of sliding
+    friction, because a contact at its limit slides. For a sticking joint or slider the limit is its largest
+    friction. For a point at a rigid wall the limit is infinite.
     """
     first = d.touch.active_count
     if k < first:

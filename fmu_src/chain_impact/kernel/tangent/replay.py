@@ -168,7 +168,7 @@ MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: if each leaves 0.95
 # Derivatives below LEAST_SLOPE × ``speed_by_friction`` may be round-off: a correction is then relative to
 # this product.
 LEAST_SLOPE = 1e-3
-# result of ``last_correction`` for "not converged": a correction is not finite, or the derivatives are zero
+# result of ``last_correction`` for "not converged": not finite, or a correction ≠ 0 of derivatives = 0
 UNLIMITED_CORRECTION = 1e300
 
 

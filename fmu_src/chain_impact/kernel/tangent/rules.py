@@ -98,8 +98,8 @@ def set_polar(radius, y, first, horizontal, vertical):
 def direction(angle):
     """Return the cosine and sine of an angle [rad].
 
-    The replaced function rounds the angle to whole quarter turns by adding a large number; with dual numbers
-    this would give wrong derivatives.
+    ``angles.direction`` rounds the angle to whole quarter turns by adding a large number; for a dual number
+    this rounding would give wrong derivatives.
     """
     cosine, sine = angles.direction(value(angle))
     return dual_with_slope(cosine, -sine, angle), dual_with_slope(sine, cosine, angle)

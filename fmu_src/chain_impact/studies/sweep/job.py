@@ -84,7 +84,7 @@ class Job:
     def differentiated(self) -> list[Variable]:
         """The parameters and inputs with respect to which the runs compute derivatives.
 
-        If a column is a derivative, these are all that the scene asks for; otherwise the list is empty.
+        If a column is a derivative, the list has all that the scene asks for; otherwise the list is empty.
         """
         asks = any(name.startswith(SENSITIVITY) for name in self.columns)
         return self.prepared.varied if asks else []

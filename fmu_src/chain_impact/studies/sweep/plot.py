@@ -282,9 +282,9 @@ def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> l
 
 
 def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
-    """Draw each quantity in a panel with a row for each choice of a parameter, and a dot in each row.
+    """Draw each quantity in a panel with a row for each choice of a parameter, and a dot for each value.
 
-    ``across``: the parameter. The row of a run that failed has a cross at the left edge in place of a dot.
+    ``across``: the parameter. The row of a run that failed has a cross at the left edge of the panel.
     """
     names = across.shown(across.values).tolist()
     count = len(quantities)

@@ -61,7 +61,7 @@ class Sweep(Runs):
     """
 
     def __repr__(self) -> str:
-        """Return the number of runs, and how the runs ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
+        """Return the scene's name, and how its runs ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
         ended: Counter[int] = Counter()
         for chunk in self.chunks([STATUS]):
             ended.update(dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True)))

@@ -15,7 +15,7 @@ export function unitOfPower(unit, exponent = "exponent") {
   return unitText(unit).replace("^exponent", exponent === 1 ? "" : `^${exponent}`);
 }
 
-/** Return a unit with the exponent as raised digits: N/m¹·⁵ for N/m^1.5. */
+/** Return a unit with the exponent at its end, if any, as raised digits: N/m¹·⁵ for N/m^1.5. */
 export function raised(unit) {
   const raisedSign = (sign) => "·⁰¹²³⁴⁵⁶⁷⁸⁹"[".0123456789".indexOf(sign)];
   return unit.replace(/\^([\d.]+)$/, (_, power) => [...power].map(raisedSign).join(""));

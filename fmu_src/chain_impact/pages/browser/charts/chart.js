@@ -183,7 +183,7 @@ export class Chart {
     this.mark();
   }
 
-  /** Move the vertical line to a value of the horizontal axis; without a value, draw the line again where it is. */
+  /** Move the vertical line to a value of the horizontal axis; without a value, draw the line again at its last value. */
   mark(x = this.at) {
     this.at = x;
     if (x === undefined) return;

@@ -98,7 +98,7 @@ function valueAt(time, { values, isStepped }, now) {
   return isStepped ? values[row + Math.floor(share)] : valueAtPlace(values, [row, share]);
 }
 
-/** Write the text of a value and those of compared motions; this makes elements only if the number of texts has changed. */
+/** Write into `element` the text of a value and the texts of compared motions; nodes are replaced only if the number of texts changes. */
 function writeValues(element, own, others) {
   if (element.childNodes.length !== 1 + others.length) element.replaceChildren("", ...others.map(() => make("small")));
   [own, ...others].forEach((text, k) => {

@@ -104,7 +104,7 @@ export class ForceChart extends Chart {
     ctx.restore();
   }
 
-  /** Return the time since the onset and the force then as text; "" for the loop over penetration, which has two forces at a place. */
+  /** Return a text with the time [s] since the onset and the force then; "" for a loop, where a penetration can have two forces. */
   readingAt(time) {
     if (this.loop) return "";
     const [times, force] = this.plot.data;

@@ -12,7 +12,7 @@ if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`
 const program = URL.createObjectURL(new Blob([find("worker").textContent], { type: "text/javascript" }));
 const compiled = decompressed(find("kernel").textContent).then((bytes) => WebAssembly.compile(bytes));
 const startEngine = () => new Engine(program, compiled);
-// a frame with a document that is not closed is not loaded, and neither is the page that contains it
+// the page counts as not loaded while it contains this frame, because the document of the frame is open
 const unloaded = make("iframe", { hidden: true });
 document.documentElement.append(unloaded);
 unloaded.contentDocument.open();

@@ -32,8 +32,8 @@ function interpolated(allX, nodes, values) {
 /**
  * Return the simulated times [s] of the frames from `start` to `stop`, which have equal distances in time on the screen, and the number of
  * frames per second there: about `rate`, or less if there would be more than `most` frames. `spans`: the impacts in slow motion, from
- * `slowSpans`; each takes the time `impactTime` [s] on the screen, or its own duration if this is longer; with
- * `impactTime` 0 nothing is slow.
+ * `slowSpans`. On the screen an impact, up to its first LONGEST_SLOW [s], takes `impactTime` [s], or its own duration if this is longer; an
+ * impact without duration takes less. With `impactTime` 0 nothing is slow.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
   // an impact without a duration takes a small share of the time

@@ -20,8 +20,8 @@ export function tomlText(file, keys) {
 }
 
 /**
- * Return the text for a table as a list of blocks: first the `headline` and the table's values, without defaults, if any are left, then the
- * blocks of the tables inside it. `{ kind, keys }`: the rule of the table, `name`: its dotted name.
+ * Return the text for a table as a list of blocks: first the `headline` and the values that are not defaults, if there are any,
+ * then the blocks of the tables inside it. `{ kind, keys }`: the rule of the table, `name`: its dotted name.
  */
 function blocksOf(table, { kind, keys }, name, headline = "") {
   const ruleOf = (key) => (kind === "named" ? { kind: "table", keys } : keys[key]);

@@ -15,8 +15,8 @@ const PARTS = 100; // the rows of the first run are divided into at most this ma
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time, for their curves
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: about two for each pixel of a chart
-// FOLLOWED: number of the first impacts within which the second run has more rows; WITHIN: number of these rows in each of two parts of an
-// impact, the part that is shown slowly and the rest
+// The second run has additional rows within the first impacts. FOLLOWED: number of these impacts; WITHIN: number of additional rows in each
+// of two parts of an impact, the part that is shown slowly and the rest.
 const { FOLLOWED, WITHIN } = SHARED.curves;
 
 /** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
