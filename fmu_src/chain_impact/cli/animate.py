@@ -80,7 +80,7 @@ def add(verbs: Verbs) -> None:
 
 
 def size(text: str) -> tuple[int, int]:
-    """Return width and height [pixels] from a text such as 960x540; refuse lengths that no film can have."""
+    """Return width and height [pixels] from a text such as 960x540; both must be LEAST_SIDE … MOST_SIDE."""
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
         raise argparse.ArgumentTypeError(f"{text} must be WIDTHxHEIGHT, for example 960x540")

@@ -72,9 +72,9 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
 def _simplify(whole: llvm.ModuleRef) -> None:
     """Keep variables in registers, and remove code without effect, so that no compilation has to do this.
 
-    Each compilation would begin with the same passes, so kernels are as fast as without this step. Further
-    passes, such as combining instructions, would make kernels up to 12 % slower, because such passes should
-    come after inlining.
+    Without this step, each compilation would begin with the same passes, so this step does not change the
+    speed of kernels. Further passes, such as combining instructions, would make kernels up to 12 % slower,
+    because such passes should come after inlining.
     """
     # all targets, because this machine's processor may differ from that of the target TRIPLE
     llvm.initialize_all_targets()

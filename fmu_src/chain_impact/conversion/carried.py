@@ -275,10 +275,10 @@ class _Merger:
         return points, ends
 
     def _kept(self, table: dict[str, Any], known: Mapping[str, Any], index: int) -> dict[str, Any]:
-        """Return ``table``, a point of the scene, with the scene's name and the scene's unchanged numbers.
+        """Return ``table`` with name and numbers of the scene's point; numbers changed in the file stay.
 
         Args:
-            table: the point in the conversion of the file's elements.
+            table: a point of the scene, in the conversion of the file's elements.
             known: the same point in the conversion of the elements that are written for the scene.
             index: index of the point in ``scene.chain.sites``.
         """

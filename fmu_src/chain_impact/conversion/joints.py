@@ -120,7 +120,7 @@ def _placed(robot: Robot, poses: list[tuple[np.ndarray, np.ndarray]]) -> Iterato
 
 
 def joint_names(robot: Robot) -> list[str]:
-    """Return the names of all joints of a robot, in the order of its bodies."""
+    """Return the names of all joints of a robot, in the order of the robot's bodies."""
     return [joint.name for body in robot.bodies for joint in body.joints]
 
 

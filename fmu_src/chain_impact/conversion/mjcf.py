@@ -164,7 +164,7 @@ class _Reader:
         """Return the position [m] and the quaternion of body ``b`` relative to the parent of the body.
 
         For a body with a free joint, and for a mocap body, both are those of the state at the start; for any
-        other body, they are those in the file, with the body's joints at zero.
+        other body, they are those in the file, with the body's joints at MuJoCo's qpos0.
         """
         model, j = self.model, self.model.body_jntadr[b]
         if model.body_mocapid[b] >= 0:

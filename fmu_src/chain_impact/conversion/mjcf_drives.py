@@ -204,9 +204,10 @@ class Drives:
         )
 
     def _limits(self, a: int, gear: float, gain: float, bias: np.ndarray) -> tuple[float, float]:
-        """Return the least and the largest torque of actuator ``a`` at the joint; ∓∞ without limits.
+        """Return the least and the largest torque [N·m] or force [N] of actuator ``a`` at the joint.
 
-        Both follow from the limits of the actuator's force and, for a motor, from those of its control.
+        Both follow from the limits of the actuator's force and, for a motor, from those of the control. They
+        are ∓∞ without limits, and 0 if ``gear`` is 0.
         """
         model, low, high = self.model, -math.inf, math.inf
         if model.actuator_forcelimited[a]:

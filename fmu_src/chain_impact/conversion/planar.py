@@ -288,7 +288,7 @@ class _Conversion:
         return values | ({"center_of_mass_offset": beside} if abs(beside) > ZERO_LENGTH else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
-        """Write the values of each joint into the table of its link; return angles and rates of the links.
+        """Write each joint's values (``_joint``) into its link's table; return angles and rates of the links.
 
         The angles [rad] and angular velocities [rad/s] are absolute, at the start. ``directions`` are the
         absolute angles of the links with the joints of the chain at zero [rad].

@@ -372,7 +372,10 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
 
 
 def vector_of(names: Sequence[str]) -> str:
-    """Return "position", "velocity" or "acceleration" if all outputs are components of this kind, else ""."""
+    """Return "position" if all names end in x or y, "velocity" if in vx or vy, "acceleration" if in ax or ay.
+
+    Otherwise the result is "".
+    """
     words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
     return words.pop() if len(words) == 1 else ""
 

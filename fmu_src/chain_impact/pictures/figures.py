@@ -196,9 +196,9 @@ def least_figure(
 
 
 def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
-    """Draw on a figure; return whether its axes are high enough, and no text is cut off or overlaps another.
+    """Draw on a figure; return whether axes are high enough, and no text is cut off or overlaps another.
 
-    ``mean`` is the least mean height of axes with a label along y [inches].
+    Only axes with a label along y count; ``mean`` is the least mean of their heights [inches].
     """
     return lacking_height(fill, figure, mean) <= 0.0
 

@@ -35,8 +35,8 @@ CONTACT_SHARES = np.linspace(0.0, 1.0, 25)
 # [1] an impact is shown in slow motion only if its speed, relative to the fastest impact, is at least this
 SLOW_SPEED = 0.05
 SLOW_COUNT = 100  # largest number of impacts that are shown in slow motion: the fastest ones
-# [1] for a film, an impact with the penetration δ and the impact speed v ends at the latest LONGEST_IMPACT
-# times δ/v after its onset: in a longer contact the point counts as resting from then on
+# [1] in films and pages, an impact with the penetration δ and the impact speed v ends at the latest
+# LONGEST_IMPACT times δ/v after the onset: in a longer contact the point counts as resting from then on
 LONGEST_IMPACT = 5.0
 # [m/s; rad/s at a stop of a joint] least speed v in δ/v: a point that rests at a wall from the start on has v
 # = 0, and δ/v would be infinite

@@ -142,7 +142,7 @@ def size_of(recording: Recording) -> float:
 
 
 def places_of(recording: Recording) -> np.ndarray:
-    """Return the positions of all points and of a carriage's corners, shape (T, M, 2) [m]."""
+    """Return the positions of M places, all points and a carriage's corners, shape (T, M, 2) [m]."""
     if recording.rail is None:
         return recording.all_points
     corners = recording.rail.carriage(np.zeros(2))

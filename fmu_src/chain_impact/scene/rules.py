@@ -157,8 +157,8 @@ def numbers_of(rule: str, members: Iterable[Any], value_of: ValueOf) -> list[Any
 def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
     """Return the members of the list that a rule names.
 
-    If the rule gives a whole number, the result is as many members without values; if its value is missing,
-    there are no members.
+    If the rule gives a whole number n, the result has n members without values. If the value of the rule is
+    missing, there are no members.
     """
     value = _function(rule)(value_of)
     return [{}] * value if isinstance(value, int) else _members(value)

@@ -121,7 +121,7 @@ class LawRuns:
 
     @property
     def contact(self) -> Contact:
-        """The scene's contact with the values at the first impact: those of the wall, or of joints' stops."""
+        """The scene's contact with the values of the first impact's wall or of [stops] (``contact_at``)."""
         return contact_at(self.scene, self.first_impact)
 
     @property

@@ -247,8 +247,8 @@ def _indices(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
 def _fill_materials(d: Any, scene: Scene) -> None:
     """Write to the record ``d`` those values of the tables [contact.wall.<name>] that the scene gives.
 
-    All other values keep −1 in the record: the value of [contact] applies, but a missing static friction of a
-    wall with a given sliding friction equals this sliding friction.
+    All other values stay −1, stiffnesses 0: the value of [contact] applies, but a missing static friction of
+    a wall with a given sliding friction equals this sliding friction.
     """
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.record_path)

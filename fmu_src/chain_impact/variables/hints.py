@@ -13,8 +13,8 @@ Hint = Callable[[str], str | None]
 def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
     """Return a hint for the name or pattern of inputs or parameters, which are no outputs; else None.
 
-    ``inputs`` and ``parameters`` are all names of these. ``how`` are words for what makes an input an output,
-    such as a signal; "" for nothing.
+    ``inputs`` and ``parameters``: the names of all inputs and parameters. ``how``: what makes an input an
+    output, in words, such as "a signal"; "" if nothing does.
     """
     if find_names(name, inputs):
         return f"it is an input{how and f'; {how} makes it an output'}"

@@ -104,7 +104,7 @@ def turns_at_end(d, c):
 
 
 def update_held_extremes(d):
-    """Update the peak forces at rigid walls and stops for the last step, by parabolas through samples."""
+    """Update peak forces at rigid walls with the last step, by parabolas through samples of the forces."""
     step, samples = d.step, d.constraints.sample
     ensure_dense(d, SOLVER)
     first = event_fraction(d)

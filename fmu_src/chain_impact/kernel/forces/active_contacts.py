@@ -236,7 +236,7 @@ def cross_kink(d, c):
     """Switch candidate c, whose force is at its kink, to the smooth force of the kink's other side."""
     touch = d.touch
     if is_cut_off(d, c):
-        touch.force_rate[c] = 1.0  # 1.0: the force rises
+        touch.force_rate[c] = 1.0  # 1.0: the force may rise
     if d.law.approach_only[c]:
         # at this kink the rate of the penetration is 0; the largest penetration up to this time has been
         # recorded, and is not searched for again

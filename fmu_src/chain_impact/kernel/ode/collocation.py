@@ -81,7 +81,7 @@ EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # iteration; error estimate and projection onto the clearances. A real factorization costs 1 and a real
 # solution 0.7, complex ones 2.5 times as much; estimate and projection take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-FORCELESS_PART = 1e-3  # a contact that ends before this fraction of a step has hardly any force left
+FORCELESS_PART = 1e-3  # a contact that ends in this first part of a step has hardly any force left
 DECAY_TIMES = 3.0  # size of a step, in decay times of its fast motion, if this motion equals the tolerance
 
 
@@ -148,7 +148,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 
 
 def prepare(d, h):
-    """Prepare a step; return its size [s]: h, or less because of an end of a contact or a fast motion."""
+    """Prepare a step; return the size [s]: h, or less if a contact ends soon or a motion is fast."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)

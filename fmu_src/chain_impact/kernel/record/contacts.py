@@ -117,7 +117,8 @@ def touch_dtype(candidates: int) -> np.dtype:
         # m/s, a rate of the penetration counts as beyond the kink δ̇ = 0 only if its absolute value exceeds
         # this margin; 0 if the law damps in both directions
         ("kink_margin", REAL, (candidates,)),
-        # 1: a stage or the end of the tried step lies on the other side of the kink, beyond ``kink_margin``
+        # 1: a stage or the end of the tried step lies on the side that ``beyond_kink`` does not name, by more
+        # than ``kink_margin``
         ("kink_crossed", INTEGER, (candidates,)),
         ("number", INTEGER, (candidates,)),  # `impact.count` after the candidate's latest onset
         ("peak_force", REAL, (candidates,)),  # N, peak force in the contact so far
@@ -127,7 +128,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         # m, errors of the clearances of the active contacts, in the order of ``active_index``; row 0 and row
         # 1 belong to the two error estimates of an explicit step
         ("gap_error", REAL, (2, candidates)),
-        ("x", REAL, (candidates,)),  # m, x of the position at which the candidate touched at the onset
+        ("x", REAL, (candidates,)),  # m, x of the position at the onset (``touching_position``)
         ("y", REAL, (candidates,)),
     )
 
@@ -204,8 +205,8 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # 1: the impulse of a rigid wall in the active set is a pull, or the motion along a constraint outside
         # the set is below ``target``
         ("violated", INTEGER, (count,)),
-        ("start", REAL, (count,)),  # position, speed or acceleration along the row without any impulses
-        ("reached", REAL, (count,)),  # position, speed or acceleration along the row with all impulses
+        ("start", REAL, (count,)),  # m, m/s or m/s² along the row, without any impulse
+        ("reached", REAL, (count,)),  # as ``start``, with the impulses of all constraints
         # required value of ``reached``; in ``solve_lcp`` the least allowed value
         ("target", REAL, (count,)),
         # residual target − reached of a constraint in the active set, else 0; during a correction the

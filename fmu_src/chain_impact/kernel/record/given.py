@@ -50,7 +50,7 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("wall", FINITE, (len(WALLS),)),  # m, positions of the walls x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
-        # 1: the scene has inputs that act on the chain without contact, too: any except motions of walls
+        # 1: the scene has inputs other than motions of walls (a wall acts on the chain only in a contact)
         ("has_inputs", INTEGER),
         ("has_servos", INTEGER),  # 1: all drives are servos, whose targets are inputs; 0: no drive is a servo
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
@@ -303,7 +303,7 @@ def walls_dtype(candidates: int) -> np.dtype:
     """
     return record(
         ("x", FINITE, (candidates,)),  # m, x of a point on each wall
-        ("y", FINITE, (candidates,)),  # m, y of the same point on each wall
+        ("y", FINITE, (candidates,)),  # m, y of the point with this ``x`` on each wall
         # rad, direction of each wall, from +x; the free side is to the left of this direction
         ("angle", FINITE, (candidates,)),
         # ---- materials of all walls; the walls of the box come first

@@ -135,7 +135,7 @@ def friction_output_dtype(elements: int) -> np.dtype:
     """Return the layout of the outputs of dry friction; an element is a candidate, a joint or the slider."""
     return record(
         ("force", REAL, (elements,)),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
-        ("impulse", REAL, (elements,)),  # N·s, impulse of the wall's friction force since the run's start
+        ("impulse", REAL, (elements,)),  # N·s, impulse of ``force`` since the run's start
         # 1: the contact of a candidate sticks; 0: the contact slides or has no friction, or does not exist
         ("sticking", REAL, (elements,)),
         # entries 0…N−1: moment of dry friction on the outer link of each joint [N·m]; entry N: force of dry

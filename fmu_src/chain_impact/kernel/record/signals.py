@@ -78,8 +78,8 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
 def knot_dtype(knots: int) -> np.dtype:
     """Return the layout of the knots of all signals; at each knot a polynomial of a signal begins.
 
-    The scene gives ``time`` and ``powers`` of a table; the kernel derives those of other signals, of a signal
-    of steps from ``given_time`` and ``given_value``.
+    The scene gives ``time`` and ``powers`` of a table. The kernel computes both for any other signal; for a
+    signal of steps, from ``given_time`` and ``given_value``.
     """
     return record(
         ("given_time", REAL, (knots,)),  # s, given times at which a signal of steps changes its value

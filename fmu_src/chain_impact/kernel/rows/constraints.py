@@ -84,7 +84,7 @@ MAX_STALLED_PIVOTS = 3
 # friction. With a smaller one, the element's residual would fall too slowly.
 LEAST_STICKING_IMPEDANCE = 1e-2
 # Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
-# accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: the chain has no room.
+# accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: a held point is too deep.
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
 # the largest number of pivots, in addition to 4 for each constraint; a search that needs more has failed
 EXTRA_PIVOTS = 30
@@ -389,7 +389,7 @@ def activate_all(d):
 
 
 def add_to_active_set(d, k, target):
-    """Put constraint k into the active set with the ``target`` that its motion must reach."""
+    """Put constraint k into the active set; ``target`` is the value that its ``reached`` must have."""
     d.constraints.in_active_set[k] = 1
     d.constraints.target[k] = target
 

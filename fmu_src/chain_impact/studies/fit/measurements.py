@@ -14,7 +14,7 @@ from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 
 POINT, WALL, DURATION = "point", "wall", "duration"
 MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
-"""The quantities of an impact that a fit uses: not POSITION, which the wall determines across the wall."""
+"""The quantities of an impact that a fit uses: not x and y, because this position lies on the wall."""
 # If impacts were measured, the model runs until LATE times the last measured time, because an impact of the
 # model may be later than the measured impact.
 LATE = 1.25
@@ -113,7 +113,7 @@ class Measurements:
         return LATE * last if self.of_impact.any() else last
 
     def until(self, stop: float) -> Measurements:
-        """Return the measurements without the values whose ``order`` exceeds ``stop`` [s]; NaN does not.
+        """Return the measurements whose ``order`` is at most ``stop`` [s] or NaN.
 
         Raises:
             SceneError: when no value is left.

@@ -33,7 +33,7 @@ export class ComparedMotions {
     });
   }
 
-  /** Return the recordings that are drawn behind the next motion: the one before the last change, and the pinned ones. */
+  /** Return the recordings to draw behind a new motion: that before the last change, if there is one, and the pinned recordings. */
   get behind() {
     return [this.before, ...this.pins].filter(Boolean);
   }
@@ -92,7 +92,7 @@ export class ComparedMotions {
     });
   }
 
-  /** Return the positions of the letters of compared motions on the screen. */
+  /** Return the positions [pixels] on the screen of the letters of pinned motions, except the shown motion. */
   get letters() {
     return this.pinned.length ? this.#shown.filter(({ letter }) => letter).map(({ at }) => at) : [];
   }

@@ -23,7 +23,7 @@ const STEPS_OF_KEYS = [4, 24]; // [pixels] distances by which an arrow key moves
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SLIDER_VELOCITY = "initial.slider_velocity";
 
-/** Return a value that a handle gives, rounded to the decimals that a move by one pixel changes; `pixel`: the change of the value by it. */
+/** Return the value of a handle with the fewest decimals whose last place is at most `pixel`, the change of the value by one pixel. */
 function byHand(value, pixel) {
   const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
   return Number(value.toFixed(decimals));

@@ -5,7 +5,7 @@
 
 export const PACING = SHARED.pacing;
 
-/** Return [onset, impactEnd] [s] of the impacts that are shown in slow motion, the fastest ones, in the order of time. */
+/** Return [onset, impactEnd] [s] of the impacts in slow motion, in the order of time; see SLOW_COUNT and SLOW_SPEED in `pacing.py`. */
 export function slowSpans(impacts) {
   const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, PACING.SLOW_COUNT);
   return fastest

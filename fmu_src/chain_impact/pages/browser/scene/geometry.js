@@ -17,8 +17,8 @@ export function cornerOf(number, length, height) {
 }
 
 /**
- * Return a point of a link as a disc: coordinates [m] along the link and to its left, and radius [m]. A box's corner follows from the
- * link's length and height.
+ * Return a point of a link as a disc: coordinates [m] along the link and to its left, and radius [m]. For a corner of a box, the link's
+ * length and height give the coordinates, and contact.radius gives the radius.
  */
 export function discOf({ link, entry, corner }, valueOf) {
   const of = `link[${link + 1}]`;

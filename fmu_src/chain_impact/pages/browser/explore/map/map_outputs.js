@@ -103,8 +103,8 @@ export function presentOutputs(changes) {
 }
 
 /**
- * Return the rigid law of the walls, for a peak force, or of the stops of joints, for `stop.peak_moment`: an impulse has no peak
- * force. The result is "" if the law is not rigid, and for all other outputs.
+ * Return the rigid law of the walls if `name` is a peak force, or of the stops of joints if it is `stop.peak_moment`: an impulse has no
+ * peak. The result is "" if the law is not rigid, and for all other outputs.
  */
 function rigidLaw(changes, name) {
   const isForce = ["peak_force", "impact[1].peak_force", "stop.peak_moment"].includes(name);

@@ -240,7 +240,7 @@ export function mainParametersOf(changes) {
   }).filter(({ name }) => parameters.has(name)).concat(startSlider(changes), inputSliders(changes));
 }
 
-/** Return the entry of a slider for the start: the height of a free base, within the length of the chain, or else the first angle. */
+/** Return a list with the slider for the start: height y of a free base, ± the larger of chain length and |y|; else angle of link 1. */
 function startSlider({ scene: { links, file }, starts }) {
   const { "initial.y": y, "initial.angle[1]": angle } = starts;
   const length = Array.from({ length: links }, (_, k) => starts[`link[${k + 1}].length`]).reduce((a, b) => a + b, 0);
