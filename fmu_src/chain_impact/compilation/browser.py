@@ -16,7 +16,7 @@ from chain_impact.user_laws.law_syntax import LawError
 # the names of two files in the cache: the module, and the compiled kernel from which it is linked
 MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"
 EXPORTS = ("initialize", "log_contacts", "trajectory", "__heap_base")
-"""What pages use of the module besides its memory (pages/browser/solver/kernel.js)."""
+"""Names in the WebAssembly module that pages use, besides the memory (pages/browser/solver/kernel.js)."""
 STACK = 1 << 20  # [byte] size of the module's stack, of which the kernel uses a few thousand bytes
 # The target is WebAssembly with addresses of 32 bits, because zig has no headers for addresses of 64 bits.
 # With -msimd128 a vector holds two doubles, as in the code for x86 processors.

@@ -252,9 +252,9 @@ def _type_of_copy_given(_context: Any) -> Any:
 
 
 def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Return whether ``source`` is a part of an instance and ``target`` the same part of a tangent instance.
+    """Return whether the types are those of a part of an instance and the same part of a tangent instance.
 
-    Both are types.
+    ``source`` is the type in the instance, ``target`` the type in the tangent instance.
     """
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False

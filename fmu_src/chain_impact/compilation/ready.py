@@ -58,7 +58,7 @@ def require_compilers(purpose: str) -> None:
 
 
 def for_release() -> bool:
-    """Return whether a wheel for release is being built, which gets kernels for all SIZES."""
+    """Return whether a wheel for release is being built, which has the kernels of ``sizes``."""
     return os.environ.get(RELEASE) == "1"
 
 

@@ -71,7 +71,7 @@ class Difference:
 
         Args:
             held: names of the joints that are held.
-            link_of: index of a body → index of its link, −1 for no link; −1, the world, is a body, too.
+            link_of: index of a body → index of its link, −1 for no link. The body −1 is the world.
         """
         if self.joints and self.joints <= set(held):
             return False

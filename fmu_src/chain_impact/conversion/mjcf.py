@@ -69,9 +69,10 @@ def read_mjcf_text(text: str) -> Robot:
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
-    """Return the state at the start, and a list with a note on the keyframe; empty if the file has none.
+    """Return the state at the start, and a list with one note on the keyframe.
 
-    Refuse the name ``keyframe`` if the file does not have it; None stands for the first keyframe.
+    The list is empty if the file has no keyframes. ``keyframe`` is a name, which is refused if the file does
+    not have it, or NO_KEYFRAME. None stands for the first keyframe, if any.
     """
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
     wanted = (names[0] if names else NO_KEYFRAME) if keyframe is None else keyframe

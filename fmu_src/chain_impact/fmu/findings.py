@@ -39,7 +39,7 @@ class Finding:
         text: a sentence that describes the fault; its subject is the file, variable or attribute.
         file: the file in the FMU that has the fault; "" for the FMU as a whole.
         variable: the name of the variable with the fault; "" if the fault is not that of a variable.
-        attribute: the attribute or element of the model description with the fault, or "".
+        attribute: the attribute or element of the model description with the fault; "" for any other fault.
     """
 
     text: str

@@ -167,8 +167,8 @@ _ALONE = threading.Lock()
 def _callbacks() -> Any:
     """Return the callbacks for all FMUs of FMI 2.0.
 
-    There is only one set, because fmpy's library for messages knows only the logger of the last set, and
-    would send the messages of all FMUs to this logger.
+    All FMUs share one set, because fmpy's library for messages knows only the logger of the set that was
+    added last, and would send the messages of all FMUs to this logger.
     """
     from fmpy import fmi2
 

@@ -17,7 +17,7 @@ from chain_impact.variables.variable import TableRow
 
 
 def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
-    """Return the files with which a native FMU runs, as path in the FMU → content; build.py adds others.
+    """Return the files with which a native FMU runs, as path in the FMU → content; build.py adds more files.
 
     Args:
         prepared: the scene that the FMU simulates.

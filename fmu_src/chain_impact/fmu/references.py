@@ -38,12 +38,12 @@ REFERENCE_ROWS = 100
 # shorter than the scene's own
 SHORTER = 10
 # A chain amplifies each error at every impact, so results are reliable only for some time. A second run, at
-# the scene's own tolerance, tells for how long: the table ends where an output of this run deviates from the
-# reference results by more than the scene's tolerance or ASTRAY, whichever is larger, or where an onset
-# deviates. The table allows each output of an importer TOLERANCE_FACTOR × the largest deviation of this
-# output in the second run before this end, and at least LEAST_TOLERANCE. The scene's tolerance, ASTRAY and
-# LEAST_TOLERANCE are relative to the largest absolute value of all outputs with the same unit. Outputs that
-# are whole numbers may not deviate.
+# the scene's own tolerance, tells for how long: the table ends before an output of the second run deviates
+# from the reference results by more than the scene's tolerance or ASTRAY, whichever is larger, and before an
+# onset deviates (``_agreed_until``). The table allows each output of an importer TOLERANCE_FACTOR × the
+# largest deviation of this output in the second run before the table's end, and at least LEAST_TOLERANCE. The
+# scene's tolerance, ASTRAY and LEAST_TOLERANCE are relative to the largest absolute value of all outputs with
+# the same unit. Outputs that are whole numbers may not deviate.
 ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
 # Outputs are not compared closer to the onset or the end of a contact than EVENT_DISTANCE × the communication
 # step, because they change too fast there.
@@ -197,10 +197,10 @@ def _run(
 def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
     """Return the values of each input at ``times``: sines and cosines of different frequencies.
 
-    All forces, torques and targets have different frequencies, and so have all prescribed motions: an
-    importer that exchanges two of them is noticed. Velocity and acceleration of a motion are the derivatives
-    of its position. Values are rounded as in the file, so that the reference run gets exactly the values that
-    an importer will read.
+    Any two forces, torques or targets have different frequencies, and so have any two prescribed motions: an
+    importer that exchanges such a pair is noticed. Velocity and acceleration of a motion are the derivatives
+    of the motion's position. Values are rounded as in the file, so that the reference run gets exactly the
+    values that an importer will read.
     """
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count

@@ -129,9 +129,9 @@ class Trial:
             self.tell(finding=asdict(Finding(text, self.binary)))
 
     def values(self) -> dict[str, list[Value]]:
-        """Return the values of the variables, by name; report each variable that cannot be read.
+        """Return the values of the variables, by name; report and leave out those that cannot be read.
 
-        Clocks, variables with clocks, binaries and arrays of unknown size are left out.
+        Clocks, variables with clocks, binaries and arrays of unknown size are left out without a report.
         """
         by_name: dict[str, list[Value]] = {}
         for variable in self.variables:

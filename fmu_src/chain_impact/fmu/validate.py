@@ -39,7 +39,7 @@ class Validation:
 
 
 def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Validation:
-    """Check an FMU, and run its binary in a process of its own, which may crash or hang.
+    """Check an FMU; run its binary, if it can be run, in another process, which may crash or hang.
 
     Args:
         path: an FMU of any tool, for co-simulation or model exchange, of FMI 2.0 or 3.0.

@@ -1,7 +1,7 @@
 """The lengths of the arrows of forces in a film, and the ruler that explains these lengths.
 
 The weight of a link and the peak of an impact can differ by a factor of a thousand, and both must be visible:
-the length is proportional to the cube root of the force.
+the length is proportional to the cube root of the force, with a least length.
 """
 
 from __future__ import annotations

@@ -303,7 +303,7 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 def thin_ticks(axes: Axes) -> None:
     """Give axes fewer numbers along x if the numbers overlap; if still necessary, only those at both ends.
 
-    Axes whose ticks are set by hand do not change.
+    Only axes with ticks from a MaxNLocator, as by default, are changed.
     """
     if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator) or not numbers_meet(axes.xaxis):
         return

@@ -158,7 +158,7 @@ def marked_peaks(recording: Recording) -> list[Peak]:
 
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:
-    """Return a list with the ``Peak`` of the impact in a row; [] if the value is 0 or not known."""
+    """Return a list with the ``Peak`` of the impact in a row; [] if the peak is 0 or not known."""
     words, unit, values = strengths(recording, is_stop=bool(recording.at_stops[row]))
     return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
 

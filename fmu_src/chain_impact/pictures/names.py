@@ -32,7 +32,7 @@ def what_touches(recording: Recording, impact: np.void) -> str:
 
 
 def brief_hit(recording: Recording, impact: np.void) -> str:
-    """Return words for an impact, with shortened names; a named point has no number: "heel hits y_min"."""
+    """Return words for an impact, with short names, and no number of a named point: "heel hits y_min"."""
     toucher, point = what_touches(recording, impact), int(impact["point"])
     at_wall = toucher == point_label(point, recording.point_names)
     name = recording.point_names.get(point, "") if at_wall else ""

@@ -129,7 +129,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     """Compute the table of impacts from a record of the FMU's outputs over time.
 
     An FMU shows its latest impacts at each communication point, in the outputs `impact[1].time` and so on.
-    The key `outputs.impacts` of the scene tells how many impacts it shows. The table is complete if no
+    The key `outputs.impacts` of the scene tells how many impacts the FMU shows. The table is complete if no
     communication step has more new impacts than this number. A ``SceneWarning`` tells if impacts are missing,
     or if newer impacts pushed a contact out of the FMU's list before its end.
 

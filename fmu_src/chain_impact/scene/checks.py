@@ -119,7 +119,7 @@ def check_rules(scene: Contents) -> None:
 
 
 def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
-    """Return path → values of [contact], of each table [contact.wall.<name>], and of [stops] if it is used.
+    """Return path → values of [contact], each table [contact.wall.<name>], and [stops] if a joint has a stop.
 
     The values are by their names in ``RULES``: a key of the table, or a property of the contact law that the
     table belongs to, such as "law.id".

@@ -84,7 +84,7 @@ def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):
         return None
-    # a change of one entry of a derived list makes all its entries given, which only ``with_values`` does
+    # if one entry of a derived list changes, all entries become given values: only ``with_values`` does this
     is_derived = path in scene.derived_paths or path[:-1] in scene.derived_paths
     return None if is_derived else _changed(scene, path, value)
 

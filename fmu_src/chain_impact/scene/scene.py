@@ -387,7 +387,7 @@ def _leaves(
 
 
 def _chosen(scene: Scene, name: str, value: Any) -> Any:
-    """Return the choice of the parameter ``name`` that has the number ``value`` in the FMU, from 1.
+    """Return the choice of the parameter ``name`` with the number ``value`` in the FMU; numbers begin at 1.
 
     Only contact laws and the methods of the solver have numbers. For any other name, for a number of no
     choice, and for a value that is no integer, ``value`` is returned unchanged.

@@ -27,8 +27,8 @@ FLAGS = [
     for name, table in (("inputs", Inputs), ("outputs", Outputs))
     for entry in fields(table)
 ]
-"""The keys of [inputs] and [outputs], which are conditions of variables, too, and count as whole numbers; a
-list counts as the number of its entries."""
+"""The keys of [inputs] and [outputs]. Conditions of variables may name these keys. The value of a key counts
+as a whole number; a list, as the number of entries."""
 
 
 OWN_CONDITIONS = {

@@ -64,7 +64,7 @@ def has_signal(d, m):
 
 
 def time_since_knot(d, j, time):
-    """Return the time x [s] from the knot in use of signal j, in this repetition, to a ``time`` [s]."""
+    """Return the time x [s] from signal j's knot in use, in the present repetition of j, to ``time`` [s]."""
     return time - d.signal.lap[j] * d.signal.period[j] - d.knot.time[d.signal.segment[j]]
 
 

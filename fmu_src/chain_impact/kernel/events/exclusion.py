@@ -32,7 +32,7 @@ RELATCH_RATIO = 2.0
 NEARLY_FAST = 0.75
 
 
-# values of `search.known`, which tell what is known at the end of the last step of φ, `search.phi_end`.
+# values of `search.known`, which tell what is known of φ (`search.phi_end`) at the end of the last step.
 # NOTHING: no φ; VALUES: φ and φ′ of the candidates; WITH_CURVES: also φ″; FAR: only that every candidate
 # without contact has at least the clearance `search.safe_distance`
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
@@ -197,9 +197,9 @@ def nearly_fast(d, c):
 def stays_positive(d, c, error):
     """Return whether φ of candidate c exceeds ``error`` − ``harmless_depth`` [m] in the whole last step.
 
-    φ is the clearance or, in contact, the penetration. Only the value of φ at the start of the step is not
-    tested. The test uses the quintic Hermite interpolant of φ, which follows from φ, φ′ and φ″ at both ends
-    of the step. This interpolant is nowhere less than its least Bernstein coefficient.
+    φ is the clearance or, in contact, the penetration; the result has no meaning for the regularized contact.
+    The value of φ at the start of the step is not tested. The test uses the quintic Hermite interpolant of φ,
+    from φ, φ′ and φ″ at both ends; this interpolant is nowhere below the least Bernstein coefficient.
     """
     h = d.step.size
     b1 = d.search.phi_start[c] + h * d.search.phi_start_rate[c] / 5.0

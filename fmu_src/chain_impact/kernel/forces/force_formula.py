@@ -84,7 +84,7 @@ def elastic_depth(d, c, mass, speed):
 def set_expected_depth(d, c):
     """Set the expected penetration [m] of candidate c, from impact speed and effective mass of its contact.
 
-    A rigid wall has no penetration; there the length of the longest link takes its place.
+    A rigid wall has no penetration; for a candidate at a rigid wall the length of the longest link is set.
     """
     touch = d.touch
     if d.law.impulsive[c]:

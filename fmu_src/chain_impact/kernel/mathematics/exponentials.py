@@ -95,7 +95,7 @@ def exp(x):
 
 @has_dual_rule
 def expm1(x):
-    """Return e^x − 1: ∞ beyond the range of doubles, and NaN for NaN."""
+    """Return e^x − 1: ∞ if e^x exceeds the range of doubles, and NaN for NaN."""
     if abs(x) < TINY:
         return 1.0 * x
     if not -1.0 < x < STEEP:

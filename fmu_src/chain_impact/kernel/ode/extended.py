@@ -197,7 +197,7 @@ def contact_impedance(d, k, s):
 def drive_resistance(d, i, s):
     """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i for a shift s [s].
 
-    c and k are the slopes of the drive's force by speed and position (``drive_slopes``).
+    c and k are the slopes −∂F/∂ψ̇ and −∂F/∂ψ of the drive's force F (``drive_slopes``).
     """
     return s * (d.implicit.drive_damping[i] + s * d.implicit.drive_stiffness[i])
 

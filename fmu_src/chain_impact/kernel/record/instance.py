@@ -150,7 +150,7 @@ def friction_output_dtype(elements: int) -> np.dtype:
 def load_output_dtype(loads: int) -> np.dtype:
     """Return the layout of the outputs of loads: a row for each joint, then a row for each wall.
 
-    Rows of walls have no impulses and no peaks.
+    Impulses, peaks and times of peaks are not used in the rows of walls.
     """
     return record(
         # N, x and y of a force. Rows of joints: the force on the joint's outer link, by the link before, the

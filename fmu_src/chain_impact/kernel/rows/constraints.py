@@ -71,8 +71,8 @@ SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, o
 # the impedance D would be taken from impulses, and a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
 UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
-# Motions that can hardly be constrained, and are well below NEGLIGIBLE_MOTION times the squared tolerance
-# times the largest motion, get no impulses: such impulses would end the sticking again and again.
+# If no rigid wall holds a point, motions that can hardly be constrained, and are well below NEGLIGIBLE_MOTION
+# × tolerance² × the largest motion, get hardly any impulses, which would end the sticking again and again.
 NEGLIGIBLE_MOTION = 0.1
 # the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
 # relative to the largest impulse or motion
@@ -113,7 +113,7 @@ def scale_sticking_impedances(d):
 
 
 def set_single_solution_impedances(d):
-    """Set the impedances with which one solution has about the effect of STICKING_ITERATIONS iterations."""
+    """Set impedances: at sticking elements one solution has about the effect of STICKING_ITERATIONS."""
     for k in range(d.touch.compliant_count, constraint_count(d)):
         times = SINGLE_SOLUTION_FACTOR if k >= d.touch.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)

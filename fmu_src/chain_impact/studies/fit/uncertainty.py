@@ -17,7 +17,7 @@ LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
 # of 43,000 standard errors or more
 TOO_FEW = 0.25
 # A singular value of the derivatives counts as 0, as round-off, if it is smaller than this, relative to the
-# largest one. Before, the derivatives with respect to each parameter are scaled to the norm 1.
+# largest one. The derivatives with respect to each parameter are first scaled to the norm 1.
 SINGULAR = 1e-7
 
 

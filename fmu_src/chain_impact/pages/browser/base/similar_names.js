@@ -30,7 +30,7 @@ function mostAlike(name, names, least) {
   return rated.reduce((best, one) => (one[0] > best[0] || (one[0] === best[0] && one[1] > best[1]) ? one : best), [-1])[1];
 }
 
-/** Return, from the list `names`, the one that is most similar to the unknown name; undefined if none is similar. */
+/** Return, from the list `names`, the name that the reader most likely meant with the unknown `name`; undefined if none is similar. */
 function nearest(name, names) {
   const last = lastOf(name);
   const owner = name.slice(0, -last.length);
@@ -59,7 +59,7 @@ function nearest(name, names) {
   return same.includes(found) ? found : mostAlike(name, same, SAME_LAST) ?? found;
 }
 
-/** Return, from the list `names`, the shortest one that contains a text as whole words; undefined if none does. */
+/** Return, from the list `names`, the shortest one that contains `text` as whole words; undefined if none does, or for an empty text. */
 function longer(text, names) {
   const words = new RegExp(`(?<![\\p{L}\\p{N}])${text.replaceAll(/[\\^$.*+?()[\]{}|]/g, "\\$&")}(?![\\p{L}\\p{N}])`, "u");
   return names.filter((name) => text && words.test(name)).toSorted((a, b) => a.length - b.length)[0];

@@ -79,8 +79,8 @@ export class LabelSpace {
   }
 
   /**
-   * Return the first of the candidates {at, anchor} at which a text covers nothing and whose middle `isAllowed` accepts, and keep later
-   * labels off it; undefined if there is none. A candidate that covers what labels should avoid counts as AVOIDED places later.
+   * Return the first of the candidates {at, anchor} at which the text's box is free (`#isFree`) and `isAllowed` accepts its middle, and
+   * keep later labels off the box; undefined if there is none. A box over what labels should avoid puts the candidate AVOIDED places back.
    */
   findPosition(text, size, candidates, isAllowed = () => true) {
     let [best, least] = [undefined, Infinity];

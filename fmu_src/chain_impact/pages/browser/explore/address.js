@@ -11,8 +11,8 @@ export class Address {
   #timer;
 
   /**
-   * Use the scene and the changes in the present address, and keep the address up to date from now on. `choice`: the chosen outputs;
-   * `refuse`: function that shows a sentence on a fault in the address.
+   * Use the scene, the changes and the outputs in the present address, and keep the address up to date afterwards. `choice`: the chosen
+   * outputs; `refuse`: function that shows a sentence on a fault in the address.
    */
   constructor(changes, choice, openScene, refuse) {
     Object.assign(this, { changes, choice, openScene, refuse });

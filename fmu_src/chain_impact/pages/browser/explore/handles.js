@@ -203,8 +203,8 @@ export class Handles {
   }
 
   /**
-   * Return the arrows of the velocities that the reader can change, on the screen: a stem from the point (`from`) to `foot`, and the arrow
-   * from `foot` to `to`.
+   * Return the arrows of the velocities that the reader can change, in pixels of the drawing: a stem from the point `k` (`from`) to `foot`,
+   * and the arrow from `foot` to `to`.
    */
   #arrows() {
     const { positions, velocity } = this.#start;

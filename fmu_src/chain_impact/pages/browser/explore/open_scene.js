@@ -71,7 +71,7 @@ export class OpenScene {
     return removed;
   }
 
-  /** Return the complete file for some contents, and its scene; in commands the file is called by the scene's name. */
+  /** Return the complete file for some contents, and its scene; in commands the file's name is the scene's name with the suffix .toml. */
   #sceneIn(contents) {
     const whole = complete(contents, this.kit);
     return { whole, scene: describe(this.kit, whole, [`${whole.name}.toml`]) };

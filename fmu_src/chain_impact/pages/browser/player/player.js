@@ -43,7 +43,7 @@ export class Player {
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
 
-  /** Show another recording, at the present simulated time; hide panels that have nothing to show. */
+  /** Show the first recording, or another one at the present simulated time; hide panels that have nothing to show. */
   show(recording) {
     const first = !this.recording;
     this.recording = recording;

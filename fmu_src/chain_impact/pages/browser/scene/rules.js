@@ -60,7 +60,7 @@ export function holds(rule, valueOf) {
   return isSo(valueIn(rule, valueOf));
 }
 
-/** Return the value of a rule that is a number or a text; null if a value in it is missing. */
+/** Return the number or text that a rule gives, for a list the number of entries; null if the rule gives no value. */
 export function numberIn(rule, valueOf) {
   return counted(valueIn(rule, valueOf));
 }
