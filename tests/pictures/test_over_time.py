@@ -58,6 +58,9 @@ def test_the_legend_says_that_impacts_stand_at_their_peaks(model, told):
     assert (late.max() > 0.1) == told
     texts = [text.get_text() for text in impacts_of(recording).get_legend().get_texts()]
     assert ("impacts, at the time of their peak force" in texts) == told
+    page = recording.plot(size=(84 / 25.4, None))
+    foot = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert ("vertical lines: impacts, at the time of their peak force" in foot) == told
 
 
 @pytest.mark.full("more cases", but=2)

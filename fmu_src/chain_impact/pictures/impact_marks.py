@@ -26,7 +26,7 @@ from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import marked_peaks, strengths
 from chain_impact.pictures.names import short_names, what_touches
 from chain_impact.pictures.over_time import over_all_time
-from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR, load_unit, scale_numbers
+from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
@@ -112,20 +112,24 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         handles, _ = axes.get_legend_handles_labels()
         if (ends - onsets > SEEN_CONTACT * span).any():
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
-        if (late := times > onsets).any():
-            words, *_ = measure(recording, is_stop=bool(stopped[late].all()))
-            stem: dict[str, Any] = {
-                "color": INK,
-                "marker": "|",
-                "markersize": STEM_KEY,
-                "markeredgewidth": STEM,
-            }
-            told = f"impacts, at the time of their {words}"
-            handles.append(Line2D([], [], linestyle="", label=told, **stem))
+        figure = axes.get_figure(root=True)
+        if (told := place_of_late_peaks(recording)) and figure is not None and not is_narrow(figure):
+            stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
+            handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=told, **stem))
         legend_above(axes, handles)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
     over_all_time(axes, recording)
+
+
+def place_of_late_peaks(recording: Recording) -> str:
+    """Return words for the times at which marks stand; "" if they all stand at the onsets.
+
+    A narrow figure has the words at the foot, because they would take a row of the legend.
+    """
+    late = marks_of(recording)[0] > recording.impacts["onset"]
+    words, *_ = measure(recording, is_stop=bool(recording.at_stops[late].all()))
+    return f"impacts, at the time of their {words}" if late.any() else ""
 
 
 def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, mark: dict[str, Any]) -> None:

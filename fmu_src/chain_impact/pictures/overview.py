@@ -13,7 +13,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from chain_impact.pictures.arrangement import axes_of, broadness, is_beside, is_over_time, size_for
 from chain_impact.pictures.figures import settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
-from chain_impact.pictures.impact_marks import draw_impacts, number_impacts
+from chain_impact.pictures.impact_marks import draw_impacts, number_impacts, place_of_late_peaks
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import legend_beside
 from chain_impact.pictures.lines import SEPARATOR
@@ -88,7 +88,13 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     shown = panels_to_draw(recording, panels)
     if title is not None:
         write_head(figure, recording, title)
-    for foot_text in filter(None, (full_names(recording), SEPARATOR.join(recording.passing))):
+    late = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown else ""
+    notes = (
+        full_names(recording),
+        SEPARATOR.join(recording.passing),
+        f"vertical lines: {late}" if late else "",
+    )
+    for foot_text in filter(None, notes):
         write_foot(figure, foot_text)
     panel_axes = axes_of(figure, recording, shown)
     motion = None if is_over_time(recording, "motion") else panel_axes.get("motion")
