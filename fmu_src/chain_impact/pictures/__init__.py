@@ -1,6 +1,6 @@
 """Pictures of a recording: functions that fill figures, and ``draw_figure``, which makes the figure."""
 
-from chain_impact.pictures.bars import Bars, bars_size, fill_bars, have_one_scale
+from chain_impact.pictures.bars import Bars, axis_ends, bars_size, fill_bars, have_one_scale
 from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
 from chain_impact.pictures.figures import FIGURE_SIZE, NoRoomError, check_alone, draw_figure
@@ -16,6 +16,7 @@ __all__ = [
     "MM",
     "Bars",
     "NoRoomError",
+    "axis_ends",
     "bars_size",
     "check_alone",
     "curves_size",

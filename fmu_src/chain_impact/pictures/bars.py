@@ -71,25 +71,34 @@ class Bars:
     dots: bool = False
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """The ends of the axis without margins: the least and the largest of 0, all values and all marks.
+    def mark_of_each(self) -> Sequence[float | None]:
+        """``marks``, or None for each bar if there are none."""
+        return self.marks or [None] * len(self.values)
 
-        If most bars have marks, which are all much nearer to 0 than the longest bar (CUT), longer bars are
-        cut off at ROOM_BESIDE times the largest distance of a mark, or of a bar without mark, from 0.
-        """
-        seen = [value for value in (*self.values, *self.marks) if value is not None and math.isfinite(value)]
-        low, high = min([0.0, *seen]), max([0.0, *seen])
-        marks = self.marks or [None] * len(self.values)
-        shown = [v if mark is None else mark for v, mark in zip(self.values, marks, strict=True)]
-        reach = max((abs(value) for value in shown if math.isfinite(value)), default=0.0)
-        is_refuted = 2 * sum(mark is not None for mark in marks) > len(marks)
-        if is_refuted and 0.0 < CUT * reach < max(-low, high):
-            return max(low, -ROOM_BESIDE * reach), min(high, ROOM_BESIDE * reach)
-        return low, high
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The ends of the axis without margins (``axis_ends``)."""
+        return axis_ends(self.values, self.mark_of_each)
 
     def are_cut(self, ends: tuple[float, float]) -> bool:
         """Return whether a bar is longer than an axis with these ends."""
         return any(not ends[0] <= value <= ends[1] for value in self.values if math.isfinite(value))
+
+
+def axis_ends(values: Sequence[float], marks: Sequence[float | None]) -> tuple[float, float]:
+    """Return the ends of the axis for bars: the least and the largest of 0, all ``values`` and all ``marks``.
+
+    If most bars have marks, which are all much nearer to 0 than the longest bar (CUT), longer bars are
+    cut off at ROOM_BESIDE times the largest distance of a mark, or of a bar without mark, from 0.
+    """
+    seen = [value for value in (*values, *marks) if value is not None and math.isfinite(value)]
+    low, high = min([0.0, *seen]), max([0.0, *seen])
+    shown = [value if mark is None else mark for value, mark in zip(values, marks, strict=True)]
+    reach = max((abs(value) for value in shown if math.isfinite(value)), default=0.0)
+    is_refuted = 2 * sum(mark is not None for mark in marks) > len(marks)
+    if is_refuted and 0.0 < CUT * reach < max(-low, high):
+        return max(low, -ROOM_BESIDE * reach), min(high, ROOM_BESIDE * reach)
+    return low, high
 
 
 def bars_size(counts: Sequence[int]) -> tuple[float, float]:
@@ -155,7 +164,7 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
     if block.dots:
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
     else:
-        marks = block.marks or [None] * len(rows)
+        marks = block.mark_of_each
         hollow = ["none" if mark is not None else colour for mark, colour in zip(marks, colours, strict=True)]
         axes.barh(rows, block.values, THICK, color=hollow, edgecolor=colours)
         for place, (value, colour) in enumerate(zip(block.values, colours, strict=True)):

@@ -127,7 +127,7 @@ def place_of_late_peaks(recording: Recording) -> str:
 
     A narrow figure has the words at the foot, because they would take a row of the legend.
     """
-    late = marks_of(recording)[0] > recording.impacts["onset"]
+    late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
     words, *_ = measure(recording, is_stop=bool(recording.at_stops[late].all()))
     return f"impacts, at the time of their {words}" if late.any() else ""
 

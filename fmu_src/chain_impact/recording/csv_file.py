@@ -61,13 +61,15 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         point_names=scene.point_names if scene else {},
     )
     for touch in bare.touches:
-        # without a scene, a stop of a slider has the kind WALL, too, but needs no position of a wall
-        if touch.kind == WALL and scene is None and touch.wall not in SLIDER_STOPS:
+        # without a scene it is not known whether there is a slider: the name of its stop means the stop
+        if touch.kind != WALL or (scene is None and touch.wall in SLIDER_STOPS):
+            continue
+        if scene is None:
             raise NeedsSceneError(
                 f"{path}: it has contact[{touch.point}].{touch.wall}.force, but a CSV file has no positions "
                 "of walls: give its scene"
             )
-        if touch.kind == WALL and scene is not None and touch.wall not in walls:
+        if touch.wall not in walls:
             raise SceneError(
                 f"{path}: contact[{touch.point}].{touch.wall}.force: the scene has no wall {touch.wall}; "
                 f"it has {', '.join(walls) or 'none'}"

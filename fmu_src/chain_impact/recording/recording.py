@@ -238,11 +238,12 @@ class Recording:
                 touches += Touch.of_stops(joint, values["stop_moment"])
             if "sticking" in values:
                 moment = values.get("friction_moment")
-                touches.append(Touch(joint, "", None, None, None, moment, values["sticking"], FRICTION))
+                sticking = values["sticking"]
+                touches.append(Touch(joint, "", None, friction=moment, sticking=sticking, kind=FRICTION))
         slider = self.columns_of("slider").get((0, ""), {})
         if "sticking" in slider:
-            force = slider.get("friction_force")
-            touches.append(Touch(0, "", None, None, None, force, slider["sticking"], FRICTION))
+            force, sticking = slider.get("friction_force"), slider["sticking"]
+            touches.append(Touch(0, "", None, friction=force, sticking=sticking, kind=FRICTION))
         return touches
 
     def __repr__(self) -> str:

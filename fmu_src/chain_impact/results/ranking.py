@@ -235,8 +235,10 @@ class Ranking:
         from chain_impact import pictures
 
         percent, blocks = f"{100.0 * PART:g} %", self._blocks()
-        reach = [max(map(abs, pictures.Bars(**self._bars(effects, 1.0)).ends)) for effects in blocks]
-        longest = [max(abs(effect.change) for effect in effects) for effects in blocks]
+        changes = [[effect.change for effect in effects] for effects in blocks]
+        marks = [list(map(_mark, effects)) for effects in blocks]
+        reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks)]
+        longest = [max(map(abs, values)) for values in changes]
         sizes = list(map(min, reach, longest))
         if blocks and pictures.have_one_scale(sizes):
             sizes = [max(sizes)] * len(sizes)
@@ -296,11 +298,15 @@ class Ranking:
         words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{PART:g} in SI units"
         why = " of the value" if effects[0].value else ", as the value is 0: not comparable"
         title = f"+ {words}{why}"
-        in_run = (effect.simulated if effect.differs else None for effect in effects)
-        marks = [None if change is None else factor * change for change in in_run]
+        marks = [None if mark is None else factor * mark for mark in map(_mark, effects)]
         names = [effect.parameter for effect in effects]
         bars = {"names": names, "values": values, "texts": texts, "label": label, "title": title}
         return bars | {"marks": marks}
+
+
+def _mark(effect: Effect) -> float | None:
+    """Return the change in the run with the new value if it differs from first order; else None."""
+    return effect.simulated if effect.differs else None
 
 
 def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
