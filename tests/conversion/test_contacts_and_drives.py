@@ -240,6 +240,15 @@ def test_the_part_of_an_ellipsoid_beyond_its_points_is_told(tmp_path):
     assert "reach 0.18 m, 60 % of the length" in line
 
 
+def test_a_link_without_points_is_told_to_touch_with_its_two_ends(tmp_path):
+    bare = '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />'
+    egg = '<geom type="ellipsoid" size=".15 .05 .05" pos=".15 0 0" mass="1"/>'
+    _, done = read(tmp_path, arm(world=FLOOR.format("")).replace(bare, egg))
+    (line,) = [line for line in done.warnings if "shapes reach" in line and "joint b" in line]
+    assert "beyond its two ends" in line
+    assert "reach 0.05 m" in line
+
+
 def test_dozens_of_shapes_are_one_line(tmp_path):
     eggs = '<geom type="ellipsoid" size=".01 .01 .01" pos=".{:02} 0 0" mass="0"/>'
     _, done = read(tmp_path, arm(more="".join(map(eggs.format, range(30))), world=FLOOR.format("")))

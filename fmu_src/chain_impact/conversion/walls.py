@@ -279,7 +279,7 @@ class Walls:
             for shape in self.robot.bodies[b].shapes:
                 where = shape, self.chosen.poses[b], self.plan
                 if shape.touches and not self._is_point(shape):
-                    others += [reach(balls).max(axis=1)] if (balls := list(balls_of(*where))) else []
+                    others += [reach(outline).max(axis=1)] if (outline := list(balls_of(*where))) else []
                 elif shape.touches and (far := reach_of_oblique(*where)) is not None:
                     others.append(far)
         beyond = max((float((far - reach(touching).max(axis=1)).max()) for far in others), default=0.0)

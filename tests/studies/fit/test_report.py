@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from chain_impact import fit
+from chain_impact import fit, simulate
 from chain_impact.recording.text import aligned
 from chain_impact.studies.fit.report import rounded
+from tests.helpers.scenes.stops import struck_rod
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 
@@ -34,6 +35,15 @@ def test_a_fit_is_printed_whole(lines):
     assert "estimated" in by_name[TIP[1]]
     assert by_name["peak_force"].count("…") == 1
     assert "χ² per degree of freedom" in by_name["converged;"]
+
+
+def test_impacts_at_stops_of_joints_have_units_of_rotation():
+    scene = struck_rod("flores", 0.5)
+    onset, impulse = (float(simulate(scene).impacts[0][name]) for name in ("onset", "impulse"))
+    table = {"point": [1], "wall": ["joint_max"], "onset": [onset], "impulse": [1.02 * impulse]}
+    found = fit(scene, table, ["stops.restitution"], sigma={"onset": 1e-4, "impulse": "1%"})
+    (line,) = [line for line in repr(found).splitlines() if line.startswith("impulse ")]
+    assert "N·m·s" in line
 
 
 def test_many_horizons_are_not_listed():

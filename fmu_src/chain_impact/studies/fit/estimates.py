@@ -14,7 +14,7 @@ from chain_impact.simulation.derivatives import Differentiated
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.parameters import Parameter
-from chain_impact.variables.impact_units import IMPACT_UNITS
+from chain_impact.variables.impact_units import impact_units
 from chain_impact.variables.prepared import PreparedScene
 
 
@@ -99,12 +99,18 @@ class Estimates:
         return stops.model or contact.model if self.scene.chain.stops else ""
 
     def unit(self, name: str) -> str:
-        """Return the unit of a measured column; for a quantity of an impact, that at a wall."""
+        """Return the unit of a measured column.
+
+        A quantity of an impact has the unit at a stop of a joint if the scene has no other contacts, else
+        the unit at a wall.
+        """
         return self._units.get(name, "s")
 
     @cached_property
     def _units(self) -> dict[str, str]:
-        return PreparedScene(self.scene).units | IMPACT_UNITS
+        elsewhere = point_wall_pairs(self.scene) or self.scene.slider_stops
+        impacts = impact_units(stop=bool(self.scene.chain.stops) and not elsewhere)
+        return {**PreparedScene(self.scene).units, **impacts}
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:
