@@ -85,7 +85,7 @@ _MODULES = {
     "studies.sweep.sweep": ("sweep",),
     "studies.sweep.table": ("Sweep",),
 }
-"""Module → the public names that it defines."""
+"""Module → the public names that are defined in this module."""
 _HOMES = {name: f"chain_impact.{module}" for module, names in _MODULES.items() for name in names}
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - the names of the table

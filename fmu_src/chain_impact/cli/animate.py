@@ -124,8 +124,8 @@ def run(options: argparse.Namespace) -> int:
 def record(options: argparse.Namespace) -> Recording:
     """Return the recording of the command's source: a new run of a scene or an FMU, or the run in a CSV file.
 
-    A scene is simulated with more rows near impacts, for slow motion. For an FMU there is a row for each
-    communication step, for a CSV file for each line.
+    A scene is simulated with more rows near impacts, for slow motion. An FMU gives a row for each
+    communication step, a CSV file a row for each line after the head.
     """
     from chain_impact.studies.animate import record_slowly
 
@@ -147,7 +147,7 @@ def record(options: argparse.Namespace) -> Recording:
 
 
 def is_csv(source: str) -> bool:
-    """Return whether the source of a command ends in .csv, in any case."""
+    """Return whether the source of a command ends in .csv, in upper or lower case."""
     return source.lower().endswith(".csv")
 
 

@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def contents() -> Iterator[str]:
-    """Yield a line on the ready kernels of the installation, one on the cache, and one on each folder in it.
+    """Yield a line on the ready kernels of the installation, on the cache, and on each folder in the cache.
 
     The folder with the kernels of the present sources and compilers is marked "in use".
     """

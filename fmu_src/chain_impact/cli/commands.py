@@ -56,10 +56,10 @@ VERBS = (build, simulate, animate, explore, compare, sweep, fit, convert, info, 
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Execute the command with the words ``arguments``, by default those of the process.
+    """Execute the command with the words ``arguments``, by default the arguments of the process.
 
     Return the exit code: 0; 1 for faults of FMUs that ``validate`` finds; 2 for a wrong argument, scene or
-    file; 3 for a fault of a run or a compiler; 130 after Ctrl-C.
+    file, or a missing package; 3 for a fault of a run or a compiler; 130 after Ctrl-C.
     """
     prepare_console()
     grammar = parser()
@@ -93,10 +93,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """Context manager in which a warning is printed as one line, and equal warnings once.
+    """Context manager in which a warning is printed as one line, and equal warnings only once.
 
-    Without it, Python would add the file, the line number and the line of code. With ``--quiet``, no warning
-    is printed.
+    Python's own print of a warning would add the file, the line number and the line of code. With
+    ``--quiet``, no warning is printed.
     """
     shown = set()
 
@@ -137,7 +137,7 @@ class Parser(argparse.ArgumentParser):
         return options, others
 
     def _fault_of(self, argument: str) -> str:
-        """Return the error on an argument that the verb does not have, with a hint if one is known."""
+        """Return the message on an argument that the verb does not have, with a hint if there is one."""
         if not argument.startswith("-"):
             sets = "=" in argument and "--set" in self._option_string_actions
             return f"{argument} is one argument too many" + (f"; write --set {argument}" if sets else "")
@@ -146,7 +146,7 @@ class Parser(argparse.ArgumentParser):
         written = [file.option_strings[0] for file in files if str(file.help).startswith(("write", "draw"))]
         if option.startswith("-o") and written:
             return f"{option} is not an option; files are written by {', '.join(written)}"
-        # names are compared without dashes, because with them all short names would be similar
+        # names are compared without dashes, because dashes would make all short names similar
         long = [name[2:] for name in self._option_string_actions if name.startswith("--")]
         near = nearest(option.strip("-"), long)
         verbs = ", ".join(self.elsewhere.get(option, ()))
@@ -154,9 +154,10 @@ class Parser(argparse.ArgumentParser):
         return f"{option} is not an option{hint}"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Refuse a value that is not among the choices of an argument; the error has the most similar choice.
+        """Refuse a value that is not among the choices of an argument.
 
-        The error lists all choices, except for an unknown verb.
+        The error names the most similar choice, if any choice is similar. The error lists all choices, except
+        for an unknown verb.
         """
         if action.choices is None or value in action.choices:
             return

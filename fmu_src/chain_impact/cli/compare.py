@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     if options.csv:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
-    # the table is printed before the picture is drawn, which fails if --size is too small
+    # the table is printed first, because drawing the picture fails if --size is too small
     show(law_table(comparison))
     write_picture(options.plot, options.size, comparison.plot)
     return 0

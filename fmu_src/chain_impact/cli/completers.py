@@ -43,7 +43,7 @@ def complete(
         source = getattr(parsed_args, "source", None) or DEFAULT_SCENE
         try:
             names, choices = offers(source)
-        except (ValueError, OSError):  # the command names no scene or FMU, so far, that can be read
+        except (ValueError, OSError):  # the words typed so far do not name a scene or FMU that can be read
             return []
         name, equals, value = prefix.partition("=")
         if valued and equals:

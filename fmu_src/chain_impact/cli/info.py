@@ -94,9 +94,9 @@ def _as_set(value: object) -> object:
 
 
 def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
-    """Return the text for a parameter of an FMU: the start value and, if there is one, the rule for it.
+    """Return the text for a parameter of an FMU: the start value and, for a name in ``rules``, the rule.
 
-    ``rules`` is name of a parameter → how its value follows from other parameters, in words.
+    ``rules`` is name of a derived parameter → how the value follows from other parameters, in words.
     """
     rule = rules.get(variable.name)
     return f"{_rounded(float(variable.start))}  # derived: {rule}" if rule else _start(variable)

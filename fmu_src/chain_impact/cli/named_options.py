@@ -14,7 +14,7 @@ Change = tuple[int, int, str]
 
 
 def typed_in(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, str]]:
-    """Return (option, value) for each word of a command that is one of the ``options``."""
+    """Return (option, value) for each of the ``options`` in a command: ``--size 84`` or ``--size=84``."""
     known, found = {*options}, []
     for word, following in zip(words, [*words[1:], ""], strict=True):
         option, equals, value = word.partition("=")
@@ -46,7 +46,7 @@ def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
 
 
 def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
-    """Yield each change by which ``fault``, an error, would name an option; the leftmost one is made.
+    """Yield each change by which ``fault``, an error, would name ``option``; the caller makes the leftmost.
 
     ``value`` is the value of the option, as the user typed it.
     """
@@ -79,7 +79,7 @@ def _names(value: str) -> Iterator[tuple[str, str]]:
 
 
 def _shown(given: str) -> set[str]:
-    """Return all texts by which an error may show a value: as typed, as read, and as a number."""
+    """Return the texts by which an error may show the value ``given``: as typed, as read, and as a number."""
     value = value_of(given)
     shown = {given, value_text(given), str(value), value_text(value)}
     return shown | {f"{value:g}", str(float(value))} if isinstance(value, int | float) else shown

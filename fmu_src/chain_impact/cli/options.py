@@ -160,7 +160,7 @@ def add_repeated(
     alias: str | None = None,
     type: Callable[[str], str] = str,
 ) -> argparse.Action:
-    """Add an option that may be given several times, with a list of its values, and return it.
+    """Add an option that may be given several times, and return the option; its values are a list.
 
     Args:
         command: the parser of the verb.
@@ -168,7 +168,7 @@ def add_repeated(
         metavar: the word for a value of the option in the help.
         what: the help, without the words "can be repeated".
         alias: a second name of the option; None for none.
-        type: function that returns the text of a value, or refuses it.
+        type: function that returns the text of a value unchanged, or refuses the text.
     """
     names = [option, *([alias] if alias else [])]
     return command.add_argument(
@@ -300,7 +300,7 @@ def add_csv(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def ending(*suffixes: str) -> Callable[[str], Path]:
-    """Return a function for argparse that makes a path of a text, and refuses one without these suffixes.
+    """Return a function for argparse that makes a path of a text, and refuses a path with another suffix.
 
     The suffix "" allows a path without suffix. Upper and lower case make no difference.
     """

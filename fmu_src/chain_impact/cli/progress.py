@@ -13,7 +13,8 @@ from rich.console import Console
 from chain_impact.progress import Progress, log, silent
 
 BRIEF = 1.0  # [s] time after the start of work at which the progress bar of the whole work appears
-# [s] the least time between two lines of progress, which replace the bar if standard error is no terminal
+# [s] the least time between two lines with the finished fraction, which stand in place of the progress bar
+# where standard error is no terminal
 LINES = 10.0
 plain_console = partial(Console, highlight=False, markup=False, emoji=False)
 """Make a console of rich that prints each text unchanged, also with [brackets] and :names:."""
@@ -52,7 +53,7 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
 @contextmanager
 def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iterator[None]:
-    """Context manager that calls ``receive`` with each message that the package logs from ``level`` on."""
+    """Context manager that calls ``receive`` with each message that is logged at ``level`` or above."""
 
     def heard(record: logging.LogRecord) -> bool:
         if record.levelno >= level:

@@ -48,7 +48,7 @@ RELATIVE = {
     "duration": "duration",
     "impulse": "impulse",
 }
-"""Quantity of an impact → the word in the head of a table of derivatives, for its changes in percent."""
+"""Quantity of an impact → the word in the head of a table, over the changes of this quantity in percent."""
 SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
 """Name of a wall of the box → words for its place."""
 
@@ -182,7 +182,7 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def site_numbers(recording: Recording) -> str:
-    """Return words for the numbers of the points of links beside their ends: "2–5 on link 1".
+    """Return words for the numbers of the sites, the points of links beside the ends: "2–5 on link 1".
 
     If the recording does not tell the links of these points, the words are "from 2 on the points of links".
     """

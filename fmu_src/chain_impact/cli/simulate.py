@@ -84,10 +84,10 @@ class Subject:
     """The contents of the picture, and of the tables after the summary; by default the motion, and no tables.
 
     Attributes:
-        sensitivities: names or patterns of parameters and inputs. Derivatives with respect to them are shown
-            or, with ``rank``, they are ranked.
-        rank: the quantity by whose change the parameters and inputs in ``sensitivities`` are ranked, or all
-            of the scene if ``sensitivities`` is empty; None for no ranking.
+        sensitivities: names or patterns of parameters and inputs. Derivatives with respect to these are shown
+            or, with ``rank``, these parameters and inputs are ranked.
+        rank: the quantity by whose change the parameters and inputs in ``sensitivities`` are ranked; if
+            ``sensitivities`` is empty, all of the scene are ranked. None for no ranking.
         curves: names or patterns of outputs whose curves over time are drawn.
         around: number, from 1, of the impact around which the curves are drawn; None for the whole run.
     """
@@ -332,7 +332,7 @@ def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
 
 
 def difference_text(differences: Differences) -> str:
-    """Return the text that ``--check`` prints: the largest differences of both runs in points and onsets."""
+    """Return the text that ``--check`` prints: the largest differences of points [m] and onsets [s]."""
     points = f"points by at most {differences.position:.1e} m ({differences.point} at {differences.time:g} s)"
     onsets = f"onsets by at most {differences.onset:.1e} s ({plural(differences.impacts, 'impact')}) and "
     parted = (

@@ -76,9 +76,9 @@ class Source:
             return record_scene(self.scene(), {}, advance, sensitivities or None)
 
     def with_rows(self, recording: Recording) -> Recording:
-        """Return ``recording`` or, if it has fewer than LEAST_ROWS rows, a new one with that many rows.
+        """Return ``recording`` if it has at least LEAST_ROWS rows, else the recording of a new run with more.
 
-        An FMU is not simulated again: ``recording`` is returned, and a message tells that it has few rows.
+        An FMU is not simulated again: ``recording`` is returned, and a message tells that its rows are few.
         """
         rows = len(recording.time)
         if rows >= LEAST_ROWS:
@@ -96,8 +96,8 @@ class Source:
     def ranking(self, what: str, parameters: Sequence[str]) -> Ranking:
         """Return the ranking of ``parameters``, by default of all, by the change of the quantity ``what``.
 
-        The scene is simulated with rows at the start and the end only, because the ranking needs no others,
-        and with the forces in joints if ``what`` is their largest. A ranking with an FMU is refused.
+        The scene is simulated with rows at the start and the end only, because the ranking needs no rows
+        between, and with the forces in joints if ``what`` is the largest of these. An FMU is refused.
         """
         if self.is_fmu:
             raise UsageError(f"--rank: {self.name} is an FMU; must be a scene")
@@ -153,7 +153,7 @@ def _changed(scene: Scene, name: str, value: float) -> Recording | None:
     inputs = {name: value} if input_key(name) else {}
     try:
         with warnings.catch_warnings():
-            # the user has seen the warnings of the scene, and has not chosen the other value
+            # the user has seen the warnings of the scene, and has not chosen ``value``, of which others warn
             warnings.simplefilter("ignore", SceneWarning)
             scene = scene if inputs else scene.with_values({name: value})
             return simulate(scene, inputs=inputs, output_step=scene.simulation.stop_time)

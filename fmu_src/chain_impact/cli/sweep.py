@@ -126,7 +126,7 @@ def run(options: argparse.Namespace) -> int:
             complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
-    # the result is printed before the picture is drawn, which fails if --size is too small
+    # the result is printed first, because drawing the picture fails if --size is too small
     say(repr(result))
     write_picture(options.plot, options.size, partial(result.plot, panels=panels))
     return 0

@@ -32,7 +32,7 @@ from chain_impact.system import removal
 UNUSED = 30 * 24 * 3600.0
 # the beginning of the name of the folder for the linker's own cache; the version of the linker follows
 LINKER = "chain-impact-zig-"
-# matches the names of folders of the cache: of any state of sources and compilers, or of any linker
+# matches the names of the cache's folders for any state of sources and compilers, and any linker version
 _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
 PATIENCE = 1.0  # [s] a process that waits longer for another one, which makes a kernel, logs a message
 
@@ -207,9 +207,10 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """Return the folders of the cache: for each state of sources and compilers, and version of the linker.
+    """Return the folders of the cache, sorted by their names.
 
-    The list is empty if there is no cache, or if other users can write to it.
+    There is a folder for each state of the sources and compilers, and one for each version of the linker. The
+    list is empty if there is no cache, or if other users can write to the cache.
     """
     base = base_folder()
     folders = sorted(base.iterdir()) if trusted(base) else []

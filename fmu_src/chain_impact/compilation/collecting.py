@@ -128,10 +128,10 @@ def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) 
 
 
 def _entry_point(context: Any, library: Library, description: Any, *_: Any, guarded: bool, **__: Any) -> None:
-    """Make the C function for a lowered function, which returns the result itself, or 0 after an error code.
+    """Make the C function that calls a lowered function, and returns its result, or 0 after an error code.
 
-    A ``guarded`` function computes with the usual settings of the floating-point registers, and then restores
-    the settings of its caller.
+    A ``guarded`` C function computes with the usual settings of the floating-point registers, and then
+    restores the settings of the caller.
     """
     module = context.create_module("entry point")
     result, arguments = description.restype, description.argtypes

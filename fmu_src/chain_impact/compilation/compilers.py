@@ -42,8 +42,8 @@ INLINE_MORE = ("-mllvm", "-inline-threshold=500")
 # Vector instructions outside loops make runs of one link up to a tenth slower, but runs of two links a tenth
 # faster. So only the kernel for one link is compiled without them.
 SCALAR = ("-fno-slp-vectorize",)
-# Functions of numba that lowered code calls only to free memory. The kernel allocates no memory, so it never
-# calls these functions, and is linked with empty substitutes.
+# Functions of numba that lowered code calls only to free memory. The kernel allocates no memory, so these
+# functions are never called, and empty substitutes are linked in their place.
 PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
 INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
@@ -194,7 +194,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
 
 
 def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
-    """Return the compiler's flags with which the part ``what`` of a kernel for ``sizes`` runs fastest."""
+    """Return the compiler's flags for the speed of the part ``what`` of a kernel for ``sizes``."""
     if what == DERIVATIVES:
         return ()
     links = sizes[0] if isinstance(sizes, tuple) else sizes

@@ -257,9 +257,10 @@ for _function, _relation in ((max, ">"), (min, "<")):
 
 
 def _chain(function: Any, slope: Code) -> None:
-    """Give numba the code of a function f for a dual number a: value f(a), derivatives f′(a) a′.
+    """Give numba the code of a function f for a dual number with value a and derivatives a′.
 
-    ``slope(context, builder, a, f(a))`` writes the code of f′(a).
+    The result has the value f(a) and the derivatives f′(a) a′. ``slope(context, builder, a, f(a))`` writes
+    the code of f′(a).
     """
 
     def code(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
@@ -274,8 +275,8 @@ def _chain(function: Any, slope: Code) -> None:
 def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Value) -> ir.Value:
     """Return the derivative ½/√a of a root √a; 0 where √a is not above 0, such as at a = 0.
 
-    The kernel takes the root of a clearance that stays 0, so its derivatives are 0, too; with the factor
-    ½/√a, which is infinite, the derivatives of the root would be NaN.
+    The kernel takes the root of a clearance that stays 0. The derivatives of this clearance are 0; times the
+    factor ½/√a, which is infinite, they would give NaN as derivatives of the root.
     """
     slope = builder.fdiv(ir.Constant(root.type, 0.5), root)
     zero = ir.Constant(root.type, 0.0)

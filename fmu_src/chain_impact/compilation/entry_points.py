@@ -60,8 +60,8 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 ):
     """Run from the start once for each row of parameters, and fill a row of outputs at the end of each run.
 
-    If ``continuing`` is 1, the first of these runs goes on from the present state. Return the number of
-    complete runs, which is below ``runs`` if the time for a call is over. kernel/entry.py describes the
+    If ``continuing`` is 1, the run of the first row goes on from the present state. Return the number of
+    complete runs, which is below ``runs`` after about a second of computing. kernel/entry.py describes the
     arguments.
     """
     return entry.run_each(

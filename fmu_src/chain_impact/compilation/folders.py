@@ -40,7 +40,7 @@ def base_folder() -> Path:
 
 
 def trusted(base: Path) -> bool:
-    """Return whether the cache's folder ``base`` exists, and no other user can write to it.
+    """Return whether the cache's folder ``base`` exists, and no other user except root can write to it.
 
     Another user could put a harmful kernel there.
     """
@@ -68,13 +68,13 @@ def writable(base: Path) -> Path:
 
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Context manager in which errors that mean that ``folder`` cannot be written become a BuildError.
+    """Context manager in which an error that means that ``folder`` cannot be written becomes a BuildError.
 
-    Its message is one sentence. It replaces an error of the operating system, or one of a compiler while the
-    disk is full.
+    Such an error is an OSError, or the BuildError of a compiler while the disk is full.
 
     Raises:
-        BuildError: with this sentence; or the compiler's own error, unchanged, if the disk is not full.
+        BuildError: with a message of one sentence, in place of such an error; or the compiler's own error,
+            unchanged, if the disk is not full.
         OSError: unchanged, if the error has another cause or concerns another folder.
     """
     try:
@@ -94,7 +94,7 @@ def explained(folder: Path) -> Iterator[None]:
 def _concerns(named: Any, folder: Path) -> bool:
     """Return whether an error of the operating system that names ``named`` concerns a folder.
 
-    It does if ``named`` is no path, or a path inside or above the folder.
+    The result is True if ``named`` is no path, or the path of the folder, or a path inside or above it.
     """
     # an error may name no path, or the number of an open file; this file may be in the folder
     if not isinstance(named, str | bytes | os.PathLike):

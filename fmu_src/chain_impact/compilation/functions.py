@@ -109,7 +109,7 @@ register_model(Function)(models.OpaqueModel)
 @typeof_impl.register(FunctionType)
 def _type_of_function(function: FunctionType, _context: object) -> types.Type | None:
     if function in BUILT_IN or not f"{function.__module__}.".startswith(tuple(MODULES)):
-        return None  # None: numba finds the type of this function itself
+        return None  # numba then finds the type of this function itself
     return EXTERNAL[function] if function in EXTERNAL else Function(function)
 
 

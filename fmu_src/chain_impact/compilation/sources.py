@@ -30,7 +30,7 @@ LANGUAGES = (".py", ".c", ".h")  # the suffixes of files in the folders of COMPI
 
 @cache
 def fingerprint() -> str:
-    """Return 16 hexadecimal digits that depend only on the sources, COMPILERS and targets in PLATFORMS."""
+    """Return 16 hexadecimal digits that identify the sources, COMPILERS, and PLATFORMS' targets and CPUs."""
     platforms = {name: (platform.target, platform.cpu) for name, platform in PLATFORMS.items()}
     digest = hashlib.sha256(repr((COMPILERS, platforms)).encode())
     for source in sorted(_sources()):

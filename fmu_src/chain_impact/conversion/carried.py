@@ -93,7 +93,8 @@ class _Merger:
         turned: whether signals are left out: not ``alike``, or the user's choices change the start angles.
         numbers: name of the shape that stands for a point in MJCF → number of the point.
         changed: names of the values that come from the file's elements.
-        lost: names of the tables and keys of the scene that are left out, because axes or joints are others.
+        lost: names of the tables and keys of the scene that are left out, because the file's axes or joints
+            differ from those of the scene.
         missing: names of the inputs, signals and derivatives of the scene that are left out, because the file
             does not have their wall or motor.
     """
@@ -161,7 +162,7 @@ class _Merger:
             self.missing.append("outputs.sensitivities")
 
     def _is_of_lost_signal(self, name: str, signals: Mapping[str, Any]) -> bool:
-        """Return whether ``name`` is a parameter of a signal that the scene has, but ``signals`` has not."""
+        """Return whether ``name`` is a parameter of a signal that is in the scene, but not in ``signals``."""
         of, _, rest = name.partition(".")
         return of == "signal" and rest.partition(".")[0] in set(self.scene.signals) - set(signals)
 

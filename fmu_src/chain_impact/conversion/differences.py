@@ -34,7 +34,7 @@ class Difference:
         kind: the kind of element in the file, such as ``joint``.
         name: the name of the element; "" if ``kind`` says enough.
         text: the rest of the sentence on the difference, after kind and name.
-        effect: what the difference changes.
+        effect: the part of the scene that the difference changes.
         differs: True if the scene has the part in another form, False if the scene does not have it.
         size: the size of the difference as a part of 1, such as a distance divided by the length of a link;
             0 if unknown. Of differences with equal ``effect``, the largest is reported first.
@@ -100,7 +100,7 @@ def collected_warnings(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
-    """Return a sentence for all differences with the title ``title`` that have the same kind and text.
+    """Return the sentences on the differences with the title ``title``: one for each kind and text.
 
     The sentences are in the order of ``Effect``; for the same effect, the largest difference comes first.
     """

@@ -42,11 +42,11 @@ class Plan(NamedTuple):
 def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
     """Return the plane at right angles to ``axis``, the direction of the joints' axes, and the scene's axes.
 
-    By default the scene's y axis points upwards as far as the plane allows, and the x axis is horizontal. Of
-    its two possible directions, the x axis has the one nearer to the robot's x axis or, if both are at right
-    angles to that axis, the one nearer to the robot's y axis. If ``axis`` is vertical, the scene has the
-    robot's x and y axes. ``directions`` replace this default: ``-x,z`` are the robot's directions of x and y.
-    ``source`` is the file's name for errors.
+    By default the scene's y axis points along the robot's z axis, upwards, as far as the plane allows, and
+    the scene's x axis is horizontal, in the direction nearer to the robot's x axis; if the two are at right
+    angles, in the direction nearer to the robot's y axis. If ``axis`` is vertical, the scene has the robot's
+    x and y axes. ``directions`` replace this default: with ``-x,z`` the scene's x axis points along −x of the
+    robot, and the scene's y axis along z of the robot. ``source`` is the file's name for errors.
 
     Raises:
         SceneError: when the directions are not two directions at right angles to each other and to ``axis``.
