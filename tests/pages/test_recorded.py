@@ -14,7 +14,7 @@ import quickjs
 
 from chain_impact import Recording, load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
-from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, modules, program
+from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, modules, program, text_of
 from chain_impact.pages.recorded import data, page
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import pendulum, sled
@@ -184,7 +184,11 @@ def test_the_modules_are_one_program(name):
     assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
     quickjs.Context().get("Function")(text)
     # the modules share one scope, in which a second function of a name would silently replace the first
-    declared = re.findall(r"^(?:async )?(?:function\*?|class|const|let|var) (\w+)", text, re.MULTILINE)
+    sources = "".join(map(text_of, modules(name)))  # whose lines at the top level are not indented
+    declared = re.findall(
+        r"^(?:export )?(?:async )?(?:function\*?|class|const|let|var) (\w+)", sources, re.MULTILINE
+    )
+    assert len(declared) > 10
     assert sorted(declared) == sorted(set(declared))
 
 

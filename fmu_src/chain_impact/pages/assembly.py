@@ -18,8 +18,9 @@ LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
 FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
-# pattern of a comment in JavaScript, // or /** … */, that takes whole lines
-COMMENT = re.compile(r"^ *(?://.*|/\*\*[\s\S]*?\*/)\n", re.MULTILINE)
+# pattern of what a script does not need: comments, // or /** … */, that take whole lines, empty lines, and
+# spaces at the start of a line; no module may have a template literal of several lines
+OF_PROGRAMMERS = re.compile(r"^(?:\s+|//.*\n|/\*\*[\s\S]*?\*/\n)+", re.MULTILINE)
 # pattern of what a style sheet does not need: comments, except of licences, and spaces at the start of a line
 OF_READERS = re.compile(r"/\*(?!!).*?\*/\n?|^ +", re.MULTILINE | re.DOTALL)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
@@ -60,11 +61,11 @@ def program(*names: str) -> str:
 def joined(*names: str) -> str:
     """Return modules and all modules that they import, joined to one script.
 
-    The script has no imports, and no comments (COMMENT) that take whole lines. No two of the modules may
-    declare the same name at their top level.
+    The script has no imports, and nothing that matches OF_PROGRAMMERS. No two of the modules may declare the
+    same name at their top level.
     """
     texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
-    return COMMENT.sub("", "\n".join(texts))
+    return OF_PROGRAMMERS.sub("", "\n".join(texts))
 
 
 def modules(*names: str) -> list[str]:
