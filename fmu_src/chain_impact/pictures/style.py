@@ -43,7 +43,7 @@ GREY, PALE, INK = "0.72", "0.9", "0.25"
 OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground beyond walls, and where the chain may be only at some times."""
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
-"""The colours of areas on which labels may stand: the ground inside and beyond walls."""
+"""The colours of the ground on which labels may stand: where the chain may be, and the two above."""
 # Parts of the text's colour in mixtures with the ground (``faint``). SHADE: for a time in which nothing
 # moves; LINE: for the line at an impact.
 SHADE, LINE = 0.05, 0.1
@@ -252,9 +252,9 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
 def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
     """Write a text at the foot of a figure, above earlier texts there; return matplotlib's object for it.
 
-    A text without room is left out, and None is returned. All texts at the foot together may take the part
-    ``most`` of the figure's height; the default of ``most`` is FREE_FOOT if the contents determine the
-    height, else MOST_FOOT.
+    A text without room is left out, and None is returned. All texts at the foot together take at most the
+    fraction ``most`` of the figure's height; by default FREE_FOOT if the contents of the figure determine
+    this height, else MOST_FOOT.
     """
     if most is None:
         most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
@@ -278,7 +278,7 @@ def foot_of(figure: Figure) -> float:
 
 
 def reserve(figure: Figure, top: float, bottom: float) -> None:
-    """Keep the parts ``top`` and ``bottom`` of a figure's height free of axes, if it has a layout engine."""
+    """Keep the fractions ``top`` and ``bottom`` of a figure's height free, if its layout is constrained."""
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, low, width, height = engine.get()["rect"]
@@ -324,7 +324,7 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
 
 
 def load_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Return factor and unit as ``prefixed``, but no prefix from LEAST_LOAD to 1 in a unit of LOAD_UNITS."""
+    """Return factor and unit as ``prefixed``; a unit of LOAD_UNITS stays for LEAST_LOAD ≤ ``largest`` < 1."""
     is_load = unit.replace("·", ".") in LOAD_UNITS
     return (1.0, unit) if is_load and LEAST_LOAD <= largest < 1.0 else prefixed(largest, unit)
 

@@ -56,11 +56,11 @@ def _speeds(recording: Recording) -> np.ndarray:
 
 
 def _broken(recording: Recording) -> np.ndarray:
-    """Return, for each pair of successive rows, whether the path between them is straight, shape (T − 1,).
+    """Return, for each pair of successive rows, whether an impact makes the path straight, shape (T − 1,).
 
-    The path is straight across the onset of an impact, because the velocity changes fast there. If velocities
-    are computed from positions, they are also wrong in the rows before and after an onset; then the path is
-    also straight between the neighbouring pairs of rows.
+    The path is straight between the rows around an onset, because the velocity changes fast there. Velocities
+    that are computed from positions are wrong in these two rows; then the path is also straight between the
+    pair of rows before and the pair after.
     """
     at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)

@@ -17,7 +17,7 @@ def is_of_body(name: str) -> bool:
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:
-    """Return the radius [m] of each point of a link other than its ends, in the order of their numbers."""
+    """Return the radius [m] of each point that is not an end of a link, in the order of the numbers."""
     return [radius for discs in discs_of_links(values).values() for *_, radius in discs]
 
 

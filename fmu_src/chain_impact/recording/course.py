@@ -16,10 +16,10 @@ from chain_impact.scene.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # number of times at which the course of an impact is computed
-# number of equally spaced times in a contact that lasts longer than an impact
+# number of equally spaced times in a contact that lasts longer than ``impact_ends`` gives
 LASTING_SAMPLES = 4000
-# [1] time from the onset to the first of SAMPLES times in geometric progression, relative to the duration of
-# a contact that lasts longer than an impact
+# [1] such a contact also has SAMPLES times after the onset in geometric progression: the first of these,
+# relative to the duration of the contact
 SOON = 1e-6
 
 
@@ -49,8 +49,8 @@ class Course:
     """One impact over time. At a stop of a joint, moment [N·m] and angle [rad] replace force and length.
 
     Attributes:
-        time: times of the run, from the onset to the end, shape (S,) [s]; empty for an impulse of a rigid
-            wall.
+        time: times of the run, from the onset to the end of the impact, shape (S,) [s]; empty for an impulse
+            of a rigid wall.
         force: the normal force of the wall at each time, shape (S,) [N].
         penetration: the penetration at each time, shape (S,) [m].
         speed: the rate of penetration at each time, positive during compression, shape (S,) [m/s].

@@ -1,4 +1,4 @@
-"""Equality of dataclasses that contain arrays; the operator ``==`` would return an array for them."""
+"""Equality of dataclasses that contain arrays; the operator ``==`` of NumPy compares each element."""
 
 from __future__ import annotations
 

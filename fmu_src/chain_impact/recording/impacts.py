@@ -237,7 +237,7 @@ def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
 
 
 def names_of(record: Any) -> Any:
-    """Return the names of the columns of a record."""
+    """Return the names of the columns of a structured array, a mapping or a data frame."""
     dtype = getattr(record, "dtype", None)
     return dtype.names if dtype is not None and dtype.names else record.keys()
 

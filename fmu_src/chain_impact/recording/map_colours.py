@@ -9,8 +9,8 @@ import numpy as np
 # [1] colours, except those of counts, are logarithmic if the ratio of large to small values (``spread``) is
 # at least this; with linear colours, all values below a tenth of the largest one would look the same
 WIDE_COLOURS = 10.0
-# [1] the colours end at a quantile if the extreme value is farther from it than this times the distance of
-# both quantiles; otherwise they end at the extreme value
+# [1] the colours end at a quantile if the extreme value is farther from this quantile than BEYOND_QUANTILES
+# times the difference of both quantiles, if not 0; otherwise the colours end at the extreme value
 BEYOND_QUANTILES = 1.0
 # the quantile that stands for large values; 1 minus this stands for small values, so that a few extremes do
 # not count
@@ -32,9 +32,9 @@ def spread(values: np.ndarray) -> float:
 def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float, float]:
     """Return the least and the largest value on the scale of colours.
 
-    The ends are the least and the largest of ``values``. If one of these is far from nearly all values
-    (BEYOND_QUANTILES), a quantile (LARGE_QUANTILE) replaces it. A value beyond an end of the scale has the
-    colour of this end. If ``logarithmic``, distances are those between the logarithms of values.
+    The ends are the least and the largest of ``values``. If the least value is far from nearly all others
+    (BEYOND_QUANTILES), the quantile 1 − LARGE_QUANTILE replaces it; for the largest, LARGE_QUANTILE does. A
+    value beyond an end of the scale has the colour of this end. If ``logarithmic``, logarithms are compared.
     """
     scaled = np.log(values) if logarithmic else values
     whole, extremes = ([part.min(), part.max()] for part in (values, scaled))

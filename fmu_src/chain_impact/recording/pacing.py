@@ -77,7 +77,7 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
     The rate is 1 far from impacts. During an impact that is shorter than ``impact_time``, the rate is the
     duration of the impact divided by ``impact_time``, so that the impact takes ``impact_time`` on the screen.
     Before and after the impact, the rate grows linearly with the distance in time from the impact, by 1 in
-    RAMP [s], until it is 1. For an impact without a duration, both times are shorter, by the factor INSTANT.
+    RAMP [s], until it is 1. An impact without a duration has INSTANT times ``impact_time`` and RAMP.
 
     Args:
         time: simulated times, shape (T,) [s].
@@ -134,7 +134,7 @@ def frame_times(
             slow motion.
         most: the largest number of frames; a film that would have more has fewer frames per second than
             ``usual``.
-        usual: the frames per second of a film that has at most ``most`` frames with them.
+        usual: the frames per second, except for rounding up, of a film with fewer frames than ``most``.
 
     Returns:
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.

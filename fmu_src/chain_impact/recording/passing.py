@@ -34,7 +34,7 @@ def passing(
         free = [k for k in range(positions.shape[1]) if (k, number) not in pairs]
         if not free or not len(positions):
             continue
-        # [m] distances of these points from the wall, negative beyond the wall
+        # [m] distances from the wall of the points that cannot touch the wall, negative beyond the wall
         gaps = positions[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
         least = THROUGH * size_of_motion(positions)
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]

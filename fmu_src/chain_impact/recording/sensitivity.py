@@ -36,7 +36,7 @@ def differs(first_order: float, simulated: float) -> bool:
 
 
 def step_of(value: float) -> float:
-    """Return a small change of a parameter: 1 % of its value, with the value's sign, or 0.01 if it is 0."""
+    """Return a small change of a parameter: 1 % of ``value``, with the same sign; 0.01 if ``value`` is 0."""
     return PART * (value or 1.0)
 
 
@@ -47,8 +47,7 @@ class Sensitivities:
     Attributes:
         prepared: the prepared scene.
         varied: the P parameters and inputs.
-        chosen: the names of the W outputs; if ``chosen`` is None, these are all outputs that change
-            continuously.
+        chosen: the names of the W outputs; None stands for all outputs that change continuously.
         slopes: the derivatives of the W outputs at each of the T times, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
         impact_slopes: name of a quantity of impacts → its derivatives for each impact, shape (I, P).

@@ -31,7 +31,7 @@ the simulation, its end is NaN. The mode is 0 for sticking, 1 for sliding along 
 For a joint, the wall is −1, and the point is the number of the joint, 1…N. For a slider, the wall is −1, and
 the point is 0. In mode 1 the angle of the joint, or the position of the slider, grows."""
 NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
-"""The table of phases of a run without dry friction, which has no rows."""
+"""A table of phases without rows, as for a run without dry friction."""
 NO_PHASES.flags.writeable = False
 MODES = {0: "stick", 1: "slip +", -1: "slip -"}
 """Mode → words for the mode."""

@@ -106,8 +106,8 @@ def _headline(result: Recording, outputs: int) -> str:
 def impact_heads(result: Recording) -> tuple[str, ...]:
     """Return the heads of the columns of ``impact_cells``, with units.
 
-    At stops of joints, the units differ. If the list also has other impacts, or the two columns of loads, the
-    heads have several lines, so that a row fits into 80 characters.
+    Impacts at stops of joints have other units. If the list has impacts with both kinds of units, or has the
+    two columns of loads, the heads have several lines, so that a row fits into 80 characters.
     """
     stopped = result.at_stops
     at_walls, at_stops = not stopped.all(), bool(stopped.any())
@@ -144,7 +144,7 @@ def _peak(value: float) -> str:
 
 
 def digits(value: float) -> str:
-    """Return a number as text with four digits, from 1e-4 to a million without exponent; a dash for NaN."""
+    """Return a number rounded to four digits, from 1e-4 to a million without exponent; a dash for NaN."""
     if np.isnan(value):
         return NONE
     text = f"{value:.4g}"

@@ -19,7 +19,7 @@ def plural(count: int, what: str) -> str:
 
 
 def few(names: Sequence[str], shown: int) -> str:
-    """Return the first ``shown`` names as text; if there are more, the text ends with their number."""
+    """Return the first ``shown`` names and, if there are others, their number: "a, b and 3 more"."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"
 
@@ -38,7 +38,7 @@ def toucher_name(number: int, stop: str, names: Mapping[int, str]) -> str:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number as text with at most ``digits`` digits: 1e8, 2.145e10.
+    """Return a number as text with at most ``digits`` significant digits: 0.5, 1e8, 2.145e10.
 
     A fraction has no zeros at its end, an exponent none at its start.
     """

@@ -24,7 +24,7 @@ LEAST = 1e-6  # [m] size assumed for the view of a chain that does not move
 UPRIGHT = 0.5
 # [1] points are drawn without circles if their largest radius is at most this, relative to the motion's size
 ALONE = 1e-3
-# [1] two lengths are equal if their difference, relative to the length, is at most this, which is round-off
+# [1] two lengths are equal if their difference, relative to the link, is at most this, which is round-off
 SAME_LENGTH = 1e-9
 PIN = 0.08  # [1] height of the ground mark of a pinned base, relative to the size of the motion
 # [1] corners of the ground mark's triangle, relative to the mark's height: the base is at (0, 0), y points to
@@ -156,7 +156,7 @@ def radius_of(recording: Recording) -> float:
 
 
 def closed_room(walls: Mapping[Key, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of the room that walls enclose, if all of it lies inside a rectangle; else none.
+    """Return the corners of the room that walls enclose, if all of it lies inside a rectangle; else [].
 
     Args:
         walls: name → free side.

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """The parameters that change the unit, and so the meaning, of a stiffness."""
-# [1] an effect that is larger, relative to the quantity, holds for smaller changes only: the text says so
+# [1] for an effect larger than this, relative to the quantity, the text tells that it is to first order
 LARGE_SHARE = 0.2
 # [1] an effect that is at most this, relative to ``RankedQuantity.size``, is round-off and counts as none
 LEAST_EFFECT = 1e-12
@@ -272,7 +272,7 @@ class Ranking:
     def _blocks(self) -> list[list[Effect]]:
         """Return the MOST_BARS largest effects in one or two lists: those of 1 %, and those of fixed steps.
 
-        The second list has a quarter of MOST_BARS, more if the first leaves room, or all if they are fewer.
+        The second list has at most a quarter of MOST_BARS, or more if the first list leaves room.
         """
         of_value, at_zero = by_step(self.effects)
         at_zero = at_zero[: max(MOST_BARS - len(of_value), MOST_BARS // 4)]
@@ -315,7 +315,7 @@ def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> 
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:
-    """Return a unit with a prefix that suits a value, after the factor to it: (1000, "mm") for 0.003 m.
+    """Return the factor to a unit with a prefix that suits a value, and this unit: (1000, "mm") for 0.003 m.
 
     A unit that is not in PREFIXED stays, with the factor 1.
     """
