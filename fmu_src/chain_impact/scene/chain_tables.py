@@ -92,7 +92,7 @@ class Link:
 class Slider:
     """The carriage of a base that slides along a straight line through the base's initial position.
 
-    Positions of the carriage count along the line from this initial position.
+    Positions of the carriage count from this initial position, positive in the direction ``angle``.
     """
 
     angle: float = quantity("rad", "direction of the line, from +x", 0.0, label="Slider: angle")

@@ -204,7 +204,7 @@ def check_start(scene: Contents) -> None:
 
 
 def _position(x: float, y: float) -> str:
-    """Return the text "(x, y) m" of a position [m]; a coordinate of at most OVERLAP is written as 0."""
+    """Return the text "(x, y) m" of a position [m]; a coordinate from −OVERLAP to OVERLAP is written as 0."""
     x, y = (0.0 if abs(coordinate) <= OVERLAP else coordinate for coordinate in (x, y))
     return f"({x:.6g}, {y:.6g}) m"
 
@@ -258,7 +258,7 @@ def hints(scene: Contents) -> list[str]:
 
 
 def size_hints(scene: Contents) -> list[str]:
-    """Return the questions of ``length_hints``, and one on a gravity that is probably in mm/s²."""
+    """Return the questions of ``length_hints``, and a question on gravity if it is probably in mm/s²."""
     texts, pull = length_hints(scene), math.hypot(*scene.gravity)
     if IN_MM[0] < pull < IN_MM[1]:
         strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"

@@ -26,7 +26,7 @@ def completed(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the absolute path of its ``contact.law_file``, which begins at ``folder``.
+    """Return the scene with ``contact.law_file`` as absolute path; a relative path begins at ``folder``.
 
     A scene without such a file is returned unchanged; a file that has no valid law is refused.
     """

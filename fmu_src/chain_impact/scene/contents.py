@@ -142,7 +142,7 @@ class Contents:
 
     @property
     def start(self) -> dict[int, tuple[float, float, float]]:
-        """Number of a point → its position x, y [m] at the start, and its radius [m]."""
+        """Number of each point → the position x, y [m] at t = 0, and the radius [m]."""
         x, y = self.base_at_start
         points, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
         sites = []
@@ -166,7 +166,7 @@ class Contents:
 
     @property
     def walls_at_start(self) -> dict[str, HalfPlane]:
-        """Name of each existing wall → its free side at t = 0, displaced by a signal that moves the wall."""
+        """Name of each existing wall → its free side at t = 0; a signal may have displaced the wall."""
         return {
             name: replace(plane, offset=plane.offset + self._at_start(f"wall.{name}.displacement", 0.0))
             for name, plane in self.half_planes.items()

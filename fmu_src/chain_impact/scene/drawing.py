@@ -11,9 +11,8 @@ from chain_impact.scene.bodies import outlines_from, placed, rail_from
 from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
-# both divided by the size of the chain, the longer side of the rectangle around all points: MARGIN is the
-# width of the free border around the drawing; NEAR is the largest distance from the nearest point at which a
-# wall is drawn
+# both divided by the longer side of the rectangle around all points: MARGIN is the width of the free border
+# inside the drawing; a wall is drawn if its distance from the point nearest to it is at most NEAR
 MARGIN, NEAR = 0.15, 1.0
 # all divided by the longer side of the drawing: LINE is the width of links, THIN the width of other lines,
 # POINT the radius of points

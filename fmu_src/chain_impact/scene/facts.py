@@ -2,8 +2,8 @@
 
 The tables FACTS and LISTS have the rules that give facts and lists; rules.py has the language of the rules. A
 page evaluates the same rules (pages/browser/scene/owners.js). Lists without a rule are found by code, in
-Python by FOUND. Example: a link that a joint holds and whose file gives ``joint_friction`` has the value
-``has_friction`` 1 in "links", which makes the facts "joint_friction" and "friction" true.
+Python by FOUND. Example: if a scene gives ``joint_friction`` for a link with a proximal joint, the link has
+the value ``has_friction`` 1 in "links", so the facts "joint_friction" and "friction" are true.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ the keys of [inputs] and [outputs], such as ``inputs.tip_force``."""
 
 
 class SceneFacts(dict[str, Any]):
-    """Name → fact or list of a scene; each is computed when it is first asked for.
+    """Name → fact or list of a scene; each fact and each list is computed when it is first read.
 
     The keys of [inputs] and [outputs] are facts, too, such as ``inputs.tip_force``.
     """

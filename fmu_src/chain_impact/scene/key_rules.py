@@ -27,9 +27,9 @@ _KEEPS: dict[str, Callable[[Any, Any], Any]] = {
 class KeyRules(TypedDict, total=False):
     """The rules of a key; for a list, the rules up to ``pattern`` hold for each entry of the list."""
 
-    minimum: float  # least allowed number
+    minimum: float  # least allowed number, itself allowed
     above: float  # limit that a number must exceed
-    maximum: float  # largest allowed number
+    maximum: float  # largest allowed number, itself allowed
     choices: tuple[str, ...]  # the allowed texts
     # a regular expression that the whole text must match, and the words for the texts that match it
     pattern: tuple[str, str]

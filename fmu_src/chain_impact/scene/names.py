@@ -247,7 +247,7 @@ VALUE_WITHOUT_DRIVE = {
     "slider.target_position": "slider.rest_position",
     **{f"base.{axis}": f"initial.{axis}" for axis in AXES},
 }
-"""Input → the parameter whose value the input has if nothing drives it; {n} stands for a joint's number."""
+"""Input → the parameter that gives the input's value if nothing drives the input; {n}: a joint's number."""
 
 
 def without_drive(name: str) -> str | None:

@@ -19,10 +19,10 @@ from chain_impact.scene.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
 ALIKE = 0.7
-MOST_PARTS = 8  # largest number of quantities of an owner that a message lists; then follows …
+MOST_PARTS = 8  # a message lists at most this number of quantities of an owner, then …
 _ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
 _VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
-SHOWN = 60  # largest number of characters that a message has of a value; then follows ...
+SHOWN = 60  # a message has at most this number of characters of a value, then ...
 
 
 class SceneError(ValueError):
@@ -208,7 +208,7 @@ class Reader:
         self.derived: list[DataPath] = []
 
     def read(self, data: Any) -> Any:
-        """Return the data as an object of ``root``, or raise a SceneError; append to ``derived``."""
+        """Return the data as an object of ``root`` and extend ``derived``, or raise a SceneError."""
         return self._table(self.root, data, (), {})
 
     def _table(self, table: Any, data: Any, path: DataPath, tables: Mapping[str, Any]) -> Any:

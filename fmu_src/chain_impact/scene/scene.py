@@ -141,7 +141,7 @@ def scene_of(source: SceneSource) -> Scene:
 
 
 def parse_scene(text: str, source: str) -> Scene:
-    """Return the scene of a TOML `text`; `source`, its path, is for errors and for relative paths in it."""
+    """Return the scene of a TOML `text`; for `source`, see ``scene_from_dict``."""
     try:
         data = tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, RecursionError) as error:  # ValueError: wrong TOML, or too many digits
@@ -154,7 +154,7 @@ def parse_scene(text: str, source: str) -> Scene:
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
-    """Return the checked scene from the data of the file `source`, a path for errors and relative paths."""
+    """Return the checked scene; errors name the path `source`, relative paths begin at its folder."""
     scene = _validated(data, source, in_file=True)
     warn(source, checks.hints(scene))
     return scene

@@ -143,7 +143,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
         stop: end of the run, which begins at 0 [s].
 
     Raises:
-        SceneError: when the table is not so, has no column for an input, or is far longer than the run.
+        SceneError: when ``table`` is not so, has only the column ``time``, or lasts far longer than the run.
     """
     if TIME not in table.names:
         hint = likely_time(table.names) or f"; it has {', '.join(table.names)}"

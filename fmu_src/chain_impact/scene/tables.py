@@ -15,7 +15,7 @@ from chain_impact.scene.names import INPUTS_OF
 
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)
-MODEL_NAME = (  # the rule ``pattern`` for the key ``name`` of a scene; files can have this name, too
+MODEL_NAME = (  # the rule ``pattern`` for the key ``name`` of a scene, so that files can have this name
     rf"(?!(?:{_ANY_CASE})$){IDENTIFIER[0]}",
     f"{IDENTIFIER[1]}, and no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9",
 )
@@ -73,7 +73,7 @@ class Material:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """The contact law of the walls, and the points that may touch the walls."""
+    """The points that may touch walls; the contact law of walls, of slider stops and, by default, [stops]."""
 
     law_file: str = quantity("", "file with a law of your own, named as the law", "", pattern=_PYTHON_FILE)
     model: str = quantity(
@@ -104,7 +104,7 @@ class Contact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stops:
-    """The contact law of all stops of joints, with angles and moments; all keys are None without stops."""
+    """The contact law of stops in joints, with angles and moments; all keys are None without such stops."""
 
     model: str | None = quantity(
         "",

@@ -19,9 +19,9 @@ _POWER = re.compile(r"\s*(?:([+-]?\d+\.?\d*)\s*[*x×·]\s*)?10\s*(?:\^|\*\*)\s*(
 def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
     """Return a hint how to write a text with a number and a unit, such as "450 mm", as a number.
 
-    The hint converts the number to the one of ``units`` that differs only by a prefix. The result is "" for a
-    text of another form, and for a unit that is none of these. A percentage is converted, too, if ``units``
-    are the default or contain a pure number.
+    The hint converts the number to the first of ``units`` that equals the text's unit apart from a prefix; ""
+    if there is none, or for a text of another form. A percentage is converted to a pure number if ``units``
+    are the default or contain "" or "1".
     """
     match = _QUANTITY.fullmatch(text)
     if not match:

@@ -67,10 +67,10 @@ class Chain:
     """An instance of a scene that a program advances step by step.
 
     Names and rules are the same as in the FMU: until the first step, all variables except outputs can be set;
-    after the first step, inputs and tunable parameters can be set. A value acts from the present time on,
-    until the variable is set again. The size of the steps changes the solution only if inputs move the base,
-    walls or belts (docs/drive.md). A fault raises a ``SimulationError``; then ``restore`` and ``reset``
-    return to an earlier state.
+    after the first step, only inputs and tunable parameters. A value acts from the present time on, until the
+    variable is set again. If values are set at the same times, the size of the steps changes the solution
+    only where inputs move the base, walls or belts (docs/drive.md). After a ``SimulationError``, ``restore``
+    and ``reset`` return to an earlier state.
 
     Attributes:
         scene: the scene.
@@ -193,8 +193,8 @@ class Chain:
 
         Raises:
             UnknownNameError: when no variable has one of the names.
-            SceneError: when outputs must be computed for this, and the run cannot continue with the values
-                that were set.
+            SceneError: when the names need outputs, and the run cannot continue with the values that were
+                set.
             SimulationError: when the scene cannot start with the values that were set.
         """
         key = names if isinstance(names, str) else tuple(names)
