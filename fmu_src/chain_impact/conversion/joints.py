@@ -20,8 +20,8 @@ class NoChainError(SceneError):
     """Raised when the moving joints of a robot form no planar chain.
 
     Attributes:
-        joints: names of joints. If one of these joints is held, the others may form a chain, which
-            proposals.py tries.
+        joints: names of joints of which one may have to be held, so that the others form a chain; if
+            ``chain_of`` raises the error with a proposal, names of the joints that are proposed to move.
     """
 
     def __init__(self, message: str, joints: Sequence[str] = ()) -> None:
@@ -185,7 +185,7 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
 
 
 def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
-    """Return all ``hinges`` in groups: the axes of the joints in a group are parallel."""
+    """Return all ``hinges`` in groups: in a group, each axis is parallel to the axis of the first hinge."""
     groups: list[list[Moving]] = []
     for hinge in hinges:
         group = next((g for g in groups if _parallel(g[0].axis, hinge.axis)), None)

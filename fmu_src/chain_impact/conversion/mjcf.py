@@ -102,7 +102,7 @@ def _carried(text: str, source: str) -> dict[str, Any]:
 
 
 class _Reader:
-    """The reader of a compiled model; ``differences`` collects what a scene cannot have."""
+    """The reader of a compiled model; ``differences`` has what a scene lacks, or has in another form."""
 
     def __init__(self, mujoco: Any, file: Compiled, start: Start, source: str) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
@@ -113,7 +113,7 @@ class _Reader:
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
-        """Return the robot; ``notes`` begin its notes, and ``name`` is its name if the file has none."""
+        """Return the robot, whose notes begin with ``notes``; ``name`` is used if the file gives no name."""
         model = self.model
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
@@ -140,7 +140,7 @@ class _Reader:
         return any(self.model.opt.disableflags & bit for bit in bits)
 
     def body(self, b: int) -> Body:
-        """Return body ``b`` of MuJoCo's model; body 0 is the world, so it is body ``b`` − 1 of the robot."""
+        """Return body ``b`` ≥ 1 of MuJoCo's model: body ``b`` − 1 of the robot, which lacks the world."""
         model = self.model
         inertial = self._axes(model.body_iquat[b])
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])

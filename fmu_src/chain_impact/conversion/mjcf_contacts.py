@@ -57,9 +57,9 @@ class Contacts:
     def _touch(self, geom: int, other: int) -> bool:
         """Return whether two shapes, given by their indices, can touch each other, by rules of MuJoCo.
 
-        No shapes can touch if the file disables contacts. Otherwise two shapes can if the file lists them as
-        a pair. So can two other shapes if ``contype`` of one shape and ``conaffinity`` of the other have a
-        bit in common, and their bodies are neither an excluded pair nor fixed to each other.
+        The result is False if the file disables contacts, else True if the file lists the shapes as a pair.
+        For other shapes it is True if ``contype`` of one shape and ``conaffinity`` of the other have a bit in
+        common, and their bodies are neither an excluded pair nor fixed to each other.
         """
         model = self.model
         if not self.works:
@@ -76,8 +76,8 @@ class Contacts:
         """Return the coefficient of sliding friction between two shapes, by MuJoCo's rules.
 
         A listed pair has its own coefficient. Otherwise the coefficient is that of the shape with the higher
-        priority or, with equal priorities, the larger one. If the model has an override, the coefficient of
-        the override replaces these. A contact with ``condim`` 1 has no friction: the result is 0.
+        priority or, with equal priorities, the larger of both coefficients. The coefficient of an override
+        in the file replaces these. A contact with ``condim`` 1 has no friction: the result is 0.
         """
         model = self.model
         if frozenset((geom, other)) in self.pairs:
@@ -92,7 +92,7 @@ class Contacts:
         return friction if rubs else 0.0
 
     def planes(self) -> Iterator[Plane]:
-        """Yield the planes that are fixed to the world, with the bodies that can touch each, and friction."""
+        """Yield the planes fixed to the world, each with the bodies that can touch it, and their friction."""
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
         for g in filter(self._is_wall, self.still):
@@ -126,7 +126,7 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # of an unknown kind, such as an ellipsoid, ``outline`` returns the box around the shape
+        else:  # for a kind that ``outline`` does not know, such as an ellipsoid, it returns a box
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         walls = list(filter(self._is_wall, self.still))

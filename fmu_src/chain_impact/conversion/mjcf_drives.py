@@ -13,7 +13,7 @@ from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
 # [rad/s] or [m/s] A speed that joints of robots hardly reach. If the limit of the drives acts on the damper
-# only above FAST, this difference counts as one without effect.
+# only from FAST on, the difference from MuJoCo counts as a difference without effect.
 FAST = 20.0
 ALIKE = 1e-9  # [1] two limits, or a servo's gain and stiffness, count as equal up to this relative difference
 
@@ -56,7 +56,7 @@ class Drives:
     """
 
     def __init__(self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray) -> None:
-        """Find the actuators of each joint, and report active actuators that act on anything else.
+        """Find the actuators of each joint, and report active actuators that do not act on a joint.
 
         ``control`` and ``activation`` are MuJoCo's arrays ctrl and act at the start.
         """
@@ -99,10 +99,10 @@ class Drives:
         )
 
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
-        """Return ``joint``, MuJoCo's joint ``j``, with the drives that a scene can have of its actuators.
+        """Return ``joint``, MuJoCo's joint ``j``, with damping, rotor inertia and drives of its actuators.
 
-        All other active actuators are reported. ``zero`` is MuJoCo's angle [rad] or position [m] of the joint
-        in the pose of the file, in which the angle or position of ``joint`` is 0.
+        Active actuators that a scene cannot have are reported. ``zero`` is MuJoCo's angle [rad] or position
+        [m] of the joint in the pose of the file, in which the angle or position of ``joint`` is 0.
         """
         for a in self.at.get(j, []):
             joint = self._geared(joint, a)
@@ -300,8 +300,8 @@ class Drives:
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
         """Return the limit of the torque of all drives of a joint together [N·m or N]; None without a limit.
 
-        A limit of a scene holds in both directions. If the file's limits in the two directions differ, the
-        larger one is returned, and the difference is reported.
+        A limit of a scene is equal in both directions. If the file's limits in the two directions differ, the
+        larger limit is returned, and the difference is reported.
         """
         low, high = (sum(drive.low for drive in drives), sum(drive.high for drive in drives))
         if self.model.jnt_actfrclimited[j]:

@@ -35,11 +35,11 @@ class Compiled(NamedTuple):
 
 
 def compiled(mujoco: Any, path: Path) -> Compiled:
-    """Compile an MJCF file; if MuJoCo refuses it, compile it once more with stand-ins.
+    """Read and compile an MJCF file; if MuJoCo refuses to compile, compile once more with stand-ins.
 
     Raises:
-        SceneError: when MuJoCo refuses the file with stand-ins, too, for example because a body gets its mass
-            only from meshes whose files cannot be read.
+        SceneError: when MuJoCo cannot read the file, or refuses to compile with stand-ins, too, for example
+            because a body gets its mass only from meshes whose files cannot be read.
     """
     try:
         with collected_warnings("MuJoCo") as differences:

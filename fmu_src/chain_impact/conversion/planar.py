@@ -55,7 +55,7 @@ class Converted(NamedTuple):
 
     Attributes:
         data: the data of the scene.
-        warnings: lines on differences that change the motion or are large, in the order of ``Effect``.
+        warnings: lines on differences that change the motion or are large, and on lost tables of a scene.
         differs: lines on all other parts that the result has in another form.
         left_out: lines on all other parts that the result does not have.
         notes: lines on how the conversion was made.
@@ -138,7 +138,7 @@ class _Conversion:
         return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
 
     def _unheld(self) -> set[str]:
-        """Return the names of the joints that move a free base, which the scene lacks; else no names."""
+        """Return the names of the joints that move a free base: the scene lacks these; else no names."""
         free = self.chosen.base == "free"
         return {moved.joint.name for moved in (*self.slides, self.hinges[0])} if free else set()
 
@@ -165,8 +165,8 @@ class _Conversion:
     def _gravity(self) -> np.ndarray:
         """Return gravity in space [m/s²], shape (3,), without the share that the file's gravcomp bears.
 
-        If the share is not the same for all moving bodies with mass, it is reported for each body that has
-        one, and the whole gravity is returned. Bodies with mass in no link and on no slider are reported.
+        If the share is not the same for all moving bodies with mass, each share above 0 is reported, and the
+        whole gravity is returned. Bodies with mass in no link and on no slider are reported.
         """
         still = []
         for b, body in enumerate(self.robot.bodies):
@@ -211,8 +211,8 @@ class _Conversion:
     def _tip(self) -> np.ndarray:
         """Return the vector from the last joint to the end of the last link, in the scene's axes [m].
 
-        The end is the frame that the user has chosen, else the frame farthest from the joint; a body's origin
-        is a frame, too. If all frames are at the joint and none is chosen, it is twice the centre of mass.
+        The end is the chosen frame, else the frame or origin of a body that is farthest from the joint. If
+        all of these are at the joint, and none is chosen, the vector is twice that to the centre of mass.
         """
         part, hinge = self.parts[-1], self.hinges[-1]
         ends: dict[str, np.ndarray] = {}
@@ -329,7 +329,7 @@ class _Conversion:
         return self._within(joint, low, start, high, "rad")
 
     def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
-        """Return the angle or position ``start``, or the stop beyond which it lies, which is reported."""
+        """Return ``start`` [rad or m], or the stop beyond which ``start`` lies; this change is reported."""
         stop = min(max(start, low), high)
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"

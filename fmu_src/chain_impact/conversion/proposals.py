@@ -17,8 +17,8 @@ def chain_of(
 ) -> Converted:
     """Return the scene of a robot; if the robot is not a planar chain, the error proposes joints to move.
 
-    ``source`` is the file's name for messages. ``check`` is called with the conversion, and may raise an
-    error; only joints with which it raises none are proposed.
+    ``source`` is the file's name for messages. ``check`` is called with the conversion, and may raise a
+    SceneError; joints for whose conversion ``check`` raises an error are not proposed.
 
     Raises:
         NoChainError: when the robot is not a planar chain; if some joints that form one are found, the

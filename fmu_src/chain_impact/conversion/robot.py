@@ -121,7 +121,8 @@ class LinkShape:
 
     Attributes:
         kind: the kind of shape, such as ``capsule``.
-        touches: whether the shape can touch any other shape; otherwise it is only seen.
+        touches: whether the shape can touch any other shape, or is a point of a scene without walls; if not,
+            the shape is only seen.
         name: a name of letters, digits and _; "" without a name.
         walls: whether the shape can touch a plane that is fixed to the world.
         is_point: whether the shape stands for a point of a scene, in a file of this package.

@@ -29,9 +29,9 @@ LARGEST_STEP = 2e-3
 
 
 def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
-    """Return a scene as the text of MJCF, and lines on features that MuJoCo has in another form or lacks.
+    """Return a scene as the text of MJCF, and two lists of lines on the scene's features.
 
-    The second result are the lines on features in another form, the third those on features that it lacks.
+    The first list is on features that MuJoCo has in another form, the second on features that MuJoCo lacks.
     """
     root = Element("mujoco", model=scene.name)
     SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -138,7 +138,7 @@ def _add_inertial(body: Element, mass: float, center: tuple[float, float], inert
 def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float) -> None:
     """Add a sphere to a body for point ``number`` of the scene; the sphere touches walls only.
 
-    ``at`` is its centre along the link and to the left of the link, ``radius`` its radius [m].
+    ``at`` is the sphere's centre along the link and to the left of it [m], ``radius`` the radius [m].
     """
     x, y = at
     ball = {"type": "sphere", "size": repr(radius), "pos": _numbers(x, 0.0, y), "condim": "1"}

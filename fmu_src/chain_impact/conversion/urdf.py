@@ -43,7 +43,8 @@ def read_urdf(path: Path) -> Robot:
     Files of meshes may be missing, because meshes and colours are not read.
 
     Raises:
-        SceneError: when the file is not XML, must first be expanded by xacro, or has no valid tree of links.
+        SceneError: when the file is not XML, must first be expanded by xacro, or is no valid tree of links
+            and joints.
         MissingExtraError: when yourdfpy is not installed.
     """
     yourdfpy = require("yourdfpy", "convert")
@@ -85,7 +86,8 @@ def read_urdf(path: Path) -> Robot:
 def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
     """Return the robot as yourdfpy reads it, with links and joints, but without shapes.
 
-    If yourdfpy fails, and also fails for a single element of the file, the SceneError names this element.
+    If yourdfpy fails for the file, and also for a single element, a SceneError names this element. Otherwise
+    the error of yourdfpy is raised unchanged.
     """
     options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
     try:

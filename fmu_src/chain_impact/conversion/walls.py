@@ -178,7 +178,7 @@ class Walls:
         return [ball for ball in balls if not fixed or np.linalg.norm(ball.at - self.places[0]) > ZERO_LENGTH]
 
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
-        """Return the tables of the points of each link for its ``balls``, such that none starts in a wall.
+        """Return the tables of the points of each link for its ``balls``; no point may start in a wall.
 
         A point that would reach into a wall gets a smaller radius; a point whose centre would be in a wall is
         left out.
@@ -196,10 +196,10 @@ class Walls:
     def _fits(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
-        """Return whether the centre of a point starts outside of all walls, else report it.
+        """Return whether the centre of a point starts outside of all walls; otherwise report the point.
 
-        If the centre does, but the point reaches into a wall, ``table`` gets the largest radius with which
-        the point does not, and this change is reported.
+        If only the rim of the point starts in a wall, ``table`` gets the largest radius with which the point
+        touches this wall, and the change is reported. A depth up to OVERLAP does not count.
 
         Args:
             i: index of the link.

@@ -155,7 +155,7 @@ def _of_modes(root: Element) -> Iterator[Finding]:
 
 
 def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]:
-    """Yield the faults of declared types: their limits, their units, and names that a variable has, too."""
+    """Yield the faults of declared types: of limits, of units, and of names that a variable has, too."""
     names = {variable.name for variable in variables}
     units = {
         unit.get("name", ""): {display.get("name") for display in unit.iterfind("DisplayUnit")}

@@ -108,7 +108,7 @@ class Structure:
     def _complete(
         self, name: str, needed: Collection[str], allowed: set[str], what: str
     ) -> Iterator[Finding]:
-        """Yield a fault for the variables that a list lacks, and one for those that it must not have.
+        """Yield a fault for all variables that a list lacks, and one for all that the list must not have.
 
         Args:
             name: the name of the list in FMI 2.0.
@@ -173,7 +173,7 @@ def _depends(node: Element) -> list[str]:
 
 
 def _rising(numbers: Sequence[str], path: str) -> Iterator[Finding]:
-    """Yield a fault for the first of some numbers that is smaller than the number before it."""
+    """Yield a fault for the first of the ``numbers`` that is smaller than the number before it, if any."""
     for before, after in pairwise(numbers):
         if int(after) < int(before):
             yield Finding(f"{after} must stand before {before}", attribute=path)

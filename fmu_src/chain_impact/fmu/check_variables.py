@@ -85,7 +85,7 @@ class Variable:
         return float(self.value(text))
 
     def beyond(self, value: float) -> str:
-        """Return words for the limit that ``value`` is beyond; "" if it is within the limits."""
+        """Return words for the limit that ``value`` is beyond; "" within the limits, or if min > max."""
         low, high = self.bound("min"), self.bound("max")
         if low > high:  # limits in the wrong order are a fault of their own, which ``limit_findings`` reports
             return ""

@@ -135,7 +135,7 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
 
 
 def folded_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return the HTML of a table that is folded, so that only its title is seen; "" if it has no rows."""
+    """Return the HTML of a table that is folded, so that only the title is seen; "" without rows."""
     return f"<details><summary>{title}</summary>{html_table(head, rows)}</details>" if rows else ""
 
 

@@ -25,7 +25,7 @@ LARGEST_FILE = 2**30
 An FMU with a larger sum is refused, as it could fill the disk. The sizes are those that the zip declares;
 Python never unpacks more than the declared size of a file.
 """
-# largest number of variables that one line names; the line counts further ones: "and 3 more"
+# largest number of variables that one line names; the line only counts further variables: "and 3 more"
 NAMED_VARIABLES = 5
 # if more findings than this differ only in the variable, they share one line
 MOST_ALIKE_FINDINGS = 10
@@ -53,9 +53,9 @@ class Finding:
 
 
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
-    """Return one line for each finding.
+    """Return a line for each finding; findings that differ only in the variable may share a line.
 
-    More than MOST_ALIKE_FINDINGS that differ only in the variable share a line.
+    They share a line if they are more than MOST_ALIKE_FINDINGS.
     """
     alike: dict[Finding, list[Finding]] = {}
     for finding in findings:

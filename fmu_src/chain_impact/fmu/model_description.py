@@ -117,7 +117,7 @@ def _add_variables_2(root: Element, prepared: PreparedScene) -> None:
 
 
 def _add_variables_3(root: Element, prepared: PreparedScene) -> None:
-    """Add the variables of FMI 3.0, the time, the arrays, and the outputs with their direct inputs."""
+    """Add the variables of FMI 3.0, the time, the arrays, and the structure: outputs with dependencies."""
     variables, arrays, values = prepared.variables, array_variables(prepared), values_of(prepared)
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
     references = {variable.record_path: reference for reference, variable in enumerate(variables)}
@@ -152,11 +152,11 @@ def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: 
 
 
 def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
-    """Return for each output its number, and the numbers of the inputs on which it depends directly.
+    """Return for each output a pair of texts: its number; the numbers of the inputs that it depends on.
 
-    Both are texts; the second has the numbers with spaces between them. The number of a variable is its index
-    in FMI 2.0, and its value reference in FMI 3.0. The dependencies are those after the start. For the start
-    none are given: FMI then assumes that an output may depend on all known values.
+    The numbers of inputs have spaces between them; only direct dependencies count. The number of a variable
+    is its index in FMI 2.0, and its value reference in FMI 3.0. The dependencies hold after the start. For
+    the start none are given: FMI then assumes that an output may depend on all known values.
     """
     inputs = " ".join(str(number) for number, variable in numbered if variable.causality == "input")
     return [

@@ -23,9 +23,9 @@ def platforms_of(path: str | Path) -> list[str]:
 
 
 def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tuple[str, Finding | None]:
-    """Return the path in the FMU of the binary that an importer loads on this machine, and None.
+    """Return (path, None) with the path in the FMU of the binary that an importer loads on this machine.
 
-    If the FMU has no such file, return "" and a finding.
+    If the FMU has no such file, return ("", finding).
 
     Args:
         identifier: the attribute ``modelIdentifier``, the name of the binary without its suffix.
@@ -51,6 +51,6 @@ def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tup
 
 
 def _folders(names: Collection[str]) -> list[str]:
-    """Return the names of the folders in ``binaries`` that contain a file."""
+    """Return the sorted names of the folders in ``binaries`` that directly contain a file."""
     matches = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
     return sorted({file[1] for file in matches if file})

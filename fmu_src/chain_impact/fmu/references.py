@@ -104,12 +104,11 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 
 
 def reference(prepared: PreparedScene) -> Reference:
-    """Return some outputs of a scene at REFERENCE_TOLERANCE, as long as they are reliable.
+    """Return some outputs of a scene at REFERENCE_TOLERANCE, up to the time until which they are reliable.
 
-    Outputs are reliable as long as a run at the scene's own tolerance gives the same ones, except for small
-    deviations (ASTRAY). If there are few communication points up to this time, the first 1/SHORTER of the
-    simulated time is computed anew with shorter communication steps, and so on; but no communication step is
-    shorter than the scene's own.
+    Outputs are reliable until a run at the scene's own tolerance deviates from them (ASTRAY). If at most
+    REFERENCE_ROWS / SHORTER rows are reliable, the first 1/SHORTER of the simulated time is computed anew
+    with shorter communication steps, and so on; but no communication step is shorter than the scene's own.
 
     Raises:
         SimulationError: when the chain cannot start, or cannot take the first step.
@@ -296,7 +295,7 @@ def _table_in(text: str) -> _Table:
     """Return the table in the text of a reference file.
 
     Raises:
-        ValueError, IndexError, csv.Error: when it is not such a table.
+        ValueError, IndexError, csv.Error: when the text is not such a table.
     """
     head, *rows = csv.reader(io.StringIO(text))
     if head[0] != "time":

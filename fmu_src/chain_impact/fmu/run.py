@@ -228,7 +228,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _start_value(variable: Any, value: Any) -> float | int:
-    """Return a value of a parameter as fmpy needs it, after a check; a choice may be given by its name."""
+    """Return the checked value of a parameter, as fmpy needs it: angles in radians, choices as numbers."""
     if variable.type == "Enumeration":
         numbers = {item.name: int(item.value) for item in variable.declaredType.items}
         number = numbers.get(value) if isinstance(value, str) else value

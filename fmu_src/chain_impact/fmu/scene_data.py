@@ -36,7 +36,7 @@ def scene_data_file(prepared: PreparedScene) -> dict[str, bytes]:
 
 
 def read_scene_data(fmu: Path) -> SceneData:
-    """Return the ``SceneData`` in an FMU; they are empty if the FMU has no file with them."""
+    """Return the ``SceneData`` in an FMU; its dicts are empty if the FMU has no file SCENE_DATA_FILE."""
     with zipfile.ZipFile(fmu) as files:
         if SCENE_DATA_FILE not in files.namelist():
             return SceneData({}, {})

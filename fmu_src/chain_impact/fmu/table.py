@@ -65,7 +65,7 @@ def with_description(
     """Return the files of an FMU, with the model description and the table added.
 
     Args:
-        files: the other files of the FMU, as path → content, on which its results depend.
+        files: the other files of the FMU on which its results depend, as path → content.
         prepared: the scene that the FMU simulates.
         description: the model description; its GUID, computed from the description, the table and ``files``,
             is added here.
@@ -128,7 +128,7 @@ def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
 def _structure(formats: Mapping[str, str], values: Mapping[str, Any]) -> bytes:
     """Return a structure as bytes, little-endian and without gaps.
 
-    The C compiler puts no gaps into it either, because each field begins at a multiple of its size.
+    C compilers put no gaps into the same structure, because each field begins at a multiple of its size.
     """
     return struct.pack("<" + "".join(formats.values()), *(values[name] for name in formats))
 

@@ -67,11 +67,11 @@ class Trial:
     def run(self, reasons: Callable[[], list[str]]) -> None:
         """Load the FMU, instantiate, read start values, make steps and restore states, terminate and free.
 
-        An FMU for model exchange only has no steps and no termination; its values are read once more.
+        An FMU without co-simulation makes no steps, and is not terminated; its values are read once more.
         ``reasons`` returns the messages of the FMU so far.
 
         Raises:
-            CallError: when a call fails; its text is a sentence.
+            CallError: when a call fails; the error's text is a sentence.
         """
         self.reasons = reasons
         self.fmu = self.call("the loader", "", loaded, self.description, self.folder)
@@ -201,11 +201,11 @@ class Trial:
         self.call("FreeFMUState", "", self.fmu.freeFMUState, state)
 
     def restored(self, how: str, state: Any, time: float, step: float) -> None:
-        """Take a step, restore the state before it, repeat the step, and report a variable that then differs.
+        """Take a step, restore the state, repeat the step; report the first variable that differs then.
 
-        ``time``, of the ``state`` before the step, and ``step`` are in seconds. ``how`` is the name of the
-        call that is tested, for the finding: SetFMUState, or DeserializeFMUState if this call made the
-        ``state``.
+        ``state`` is the state before the step, at ``time`` [s]; ``step`` is the step size [s]. ``how`` is the
+        name of the call that is tested, for the finding: SetFMUState, or DeserializeFMUState if this call
+        made the ``state``.
         """
         self.step(time, step)
         first = self.values()
@@ -222,12 +222,12 @@ class Trial:
                 return  # one finding is enough: further variables differ for the same reason
 
     def step(self, time: float, step: float) -> None:
-        """Let the FMU make a step of ``step`` from the time ``time`` [s]."""
+        """Let the FMU make a step of the size ``step`` [s], from the time ``time`` [s]."""
         self.call("DoStep", "", self.fmu.doStep, time, step, False)
 
 
 def _number(holder: Any, name: str, otherwise: float) -> float:
-    """Return the attribute ``name`` as a number; ``otherwise`` if it is missing or no finite number."""
+    """Return the attribute ``name`` as a number; ``otherwise`` if it is missing, 0 or no finite number."""
     try:
         number = float(getattr(holder, name, None) or otherwise)
     except ValueError:

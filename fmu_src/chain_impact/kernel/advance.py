@@ -156,7 +156,7 @@ def event_update(d):
 
 
 def onset_due(d):
-    """Return whether a contact begins at the communication point, and its onset is not applied yet."""
+    """Return whether a contact begins at the communication point, with an onset that is not applied yet."""
     return d.step.end == d.step.time and ends_in_onset(d)
 
 
@@ -239,7 +239,7 @@ def latch_again(d):
 
 
 def apply_laws(d):
-    """Update latched values, held contacts, modes of friction and drives, and sides of kinks, to the laws."""
+    """Make latched values, held contacts, modes of friction and drives, and sides of kinks fit the laws."""
     latch_again(d)
     renew_modes(d, belts_jump(d))
 
