@@ -24,18 +24,18 @@ from xml.etree import ElementTree
 
 from pythonfmu.fmi2slave import Fmi2Slave, Fmi2Status
 
-# values of fmi2Status: WARNING, the worst status of a call that succeeds; PENDING, that of a step that goes
-# on
+# values of fmi2Status: WARNING, the worst status of a call that succeeds; PENDING, the status of a call
+# that has to be repeated until it is complete
 WARNING, PENDING = 1, 5
-# the kernel's messages in the calling thread, pairs of status and text; the text is a format of printf
+# in each thread, the kernel's messages that wait to be passed on: pairs of status and text (printf's format)
 SAID = threading.local()
-# the libraries of pythonfmu that have made instances here; ``_release`` needs them
+# the libraries of pythonfmu that have made instances of this FMU; ``_release`` needs them
 WRAPPERS: set[Path] = set()
 # the folder of this module; each FMU is unpacked to its own folder, and its module has its own name
 RESOURCES = Path(__file__).absolute().parent
 NAME, GUID = (RESOURCES / "slavemodule.txt").read_text(encoding="utf-8").split()[1:]
 # the kernel compares the GUID that importers see, in modelDescription.xml, with its own; pythonfmu's wrapper
-# does not pass this GUID on. Without that file, the GUID of slavemodule.txt stays.
+# does not pass this GUID on. Without this file, the GUID of slavemodule.txt stays.
 with suppress(OSError):
     GUID = ElementTree.parse(RESOURCES.parent / "modelDescription.xml").getroot().attrib["guid"]
 KERNEL = ctypes.CDLL(str(RESOURCES / f"kernel-{'win64.dll' if os.name == 'nt' else 'linux64.so'}"))
@@ -118,13 +118,13 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         WRAPPERS.add(Path(self.resources).parent / "binaries" / "linux64" / f"{NAME}.so")
         self.component = c_void_p(KERNEL.another_fmi2_instance(FIRST, self.instance_name.encode()))
         if not self.component:
-            raise SlaveError  # without a slave, because pythonfmu's wrapper does not have the slave yet
+            raise SlaveError  # no slave as argument, because pythonfmu's wrapper has no references to it yet
 
     def __del__(self) -> None:
         KERNEL.fmi2FreeInstance(self.component)
 
     def _call(self, function: str, *arguments: Any) -> None:
-        """Call a function of the kernel for this instance; pass on the kernel's messages to the importer."""
+        """Call a function of the kernel; if the call succeeds, pass the kernel's messages to the importer."""
         call, status = getattr(KERNEL, function), PENDING
         try:
             while status == PENDING:  # between two calls Python handles signals, such as that of Ctrl-C

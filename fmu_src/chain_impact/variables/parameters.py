@@ -296,7 +296,7 @@ PARAMETERS = (
                 )
             )
         ),
-        # only for a free base: the velocity of any other base follows from inputs or initial.slider_velocity
+        # only for a free base: inputs may move a pinned base, and a slider has initial.slider_velocity
         *_vector(
             Initial,
             path=("initial", "velocity"),

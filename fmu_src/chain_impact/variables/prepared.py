@@ -43,7 +43,7 @@ KEPT_SELECTIONS = 64  # largest number of selections of outputs (names or patter
 
 
 class PreparedScene:
-    """A scene and the data that follow from it; each property is computed once, at its first use.
+    """A scene and the data that follow from it; each property is computed at most once, at its first use.
 
     Attributes:
         scene: the scene.
@@ -72,7 +72,7 @@ class PreparedScene:
     def candidates(self) -> list[tuple[int, int]]:
         """The candidates: pairs (number of a point or joint, index of a wall or stop in ``wall_names``).
 
-        A stop of a slider has the number 0.
+        The number is 0 in the pair of a slider's stop.
         """
         return [(candidate["n"], candidate["wall"]) for candidate in self.structure.lists["candidates"]]
 

@@ -1,8 +1,8 @@
 """Reads the rows of a table of variables from text: one row for each kind; kind.py explains the attributes.
 
 The cells of a row are the name without the prefix, the unit, the description, and attributes. Attributes are
-those of ``Kind``, and ``field``: the path of the record's field in its part, if it is not the name in the
-row. Rows of inputs lack name and unit, which the argument ``names`` of ``rows_block`` has. A row with {axis}
+those of ``Kind``, and ``field``: the path of the field in its part of the record, if not the row's name.
+Rows of inputs lack name and unit, which the argument ``names`` of ``rows_block`` has. A row with {axis}
 stands for two rows: for x, where {j} is 0, and for y, where {j} is 1.
 """
 

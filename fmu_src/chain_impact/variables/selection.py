@@ -92,7 +92,7 @@ def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str,
 
 
 def missing_output_hint(prepared: Available, name: str) -> str | None:
-    """Return a hint on ``name``, which is no name or pattern of the outputs needed; None if none is known."""
+    """Return a hint why ``name`` matches no wanted output; None without a hint."""
     inputs, outputs = [variable.name for variable in prepared.inputs], prepared.own_outputs
     if hint := output_hint(name, inputs, prepared.parameter_paths, "a signal in the scene or --inputs FILE"):
         return hint

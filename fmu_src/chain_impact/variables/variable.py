@@ -134,7 +134,7 @@ class Variable:
 
     @property
     def field(self) -> str:
-        """The name of the field with the value in its part of the record, such as ``point_position``.
+        """The name of the field that has the value, without the part of the record: ``point_position``.
 
         The names of nested fields are joined by dots: ``friction.force``.
         """
@@ -190,7 +190,7 @@ class TableRow(NamedTuple):
 
 
 def variable_row(variable: Variable, word: int, set_word: int) -> TableRow:
-    """Return the row of a variable; ``word`` and ``set_word`` are those of ``TableRow``."""
+    """Return the row of a variable; ``TableRow`` explains ``word`` and ``set_word``."""
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low: float
     low, high = -LARGEST_NUMBER, LARGEST_NUMBER

@@ -98,7 +98,7 @@ there are no such words."""
 
 
 def _ground(structure: Structure) -> str:
-    """Return the words for the body to which joint 1 connects link 1: a slider's carriage, or the ground."""
+    """Return words for the body to which a joint 1 connects link 1: a slider's carriage, or the ground."""
     return "the carriage" if structure.known["slider"] else "the ground"
 
 

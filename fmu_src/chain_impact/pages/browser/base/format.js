@@ -2,7 +2,7 @@
 
 const [PRODUCT, SQUARE] = [SHARED.units.PRODUCT, SHARED.units.SQUARE].map((pattern) => new RegExp(pattern, "g"));
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
-// for small speeds and impulses: least value of each prefix of the unit, and the factor that the prefix replaces
+// for small speeds and impulses: least value for a prefix, in the unit without prefix; factor on the value; prefix of the unit
 const SMALL_PREFIXES = [[1e-1, 1, ""], [1e-3, 1e3, "m"], [1e-6, 1e6, "µ"], [1e-10, 1e9, "n"]];
 
 /** Return a unit as a reader sees it, as `unit_text.py` does; "" for a pure number. */
@@ -70,7 +70,7 @@ function withSmallPrefix(value, unit) {
   return [factor * value, prefix + unit];
 }
 
-/** Return the impulse of an impact [N·s], at a stop of a joint [N·m·s], as text; "" if it is unknown. */
+/** Return the impulse of an impact as text with its unit, N·s or, at a stop of a joint, N·m·s; "" if it is unknown. */
 export function impulseText(impact, count = 3) {
   if (!Number.isFinite(impact.impulse ?? NaN)) return "";
   const [value, unit] = withSmallPrefix(impact.impulse, unitsOf(impact).impulse);
@@ -84,7 +84,7 @@ export function forceTicks(ticks, unit) {
   return ticks.map((tick) => (tick ? `${+(tick / factor).toPrecision(6)}\u202f${prefix}${unit}` : "0"));
 }
 
-/** Return a short time [s] as text, for example 0.62 ms. */
+/** Return a time [s] as text with its unit, for example 620 µs. */
 export function durationText(seconds, count = 3) {
   const [factor, unit] = seconds < 1e-3 ? [1e6, "µs"] : seconds < 1 ? [1e3, "ms"] : [1, "s"];
   return `${digits(seconds * factor, count)}\u202f${unit}`;
@@ -110,7 +110,7 @@ export function speedText(value) {
   return `${names[value] ?? Number(value.toPrecision(3))} ×`;
 }
 
-/** Return the units of a contact's speed, force and impulse; at a stop of a joint (`atStop`) of angular speed, moment, angular impulse. */
+/** Return the units of an impact's speed, peak force and impulse; at a stop of a joint (`atStop`), those of the angular quantities. */
 export function unitsOf({ atStop }) {
   const units = SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"];
   return { speed: unitText(units.impact_speed), force: unitText(units.peak_force), impulse: unitText(units.impulse) };

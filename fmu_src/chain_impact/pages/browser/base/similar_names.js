@@ -71,7 +71,7 @@ export function nearestText(name, names) {
   return near === undefined ? "" : `; the nearest is ${near}`;
 }
 
-/** Return, from the list `names`, the one that a message proposes for an unknown name; undefined if none is similar. */
+/** Return, from the list `names`, the one that a message proposes for an unknown name; undefined without a proposal. */
 export function proposed(name, names) {
   return nearest(name, names) ?? longer(name, names);
 }

@@ -9,8 +9,8 @@ export function areSame(low, high) {
 }
 
 /**
- * Return the ticks of an axis from `low` to `high`: multiples of the largest round step that gives at least `fewest` of them; there are at
- * most 10. With `whole` all of them are whole numbers, and there may be fewer. An axis without a length has one tick, `low`.
+ * Return the ticks of an axis from `low` to `high`: the multiples of the largest round step that gives at least `fewest` ticks, at most 10.
+ * With `whole`, all ticks are whole numbers, even if there are fewer. An axis whose length is 0 or infinite has one tick, `low`.
  */
 export function ticksBetween(low, high, fewest = 4, whole = false) {
   if (areSame(low, high) || !(high - low < Infinity)) return [low];

@@ -55,7 +55,7 @@ export function timeTexts(ticks, onset) {
   return since.map((time) => ticksText(Math.abs(time) < 1e-12 ? 0 : time, since));
 }
 
-/** Return the largest absolute value in some arrays, or `least` if it is larger. */
+/** Return the largest absolute value in some arrays, but at least `least`. */
 export function largestIn(arrays, least = 0) {
   return arrays.reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), least);
 }

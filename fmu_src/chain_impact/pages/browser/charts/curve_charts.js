@@ -8,9 +8,9 @@ import { TimeChart } from "./time_chart.js";
 
 const INPUT_COLOURS = 6; // number of colours for curves that the style sheet has
 // The dashes of curves: lengths [pixels] that are drawn and left out in turn. Each of the first INPUT_COLOURS curves has its own colour
-// and its own dash, because two colours may look alike; when the colours begin again, the dashes begin one later.
+// and its own dash, because two colours may look alike; each time the colours begin again, the dashes begin one later.
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
-/** MOST_CURVES: largest number of curves in a chart that a reader can distinguish; MOST_UNITS: of charts in a page, one for each unit. */
+/** MOST_CURVES: largest number of curves in a chart that the reader can choose; MOST_UNITS: of charts, one for each unit, in a page. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
 const ROUND_OFF = 1e-12; // a value below this times the largest value of its unit is round-off, and is shown as 0
 
@@ -110,9 +110,9 @@ export class CurveCharts {
   #compared = [];
 
   /**
-   * `curvesOf` is a function from a recording to { time, curves }, or to nothing. Elements that may be missing: `zoomButton` switches to
-   * the view of one impact, `title` names this impact, and `note` names the compared motions that lack some of the curves, with the reason
-   * `whyWithout`.
+   * `curvesOf` returns { time, curves } for a recording, or undefined if no curve is known. Elements that may be missing: `zoomButton`
+   * switches to the view of one impact and back, `title` names this impact, and `note` names the compared motions that lack some of the
+   * curves, followed by the text `whyWithout`.
    */
   constructor(element, seek, { curvesOf, label, zoomButton, title, note, whyWithout }) {
     Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, whyWithout, charts: new Map() });
@@ -138,7 +138,6 @@ export class CurveCharts {
       chart.show(recording, curvesInUnit.map((curve, k) => ({
         ...curve,
         stroke: `input-${(k % INPUT_COLOURS) + 1}`,
-        // when the colours begin again, the dashes begin one later, so that no two curves look alike
         dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length],
       })));
     });

@@ -3,13 +3,13 @@
 import { digits } from "../base/format.js";
 import { endsOf } from "../base/range.js";
 
-// the zero is moved if this makes the range of all energies smaller than CLOSER times the range with the usual zero
+// the zero of the potential energy is moved if this makes the range of all energies and 0 less than CLOSER times as large
 const CLOSER = 0.8;
 const MOVED = ["potential", "total"];
 
 /**
- * Return the number [J] that a chart adds to the potential and the total energy, so that no large gap lies between their curves and the
- * others. The number is rounded up to two significant digits; it is 0 if there is no large gap. `energies`: name → values.
+ * Return the number [J] that a chart adds to the potential and the total energy, so that the least potential energy is about 0. The number
+ * is rounded up to two significant digits; it is 0 if it would not make the range much smaller (CLOSER). `energies`: name → values.
  */
 export function energyOffset(energies) {
   const least = endsOf(energies.potential ?? [0])[0];

@@ -9,9 +9,9 @@ import {
 
 const AROUND = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
 const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
-// [pixels] height above all curves for the number of the peak, and distance of the number's top from the upper edge of the plot
+// [pixels] height above all curves for the text of the peak force, and distance of the text's top from the upper edge of the plot
 const [PEAK_ROOM, PEAK_TOP] = [18, 4];
-const NO_FORCE = 1e-9; // [N] a contact whose forces are all smaller has no curve
+const NO_FORCE = 1e-9; // [N], or [N·m] at a stop of a joint: if no force is larger, the axis goes up to about 1
 
 /** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis up to it has a length. */
 function highest(...all) {
@@ -21,7 +21,7 @@ function highest(...all) {
 /**
  * Return the course of a contact: `times` since its onset [s], the values of `force`, `depth` and `friction` at these times, and `margin`
  * [s]. The times are those of the recording's rows from about `margin` before the contact to `margin` after it. Before and after the
- * contact force, depth and friction are 0. If depth or friction is unknown, it is undefined.
+ * contact, force, depth and friction are 0. An unknown depth or friction is undefined; an unknown force is 0.
  */
 function courseAround(recording, contact) {
   const { onset, end } = contact;
@@ -88,7 +88,7 @@ export class ForceChart extends Chart {
     });
   }
 
-  /** Write the largest force of the shown contact beside its time, and above all curves. */
+  /** Write the peak force of the shown contact above all curves, beside the peak's time or, in a loop, penetration. */
   #writePeak({ ctx, bbox, valToPos, data }) {
     const peak = this.shown?.peak;
     const [along, up] = this.loop ?? data;

@@ -1,4 +1,4 @@
-// Charts of quantities over the whole time, among them the chart of the energies.
+// Charts of quantities over the time of a recording or over a part of it, among them the chart of the energies.
 
 import { fixed, ticksOf, withMinus } from "../base/format.js";
 import {
@@ -28,7 +28,7 @@ export class TimeChart extends Chart {
     return `${withMinus(fixed(time, 4))} s`;
   }
 
-  /** Read the chart at a time: the list shows the values at this time; without a time, those at the present time. */
+  /** Read the chart at a time: the list of quantities shows the values at this time or, without a time, at the present time. */
   read(time) {
     const { reading } = this;
     super.read(time);
@@ -58,8 +58,8 @@ export class TimeChart extends Chart {
   }
 
   /**
-   * Make the plot of curves. A curve has a `name` and a `stroke` (a colour of the style sheet); it may have words for its name, dashes, and
-   * `isStepped`: values hold until the next row.
+   * Make the plot of curves. A curve has a `name` and a `stroke` (a colour of the style sheet); it may have `words`, which the list shows
+   * in place of the name, a `dash`, and `isStepped`: each value holds until the next row.
    */
   makeCurves(curves, data) {
     this.names = curves.map(({ name }) => name);
@@ -191,7 +191,7 @@ function turnsOf(values, least) {
 }
 
 /**
- * Return the path of a curve, for the option `paths` of uPlot: straight lines between its rows, without those rows before the last that are
+ * Return the path of a curve, for the option `paths` of uPlot: straight lines between its rows. A row before the last is left out if it is
  * nearer than CURVE_APART to the row before on the path. uPlot's own paths would be rounded to pixels if rows are much denser than pixels.
  */
 function pathOf(plot, series, first, last) {

@@ -46,7 +46,7 @@ function outOfChain(positions, point) {
   return size > 0.2 ? bend.map((component) => component / size) : [directions[0][1], -directions[0][0]];
 }
 
-/** Return a unit vector on the screen out of a body: along its middle → point, each component relative to the body's width or height. */
+/** Return a unit vector on the screen out of a body: from its middle to `position`, if the body is scaled to a square. */
 function outOfBody(position, corners) {
   const vector = position.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);
@@ -100,8 +100,8 @@ export class ChainDrawing {
     const names = new Map(pointNames);
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     const isBall = ball !== null;
-    // A link has an edge in the colour of the ground, which shows which of two crossing links is in front. A ball is shown by a thin line
-    // from its centre to a mark on it, as in pictures.
+    // A link has an edge in the colour of the free region, which shows which of two crossing links is in front. A ball is shown by a thin
+    // line from its centre to a mark on it, as in pictures.
     this.lines = lines.flatMap((range) => (isBall ? ["radius"] : ["link-edge", "link"]).map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
     this.discs = radius > 0 ? touching.map(([point, ownRadius]) => [point, ownRadius, this.circles.circle().addClass("disc")]) : [];

@@ -5,8 +5,7 @@ const [LETTER_WIDTH, NARROW_WIDTH, LINE_HEIGHT] = [0.72, 0.42, 1.2];
 const NARROW = /[fijlrt.,:'\s]/g;
 const BESIDE_LINE = 3; // [pixels] least distance between a label and a drawn line
 const BESIDE_TEXT = 4; // [pixels] least distance between two labels side by side, so that they do not read as one text
-// a place at which a label would cover what it should avoid is taken only if the next AVOIDED places (two rounds of directions) are not
-// free
+// a place at which a label would cover what it should avoid is tried as if it came AVOIDED places (two rounds of directions) later
 const AVOIDED = 16;
 const FROM_EDGE = 3; // [pixels] least distance between a label and an edge of the drawing
 const BESIDE_RING = 2; // [pixels] least distance between a label and the line of a ring

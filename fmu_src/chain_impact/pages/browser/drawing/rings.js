@@ -35,7 +35,7 @@ export function ringsOf(recent, places, now) {
   });
 }
 
-/** Return a function: middle of a place for a ring's number → whether the middle is clearly nearer to this ring than to rings elsewhere. */
+/** Return a function: middle of a place for a ring's number → whether it is clearly nearer to this ring than to rings elsewhere. */
 export function isOwnPlace({ position }, rings) {
   const others = rings.filter((other) => apart(other.position, position) >= SAME);
   return (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));

@@ -36,8 +36,8 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
 }
 
 /**
- * Draw the ruler of an `ArrowScale` with its marks, up to the largest force or beyond the last mark, and a name that has room in the
- * `width`; return the horizontal position of its end [pixels].
+ * Draw the ruler of an `ArrowScale` with its marks, up to the largest force or, if the last mark is farther, beyond this mark; write the
+ * ruler's longest name that fits into the `width`. Return the horizontal position of the end of both [pixels].
  */
 export function drawRuler(group, { longest, marks }, width) {
   const [left, y] = [12, STRIP - 7];

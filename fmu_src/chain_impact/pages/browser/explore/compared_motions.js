@@ -23,7 +23,7 @@ export class ComparedMotions {
   }
 
   /**
-   * Listen to changes of parameters from now on: the motion that is shown when a change begins becomes the motion before the change.
+   * Listen to changes of parameters from now on: the motion that is shown when a gesture begins becomes the motion before the change.
    * `handles`: those with which the reader drags.
    */
   follow(changes, handles) {
@@ -114,7 +114,7 @@ export class ComparedMotions {
     }
   }
 
-  /** List the pinned motions, show their curves in the charts, and the impacts of all motions side by side. */
+  /** Show the curves of the pinned motions in the charts, and list the impacts of the present and the pinned motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
     find("impacts-before").textContent = differenceText(this.before, player.recording);
@@ -171,7 +171,7 @@ function isSame(file, other) {
 
 /**
  * Return a position on the screen for a letter: inside the drawing, which has the given size, and moved until it is at least TIPS_APART
- * away from all positions `others`: to the right or, without room there, in a row below or above.
+ * away from all positions `others`: to the right or, without room there, in a row below or above. Without any room, it is not moved.
  */
 function besideOthers(position, others, size) {
   const inside = (value, axis) => Math.min(Math.max(value, TIP / 2), size[axis] - TIP / 2);
@@ -242,7 +242,7 @@ export function largestText(recording) {
   return largest ? forceText(largest.value, 3, largest.unit) : "–";
 }
 
-/** Return the largest force (or else impulse) of each of two recordings; an empty list if their units differ, or one is unknown. */
+/** Return the values of `largestKnown` for two recordings; an empty list if their units differ, or one of them is unknown. */
 function comparableOf(...recordings) {
   const [one, other] = recordings.map(largestKnown);
   return one && one.unit === other?.unit ? [one.value, other.value] : [];
@@ -260,7 +260,7 @@ function percentText(recording, other) {
   return `${percent > 0 && rounded !== "0" ? "+" : ""}${withMinus(rounded)}\u202f%`;
 }
 
-/** Return words for how impacts differ from those of the recording before a change: their number and largest force. */
+/** Return words for the number of impacts, and their largest force (or else impulse), before and after a change; "" if there is none. */
 function differenceText(before, present) {
   if (!before || before === present) return "";
   const counts = `${before.impacts.length} → ${present.impacts.length}`;
@@ -268,8 +268,8 @@ function differenceText(before, present) {
 }
 
 /**
- * Return a table's cell for an impact: time, peak force or impulse, and place, with a tooltip that tells the duration; a dash without
- * impact. The cell tells the impact's own number if it differs from the `number` of the column's impact of the present motion.
+ * Return a table's cell for an impact: onset, peak force or impulse, what touches and the wall, with a tooltip that tells the duration; a
+ * dash without impact. The cell tells the impact's own number if it differs from the `number` of the column's impact of the present motion.
  */
 function cellOf(impact, number) {
   if (!impact) return make("td", { textContent: "–", title: "No impact of this point and wall is near" });

@@ -8,8 +8,8 @@ import { filled, structureOf } from "../scene/owners.js";
 import { asWritten } from "../scene/scene_file.js";
 
 /**
- * Return the links of a scene file, and all points of links: each with its `link`, its `index` there, and its `entry` in the file or, for a
- * corner of a box, the corner's number. An edit changes numbers, but the entries stay the same objects, by which a part is found again.
+ * Return the `links` of a scene file, and as `sites` the points of all links: each with its `link`, its `index` there, and its `entry`
+ * in the file or, for a corner of a box, the corner's number. An edit changes indices, so links and entries, as objects, identify parts.
  */
 export function partsOf({ chain: { links } }) {
   const entriesOf = ({ shape, points }) => [...(shape ? CORNERS.keys() : []), ...points];

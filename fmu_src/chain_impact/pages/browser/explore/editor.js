@@ -239,7 +239,7 @@ export class Editor {
    */
   #field(name, value, set, unit = "") {
     const whole = typeof value === "number" ? valueText(value, unit) : (value ?? "");
-    // a long number is shown with 4 digits, so that it fits into the field
+    // a long number is shown with 4 significant digits, so that it fits into the field
     const short = whole.length > 8 && Number(whole) ? numberText(Number(Number(whole).toPrecision(4))) : whole;
     const { text, told = "" } = this.#refused.get(name) ?? {};
     const field = make("input", { value: text ?? short, title: told || whole, autocomplete: "off" });
@@ -284,7 +284,7 @@ export class Editor {
     this.#showRefusals(table, heads.length);
   }
 
-  /** Show below each row of a table why the texts of its fields are refused, with buttons that give them up. */
+  /** Show below each row of a table why texts of the row's fields are refused, with a button for each that gives up the text. */
   #showRefusals(table, columns) {
     table.querySelectorAll(".told").forEach((row) => row.remove());
     table.querySelectorAll("tbody tr:has(input:invalid)").forEach((row) => {

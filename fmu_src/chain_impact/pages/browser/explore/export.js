@@ -94,7 +94,7 @@ const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width
 
 /**
  * Return a picture of an SVG drawing as a Blob with a PNG, which has twice as many pixels in each direction as the drawing has CSS pixels.
- * The ground has the colour `background`. On it, `below(context)` first draws what lies behind the drawing; `context`: that of the canvas.
+ * The background has the colour `background`; `below(context)` draws on it what lies behind the drawing. `context`: that of the canvas.
  */
 export async function pictureOf(svg, background, below = () => {}) {
   const copy = svg.cloneNode(true);

@@ -9,8 +9,7 @@ import { boxWallText } from "../scene/words.js";
 import { SPOKEN, valueTextOf, writeAt } from "./handle_text.js";
 
 const ARROW_TIME = 0.1; // [s] the arrow of a velocity is as long as the way that a point would move in at most this time
-// largest length of an arrow of velocity, relative to the size of the view; if an arrow would be longer, all arrows stand for a shorter
-// time
+// largest length of an arrow of velocity, relative to the longer side of the view; ARROW_TIME is shortened so that no arrow is longer
 const LONGEST = 0.2;
 const GRIP = 26; // [pixels] diameter of a grip, large enough for a finger
 // [pixels] distance from a point to the start of its arrow, so that the grip of a velocity of 0 lies beside the point
@@ -35,7 +34,7 @@ export class Handles {
     this.changes = changes;
     this.element = element;
     // the handle that moves, or null: {kind, index, apart: distance [m] of a wall's handle from the wall, time: `#arrowTime`}, also with
-    // `pointer`, the number of its pointer, or `by`, the way [pixels] of a key; `#move` adds its position `at` and the `values` it sets
+    // `pointer`, the number of its pointer, or `by`, the step [x, y] of a key [pixels]; `#move` adds the position `at` and its `values`
     this.dragged = null;
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);
@@ -224,7 +223,7 @@ export class Handles {
   /**
    * Return the direction on the screen of the stem at a point `k` whose velocity is 0. At the base of a slider, the stem lies along the
    * slider's line; at another base, opposite to link 1; at the end of a link, in the direction in which an anticlockwise turn of this link
-   * moves it. If the grip would then not be in the drawing, the direction is another one, except at a slider.
+   * moves it. If the grip would then not be in the drawing, another direction is tried, except at a slider.
    */
   #aside(k, [x, y]) {
     if (k === 0 && this.#line) return [this.#line[0], -this.#line[1]];
@@ -336,8 +335,8 @@ export class Handles {
   }
 
   /**
-   * Return the changes of parameters with which the arrow at the point `index` ends at a position [m]: of the velocity of the base (0) or,
-   * for another point, of the angular velocity of the link that ends there.
+   * Return the changes of parameters with which the arrow at the point `index` follows the pointer to a position [m]: of the velocity of
+   * the base (0), or of the angular velocity of the link that ends at the point.
    */
   velocity([x, y], index) {
     const k = Number(index);

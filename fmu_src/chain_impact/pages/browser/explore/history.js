@@ -1,4 +1,4 @@
-// Undo and redo: the states of the scene and its parameters, one for each change of the reader.
+// Undo and redo: the states of the scene and its parameters, one for each gesture of the reader.
 
 import { find } from "../base/dom.js";
 import { onGesture } from "./gestures.js";
@@ -12,7 +12,7 @@ export class UndoHistory {
 
   /**
    * Listen from now on to changes of the open scene and its parameters, to the keys for undo and redo, and to their buttons. `onStep` is
-   * called after a step.
+   * called after a step of undo or redo.
    */
   constructor(changes, openScene, handles, onStep) {
     Object.assign(this, { openScene, onStep });
@@ -35,8 +35,8 @@ export class UndoHistory {
   }
 
   /**
-   * Keep the state before a change that begins a gesture; a change that goes on with a gesture replaces the present state. Both remove the
-   * undone states. A change that is itself a step of undo or redo does neither.
+   * Keep the state before a change that begins a gesture, or that is the first after undo or redo; any other change replaces the present
+   * state. All these changes remove the undone states. A change that is itself a step of undo or redo keeps and removes nothing.
    */
   #record(isBegin) {
     if (!this.#isStep) {

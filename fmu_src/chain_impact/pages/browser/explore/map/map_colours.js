@@ -27,7 +27,7 @@ function quantilesOf(values) {
   });
 }
 
-/** Return the values at the two ends of the colours, for increasing values: extremes, or quantiles if a few values are far off. */
+/** Return the values at the ends of the colours, for increasing values: at each end the extreme or, if this is far off, the quantile. */
 function colourEnds(values, isLogarithmic) {
   const scaled = isLogarithmic ? values.map(Math.log) : values;
   const ends = quantilesOf(scaled);
@@ -39,8 +39,8 @@ function colourEnds(values, isLogarithmic) {
 }
 
 /**
- * Return the values at equal shares of the runs, from increasing values, if these crowd: if the largest is more than twice the least, and
- * the median far from the middle; else undefined. The values at the ends of the colours are `low` and `high`.
+ * Return some of increasing values, between which equally many runs lie, if the values crowd: if `low` > 0, `high` > CROWDED × `low`, and
+ * the median is far from the middle; else undefined. `low` and `high` are the values at the ends of the colours.
  */
 function knotsOf(values, [low, high]) {
   const share = (values[values.length >> 1] - low) / (high - low);
@@ -50,7 +50,7 @@ function knotsOf(values, [low, high]) {
   return knots.filter((value, k) => k === 0 || value > knots[k - 1]);
 }
 
-/** Return a function from a value to the share of the scale of colours whose `knots` have equal distances. */
+/** Return a function from a value to a fraction of the scale of colours, on which the `knots` have equal distances. */
 function shareBetween(knots) {
   return (value) => {
     const next = Math.max(knots.findIndex((knot) => knot >= value), 1);

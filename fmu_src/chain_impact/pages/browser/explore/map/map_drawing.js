@@ -24,8 +24,8 @@ export class MapDrawing {
   }
 
   /**
-   * Draw the runs of a map with the `scale` of its colours. `filled`: the outputs of all runs; those of runs without an entry in `results`,
-   * which are not simulated yet, are paler.
+   * Draw the runs of a map with the `scale` of its colours. `filled`: the outputs of the runs, for those not simulated yet (without an
+   * entry in `results`) the outputs of near runs, which are drawn paler.
    */
   drawRuns({ results, points, scale }, filled) {
     const context = this.canvas.getContext("2d");
@@ -43,10 +43,10 @@ export class MapDrawing {
   /**
    * Draw the axes, the scale of the colours, and marks of runs; return whether the present run is in the map.
    *
-   * @param map the words for both axes and their values, the number of values of an axis, the output and the scale of its colours. @param
-   * units the units of both axes, from `shownIn`, and whether the axes are logarithmic. @param present `at`, the present values of both
-   * parameters, and the output `value` of their run; null if other parameters differ from those of the map. @param chosen the index of the
-   * run that the reader points at, if any.
+   * @param map the words for both axes and their values, the number of values of an axis, the output and the scale of its colours.
+   * @param units the units of both axes, from `shownIn`, and whether each axis is logarithmic.
+   * @param marks `present`: `at`, the present values of both parameters, and the output `value` of their run; null if other parameters
+   * differ from those of the map. `chosen`: the index of the run that the reader has marked, if any.
    */
   drawScales({ names, axes, output, scale, points, results }, units, { present, chosen }) {
     const { scales, frame: { clientWidth, clientHeight } } = this;
@@ -121,7 +121,7 @@ export class MapDrawing {
 }
 
 /**
- * Return the colours along the scale as pairs [fraction of the scale, colour]; a count has one colour from its lower to its upper limit.
+ * Return the colours along the scale as pairs [fraction of the scale, colour]; in a scale of counts, an interval has one colour.
  */
 function gradientStops(scale) {
   const count = scale?.bins ? scale.bins.length - 1 : VIRIDIS.length - 1;

@@ -19,7 +19,7 @@ function csvOfMap(shown) {
   return [[...names, output.name].join(","), ...lines, ""].join("\r\n");
 }
 
-/** Return the picture of a map: its `canvas` with axes and scale, on the ground of its `dialog`. */
+/** Return the picture of a map: its `canvas` with axes and scale, on the background colour of its `dialog`. */
 function pictureOfMap({ canvas, dialog }) {
   const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = canvas;
   return pictureOf(find("map-scales"), getComputedStyle(dialog).backgroundColor, (context) => {

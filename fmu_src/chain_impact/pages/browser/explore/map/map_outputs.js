@@ -79,8 +79,8 @@ export function takeOutput(maps, name) {
 }
 
 /**
- * Return the outputs that a map can show: the number, the first and the last time of impacts, the largest forces and penetrations, the
- * energy and the position of the tip at the end.
+ * Return the outputs that a map can show: the number of impacts, the onset of the last, those of the first (`ofFirst`), the largest values
+ * (`largestOf`), and the total energy and the position of the tip at the end of a run.
  */
 export function outputsOf(scene) {
   const tip = `point[${scene.links}]`;
