@@ -26,7 +26,7 @@ def on_observe(_d):
 
 
 def on_observe_trial(_d):
-    """Do nothing; a trial of new values calls this hook when the outputs that they change at once are set."""
+    """Do nothing; ``observe_trial``, the trial of new values, calls this hook when the outputs are filled."""
 
 
 def on_truncate(_d):

@@ -268,8 +268,8 @@ def check_ranges(d):
 def refuse_value(d, k, i):
     """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED, and store the cause.
 
-    The cause is the link, also for a site of the link, or the slider to which the entry belongs; for other
-    entries none is stored.
+    The cause is the link or the slider to which the entry belongs; for a site it is the link of the site. If
+    the entry belongs to no link, site or slider, no cause is stored.
     """
     if RANGE_OWNERS[k] == OF_LINKS and i < d.links:
         return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)

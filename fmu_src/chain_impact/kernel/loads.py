@@ -115,7 +115,7 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Change x and y from the forces, or impulses, that each link needs to those in the joints.
+    """Replace the force, or impulse, that each link needs, in x and y, by that in the link's proximal joint.
 
     The entry of a link before the call is the link's mass times (a_C − g), minus the forces of walls on the
     link; or the integral of this over time. The force in a joint is the sum of these entries from the joint's
@@ -309,7 +309,7 @@ def search_peaks(d, time, peak_at_end):
 def time_of_peak(_d, time, _place):
     """Return the ``time`` [s] of a peak; its ``_place`` is a fraction of the last step, or a time.
 
-    In a tangent instance, the time has derivatives if the place has any, as an event or the maximum of a
+    In a tangent instance, the time has derivatives if the place has any: at an event and at the maximum of a
     parabola. Otherwise the derivatives are NaN: at a sample the place is fixed, although the peak shifts.
     """
     return time

@@ -59,7 +59,7 @@ def copy_marks(d, t):
 
 
 def ends_in_onset(d):
-    """Return whether a contact begins at the end of the last step."""
+    """Return whether any candidate has the mark ONSET: a contact begins where the last step ends."""
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             return True

@@ -56,7 +56,7 @@ from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 
 # SAMPLES: the number of samples in the searched part of a step in which a stage or an end shows an event. The
-# search for RELATCH takes FEW_SAMPLES: a missed event does no harm, because the impact speed stays.
+# search for RELATCH takes FEW_SAMPLES: if it misses an event, the latched impact speed only stays too low.
 SAMPLES, FEW_SAMPLES = 8, 4
 # The turn [rad] of an input is its angular frequency times the duration of the step. Up to TURN_OF_STAGES the
 # stages show all events, although they are up to a quarter of the step apart; beyond, every step is searched.
@@ -70,7 +70,7 @@ MOST_SAMPLED_TURN = 1e4
 PULL_ROUND_OFF = 1e-11
 # [s] a shorter step is not rejected if a wall pulls by more than ``plausible_pull`` in a stage
 LEAST_REJECTED_STEP = 1e-9
-# the largest tangential speed that counts as rest, relative to the length of the longest link per second
+# the largest tangential speed that counts as rest, relative to one longest link per second
 REST_SPEED = 1e-12
 # A friction force that exceeds its limit by less is round-off, relative to a sum: the limit, plus the mean
 # mass of a link times the sum of gravity and the longest link per s².
@@ -101,7 +101,7 @@ def make_search(
         value: function of (d, c, θ) that falls below zero at the event; c is a candidate or an element.
         suspected: function of (d, c): whether stages and located points show that c may have an event.
         mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
-        members: a function of d for the number of searched c, and one of (d, k) for the k-th c; WHOLE: c = 0.
+        members: two functions: of d, the number of searched c; of (d, k), the k-th c. WHOLE: only c = 0.
         samples: function of d that returns the number of samples of the step.
         resolution: accuracy of the location of the event, as in ``first_passage``.
 
@@ -165,7 +165,7 @@ def mark_kinks(d, c, theta):
 
 
 def side_of_kink(d, c):
-    """Return ``kink_height`` [N or m/s] of contact c, with the sign > 0 on the side that the step uses."""
+    """Return ±``kink_height`` [N or m/s] of contact c; the sign makes it positive on the step's side."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
@@ -272,7 +272,7 @@ def may_release(d, c):
     """Return whether to search a step, in which inputs turn fast, for the release of a point.
 
     In such a step (turn above TURN_OF_STAGES) a wall may pull between the stages, where ``check_pull`` does
-    not look. So the step is always searched, unless ``check_pull`` has just rejected it.
+    not look. So the result is true for such a step, unless ``check_pull`` has just rejected it.
     """
     return check_pull(d, c) or accepted(d)
 
@@ -305,7 +305,7 @@ def element_error(d, e):
 
 
 def rest_speed(d):
-    """Return the tangential speed [m/s] up to which an element without slack counts as at rest."""
+    """Return the tangential speed [m/s] up to which an element with ``slack`` 0 counts as at rest."""
     return REST_SPEED * d.chain.longest_link
 
 
@@ -319,7 +319,7 @@ def friction_round_off(d, e):
 def element_margin(d, e, theta):
     """Return the margin of element e to the end of its mode at θ, plus ``element_error``.
 
-    It is the speed in the direction of sliding [m/s] or, if e sticks, the limit minus |friction force| [N].
+    The margin is the speed in the direction of sliding [m/s]; if e sticks, the limit minus |friction| [N].
     """
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
@@ -331,7 +331,7 @@ def element_margin(d, e, theta):
 
 
 def margin_is_halved(d):
-    """Return whether the repeated step at least halves the margin of one or more modes marked to end.
+    """Return whether the repeated step at least halves the margin of any mode that is marked to end.
 
     The margin (``element_margin``) at the end of the step is compared with that at its start. The dense
     output of a long implicit step has errors: it may show an end of a mode that a shorter step does not have.
@@ -378,8 +378,8 @@ def drive_margin(d, _c, theta):
 def may_pass_limit(d, c):
     """Return whether to search a step, in which inputs turn fast, for the end of a drive's mode.
 
-    The result is true if a stage shows such an end, if a fast signal acts in a drive with a limit, or if the
-    inputs are polynomials and any drive has a limit.
+    The result is true if any drive has a limit and the inputs are polynomials in time; else, if a stage or
+    the end of the step shows such an end, or if a fast signal acts in a drive with a limit.
     """
     if d.signals > 0 and d.inputs.piece.order == 0:
         turn = (d.step.end - d.step.start) * rate_in_limited_drives(d)

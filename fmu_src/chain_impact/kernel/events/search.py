@@ -94,8 +94,8 @@ def find_event(d):
         if theta < 0.0:
             measure_clearances(d, 1.0)
     theta = find_sampled_event(d, theta)
-    # Without an event, the clearances at the end of the step are known now. After an event the stored ones
-    # are wrong, but not used: an event breaks the sequence of steps.
+    # Without an event, the stored clearances are those at the end of the step. With an event they are wrong,
+    # but not used: an event breaks the sequence of steps.
     remember_clearances(d, VALUES)
     # The state of a regularized step contains the time since the step's start. Nothing controls the error of
     # this time within the step: an event before the start is an error of the step.
@@ -134,7 +134,7 @@ def is_credible_crossing(d, theta):
     The result is False in three cases, which are errors of a step that is too long: an onset lies deep inside
     a wall; at an onset the point moves away from the wall; or a crossing lies right after the start of the
     step, although the point cannot have reached the wall yet. Such errors occur because positions and rates
-    of the interpolant may be inconsistent within the tolerance.
+    of the interpolant may be inconsistent within the tolerance. At θ = 0 only the third case counts.
 
     The caller has set the state, the clearances and their rates at θ.
     """
@@ -153,7 +153,7 @@ def is_credible_crossing(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Return whether a candidate is far from its marked crossing, ``lasted`` [s] after the step's start.
+    """Return whether any candidate is far from its marked crossing, ``lasted`` [s] after the step's start.
 
     Far means that over half of the clearance at the start of the step is left; the crossing is then an error.
     The clearance (in contact, the penetration) at this time is extrapolated from the motion at the start of
@@ -238,7 +238,7 @@ def onset_lateness(d, y):
 
 
 def drop_separating(d, theta):
-    """Remove the marks of onsets at points that move away at the crossing ``theta``.
+    """Remove the mark of an onset if the candidate separates at θ = ``theta``, where the crossing is.
 
     Return ``theta``, or −1 if no event is left.
     """

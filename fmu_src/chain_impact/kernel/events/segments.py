@@ -29,8 +29,8 @@ from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 # and so do speeds of sliding.
 NO_JUMP, BENDS, JUMPS = 0, 1, 2
 # The values of a signal before and after the end of a segment are equal if their difference is at most
-# VALUE_ROUND_OFF, relative to a sum: the absolute values before and after, the change in a second, and a
-# natural scale of the input.
+# VALUE_ROUND_OFF, relative to a sum: the absolute values before and after, and a scale that the caller of
+# ``equal_up_to_round_off`` gives.
 VALUE_ROUND_OFF = 1e-9
 
 
@@ -128,7 +128,7 @@ def begin_segments(d):
 def begin_segment(d, j):
     """Begin the next segment of signal j; return its effect on the motion: NO_JUMP, BENDS or JUMPS.
 
-    Where an input jumps, springs gain or lose energy at once; this change counts as supplied energy.
+    If a target jumps, its spring gains or loses energy at once; this change counts as supplied energy.
     """
     y = d.step.state_end
     stores = d.signal.input[j] != CHANNEL

@@ -163,7 +163,7 @@ def begin_force_contact(d, c):
     """Begin the contact of candidate c, which has a force law, at the located points.
 
     The function latches the values of the onset, and sets the side of the kink and, if the contact has
-    friction, a first mode of friction.
+    friction, a provisional mode of friction (``begin_friction``).
     """
     latch_onset(d, c)
     set_kink_side(d, c)
@@ -225,9 +225,9 @@ def set_extremes(d, c, peak_force, max_penetration):
 
 
 def set_joint_square(d, c, top, joint):
-    """Set the largest squared joint force ``top`` [N²] so far during the contact of candidate c.
+    """Set the largest |f|² [N²] in any joint since the contact of candidate c began to ``top``.
 
-    ``joint`` is the number of the joint with this force, 1…N, or 0 for none.
+    ``joint`` is the number 1…N of the joint with this force f; 0 if there is none.
     """
     d.touch.joint_square[c], d.touch.joint[c] = top, joint
 

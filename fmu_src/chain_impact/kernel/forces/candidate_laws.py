@@ -144,7 +144,7 @@ def record_law_kind(d, c):
 def given_number(d, c):
     """Return the number, from 1, of the contact law that is given for candidate c.
 
-    The number is `stops.law` for a stop in a joint if this is > 0, and `given.law` in all other cases.
+    For a stop in a joint the number is `stops.law` if `stops.law` > 0; in all other cases it is `given.law`.
     """
     return d.stops.law if at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
 

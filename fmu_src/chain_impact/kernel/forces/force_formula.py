@@ -158,7 +158,7 @@ def law_force(d, c, depth, rate):
 
 
 def continued_force(d, c, depth, rate):
-    """Return force and elastic part as ``law_force`` does, but with one side's smooth formula on both sides.
+    """Return force and elastic part [N] as ``law_force``, but by one side's formula on both sides of a kink.
 
     ``touch.beyond_kink`` of candidate c tells which side's formula is used. If the contact is on the other
     side by more than a margin, the function sets ``touch.kink_crossed``, so that the step is repeated to end
@@ -211,7 +211,7 @@ def height_over_kink(d, c, depth, rate):
 
 
 def is_cut_off(d, c):
-    """Return whether a step uses the force 0 for candidate c, because the formula of its law gives a pull."""
+    """Return whether a step uses the force 0 for candidate c, because the contact is beyond the cut at 0."""
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
@@ -276,7 +276,7 @@ def damping_slope(d, c, depth, leaves, spring):
 def law_slopes(d, c, depth, rate):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate.
 
-    Both are 0 if a step uses the force 0 (``is_cut_off``). A ∂F/∂δ < 0 counts as 0, as does that at δ = 0.
+    Both are 0 if a step uses the force 0 (``is_cut_off``). At δ = 0, and instead of ∂F/∂δ < 0, ∂F/∂δ is 0.
     """
     if is_cut_off(d, c):
         return 0.0, 0.0

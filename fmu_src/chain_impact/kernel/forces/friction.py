@@ -146,9 +146,9 @@ def clear_other_forces(d):
 
 
 def begin_friction(d, c):
-    """Set the anchor and a first mode of friction for contact c, which begins, at the located points.
+    """Set the anchor and a provisional mode of friction of contact c, which begins, at the located points.
 
-    events/friction_modes.py chooses the final mode later.
+    events/friction_modes.py chooses the mode later.
     """
     speed = tangential_rate(d, c)
     # the anchor is needed now, because a projection before the final choice moves a sticking element to its

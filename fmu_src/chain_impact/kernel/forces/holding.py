@@ -57,8 +57,8 @@ LEAST_RISE = 1e-14
 # LARGEST_CORRECTION times the sum of the tolerance and the largest residual, relative to the longest link. A
 # residual that needs a larger change can hardly be removed by constraint forces.
 LARGEST_CORRECTION = 10.0
-# The largest part of the residual that a projection onto the constraints of sticking elements alone may
-# leave. A projection that would leave more is not done.
+# The largest part of the largest residual that a projection may leave if only sticking elements, and no
+# points at rigid walls, are constraints. A projection that would leave more is not done.
 LARGEST_REMAINING_RESIDUAL = 0.5
 # The impedance, relative to the mean mass of a link, with which contacts with a force law resist a projection
 # of sticking elements: a change of their clearance at a stiff wall would act as an impact.
@@ -87,8 +87,8 @@ def set_start_to_load_motion(d):
     """Set ``constraints.start`` to the motion along each constraint that ``scratch.load`` causes.
 
     If the loads are impulses, the motion is a change of velocity; if the loads are forces, the motion is an
-    acceleration. The constraints do not act on the chain. Return the largest component of the motion of any
-    place.
+    acceleration; in both cases it is the motion of the chain without constraints. Return the largest
+    component of the motion of any place.
     """
     factorize_free(d)
     solve_space(d, d.scratch.link, d.scratch, FREE, d.scratch.change)
@@ -277,12 +277,12 @@ def contact_resistance(d):
 def solve_positions(d):
     """Compute the change of coordinates that brings held points and sticking elements to their targets.
 
-    A residual is a distance from a target. The function gives up this change in two cases, because otherwise
-    each step would change the energy:
+    A residual is a distance from a target. The function gives up this change in two cases, in which each step
+    would otherwise change the energy:
 
     - The change exceeds the limit of LARGEST_CORRECTION: constraint forces can hardly cause such a motion.
-    - No rigid wall holds a point, and the change would leave more than LARGEST_REMAINING_RESIDUAL of the
-      residuals of sticking elements, for example at two corners of a box.
+    - No rigid wall holds a point, and the largest residual of sticking elements would stay above
+      LARGEST_REMAINING_RESIDUAL times the largest residual before, for example at two corners of a box.
 
     If the function gives up the change, and a rigid wall holds a point, the walls may only push: points in a
     wall, with g < target for the clearance g, are moved out, and sticking elements to their anchors. If no

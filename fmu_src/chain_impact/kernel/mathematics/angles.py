@@ -100,7 +100,7 @@ def cosine_and_sine_of_parts(turns, r):
     t2 = t * t
     s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
     c = 1.0 - (0.5 * t - t2 * ((C[0] + t * C[1]) + t2 * ((C[2] + t * C[3]) + t2 * (C[4] + t * C[5]))))
-    # With c = cos r and s = sin r, cosine and sine of the sum are p c − q s and p s + q c. Here p = cos(turns
+    # With c = cos r and s = sin r, the results are the sums p c − q s and p s + q c. Here p = cos(turns
     # π/2) and q = sin(turns π/2), computed exactly by polynomials that have these values for turns = −2 to 2.
     u = turns * turns
     p, q = 1.0 - u * (7.0 - u) * (1.0 / 6.0), turns * (4.0 - u) * (1.0 / 3.0)
