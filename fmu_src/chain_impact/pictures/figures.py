@@ -173,7 +173,7 @@ def least_figure(
         ValueError: when no possible height is enough.
     """
     heights = STEP * (math.ceil(height / STEP) + np.arange(1, HIGHER))
-    # all heights up to ``low`` are too low, and all heights from ``high`` on are enough
+    # all heights up to the index ``low`` are too low, and all from the index ``high`` on are enough
     low, high, found = -1, len(heights), None
     while high - low > 1:
         # the next guess follows from the lack of height at the last guess, if this is known and not 0; else

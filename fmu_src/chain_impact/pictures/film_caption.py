@@ -67,8 +67,8 @@ class Caption:
 def caption_starts(recording: Recording) -> np.ndarray:
     """Return the times [s] at which the captions of the impacts begin, shape (I,).
 
-    The caption of an impact in slow motion begins RAMP before the onset, but not before the middle between
-    the end of the preceding impacts and the onset. Any other caption begins at the onset.
+    The caption of an impact in slow motion begins RAMP before the onset, or in the middle between the latest
+    end of earlier impacts and the onset, if this is later. Any other caption begins at the onset.
     """
     onsets = recording.impacts["onset"]
     ends = np.maximum.accumulate(

@@ -54,10 +54,10 @@ def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: fl
 
 
 def stretch(axes: Axes, times: np.ndarray) -> bool:
-    """Scale an axis of time as the screen does, so that the cursor moves evenly; return whether this differs.
+    """Stretch an axis of time in slow motion, so that the cursor moves evenly; return whether this was done.
 
-    The numbers are times of the recording. ``times`` is as in ``draw_charts``; if the frames do not show the
-    whole axis, it stays as it is.
+    The numbers are times of the recording. ``times`` is as in ``draw_charts``. An axis stays as it is if the
+    frames do not show the whole axis, or if the cursor moves nearly evenly on it (EVEN).
     """
     frames, ends = np.linspace(0.0, 1.0, len(times)), axes.get_xlim()
     give_ticks(axes)

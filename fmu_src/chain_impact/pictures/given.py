@@ -16,7 +16,7 @@ from chain_impact.pictures.style import COLOURS, styled
 
 TIMES = 3  # number of passes that make axes smaller: a new size can change the space that texts need
 # One pass makes axes smaller at most to this part of their width and height; if texts need more space, the
-# axes keep their size, and texts stay cut off.
+# axes keep their size in this pass.
 LEAST_PART = 0.2
 TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure or the texts of other axes
 
@@ -41,7 +41,7 @@ def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
 
 
 def fit_into_figure(axes: Sequence[Axes]) -> None:
-    """Break legends and labels of axes into lines, and make axes smaller if these lack room (``_room``).
+    """Break legends and labels of axes into lines; make axes whose texts lack room (``_room``) smaller.
 
     If the figure has a layout engine, the size of the axes stays, because the engine sets it.
     """

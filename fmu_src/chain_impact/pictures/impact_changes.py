@@ -69,7 +69,7 @@ def draw_impact_changes(
     else:
         bar = figure.colorbar(image, ax=axes, ticks=BAR_TICKS)
         least, *others, most = (cell_text(tick) for tick in BAR_TICKS)
-        # changes beyond an end have the colour of this end
+        # changes beyond an end of the bar have the colour of this end
         bar.ax.set_yticklabels([f"≤{least}", *others, f"≥{most}"])
         bar.ax.minorticks_off()
     every = -(-len(onsets) // MOST_NUMBERS)
@@ -83,7 +83,7 @@ def draw_impact_changes(
 
 
 def has_numbers(figure: Figure, impacts: int) -> bool:
-    """Return whether the cells are wide enough for numbers, for a number of ``impacts`` in a figure."""
+    """Return whether the cells of a table with ``impacts`` columns in a figure have room for numbers."""
     across = 1 if is_narrow(figure) else 2
     return figure.get_figwidth() / across - NAMES_WIDTH >= CELL_WIDTH * impacts
 

@@ -44,7 +44,7 @@ IMPACT_DOT, COVERED_RIM = 4.5, 3.0
 # duration and to the largest height of a mark
 ONE_MARK = 0.005
 # [points] the widths of the line at an impact and of the line that shows a contact, the size of the mark at
-# its start, and the height of a row of these lines
+# the first contact in a row, and the height of such a row
 STEM, CONTACT, CONTACT_MARK, ROW = 0.8, 2.0, 3.5, 4.5
 STEM_KEY = 8.0  # [points] the height of the line at an impact in the legend
 SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
@@ -174,10 +174,10 @@ def scaled_name(axis: Axis, words: str, unit: str, values: np.ndarray) -> str:
 
 
 def stop_scale(recording: Recording) -> float:
-    """Return the factor from values at stops to heights in the panel, whose axis is that of walls.
+    """Return the factor from values at stops of joints to heights in the panel, whose axis is that of walls.
 
-    With this factor, the hardest impact at walls and the hardest one at stops have the same height. Without
-    impacts of both kinds the factor is 1.
+    With this factor, the largest value at walls and the largest one at stops of joints have the same height.
+    The factor is 1 if one of these values is 0 or missing.
     """
     at_walls, at_stops = (
         measure(recording, is_stop=is_stop)[-1].max(initial=0.0) for is_stop in (False, True)

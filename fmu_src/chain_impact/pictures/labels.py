@@ -37,7 +37,7 @@ CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
 OWN_LINE = 4.5
-# [pixels] a leader counts as crossing a strong pixel or another leader if it is at most this far from it
+# [pixels] a leader crosses a strong pixel or another leader if both are at most this far from each other
 CROSSING = 2
 BEYOND = 64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
 PAD = 1.0  # [points] the width of the border around a label that must be free, too

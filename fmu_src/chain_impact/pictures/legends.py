@@ -61,9 +61,9 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break each legend above its axes into rows, as few as fit into the width of the axes.
 
-    In a narrow figure, an entry that is also in the legend of higher axes, with the same look, is removed,
-    and so is a legend without entries. ``wanted`` are the axes whose legends are broken, by default all axes,
-    from the top to the foot. Returns whether a legend has changed its size or was removed.
+    In a narrow figure, an entry that the legend of earlier axes has, too, with the same look, is removed, and
+    so is a legend without entries. ``wanted`` are the axes whose legends are broken, in order; by default all
+    axes of the figure. Returns whether a legend has changed its size or was removed.
     """
     is_changed = False
     known: set[tuple[str, ...]] = set()

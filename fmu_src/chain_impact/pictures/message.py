@@ -26,7 +26,7 @@ NO_LOSS = 1e-12
 # the value of an impact counts as equal to the largest value if it is smaller by at most this, relative to
 # the largest value
 SAME_PEAK = 1e-3
-# an energy that drives supply or take is told only if it exceeds this, relative to the dissipated energy
+# the energy that is supplied or taken is told only if it exceeds this, relative to the dissipated energy
 LITTLE_SUPPLIED = 0.01
 # the impulse of a contact; its part from the hit, without the impulse of the force that follows
 IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"

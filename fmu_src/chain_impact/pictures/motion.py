@@ -41,7 +41,7 @@ from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.text import prefixed
 from chain_impact.recording.view import ball_of
 
-# the largest number of strong poses between start and end, which are those at the fastest impacts
+# the largest number of strong poses between start and end (``strong_times``)
 MOST_STRONG_POSES = 6
 CANDIDATES = 60  # largest number of impacts, the fastest ones, among whose poses strong poses are chosen
 FAINT_POSES = 40  # the largest number of faint poses, from rows with equally spaced indices
@@ -157,9 +157,9 @@ def colour_of_time(recording: Recording) -> Any:
 def strong_times(recording: Recording) -> list[float]:
     """Return the times [s] of the strong poses between start and end, in order.
 
-    These are the onsets of at most MOST_STRONG_POSES impacts. The fastest impact is always one of these. Any
-    slower impact is chosen if its pose differs (``apart``) from the poses at start, at end, and at all faster
-    impacts that are chosen.
+    These are the onsets of at most MOST_STRONG_POSES of the CANDIDATES fastest impacts. The fastest impact is
+    one of them. Slower impacts follow, the faster ones first, if their pose differs (``apart``) from the
+    poses at start, at end, and at all impacts that are chosen before.
     """
     onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
     if not onsets:

@@ -138,7 +138,7 @@ class StyledFigure(Figure):
             }
 
     def draw(self, renderer: Any) -> None:
-        """Draw with the settings (DRAWING) with which the figure was made, as they determine its layout."""
+        """Draw with the settings (DRAWING) with which the figure was made: they determine the layout."""
         with mpl.rc_context(self.settings):
             super().draw(renderer)
 
