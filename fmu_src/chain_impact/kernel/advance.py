@@ -270,7 +270,7 @@ def check_solved(d, status):
 
 
 def find_step(d):
-    """Try smaller and smaller steps until one is accepted, up to its first event, if any; return a status."""
+    """Try smaller and smaller steps until a step, up to its first event, is accepted; return a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
     if d.signals > 0:
@@ -331,9 +331,9 @@ def must_land(d, theta):
 
 
 def land(d, theta):
-    """Repeat the last step so that it ends at its fraction θ; return where in the repetition contacts begin.
+    """Repeat the last step up to its fraction θ; return where in the repeated step contacts begin.
 
-    The result is a fraction of the repeated step, near 1; or −1 for this step's end, or for a rejection.
+    The result is a fraction of this step, near 1; −1 for this step's end, without onsets, or after rejection.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
@@ -369,7 +369,7 @@ def begin_step(d):
 
 
 def apply_pending_events(d):
-    """Apply the events at the end of the last step, and set the rate at the start of the next one.
+    """Apply the events at the end of the last step, and set the rate at the start of the next step.
 
     Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """

@@ -77,7 +77,7 @@ def cost_exceeded(d):
 
 
 def cost_of_a_call(d):
-    """Return the cost [evaluations] after which a call of the kernel returns, even if its task is not done.
+    """Return the cost [evaluations] after which calls such as ``advance_awhile`` return before their end.
 
     The caller of the kernel can then stop the run, or call the kernel again.
     """

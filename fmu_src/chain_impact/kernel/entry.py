@@ -117,7 +117,7 @@ def is_within(number, least, most):
 def advance_to(d, time):
     """Advance the instance to ``time`` [s], and return a status.
 
-    If the log of contacts is full, ended contacts overwrite the oldest ones, even if these are not collected.
+    If the log of contacts is full, ended contacts overwrite the oldest entries, also uncollected ones.
     """
     return advance(d, time, UNLIMITED, UNLIMITED)
 

@@ -54,8 +54,8 @@ def is_slider(d, i):
 def along_drive(d, values, first, i):
     """Return the component of ``values`` along the coordinate of drive i.
 
-    For joint i it is the value of link i minus that of link i − 1, for joint 0 the value of link 0; for the
-    slider it is the base's component along the line. The values of the base begin at index ``first`` of
+    For joint i the result is the value of link i minus that of link i − 1, for joint 0 the value of link 0;
+    for the slider, the base's component along the line. The values of the base begin at index ``first`` of
     ``values``: 0 for coordinates in a state, velocity_at(N) for rates; the values of the links follow.
     """
     if is_slider(d, i):

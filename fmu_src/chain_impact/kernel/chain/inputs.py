@@ -25,7 +25,7 @@ from chain_impact.kernel.chain.signals import has_signal, signal_at
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
-DEGREE = 9  # the highest degree of the polynomials
+DEGREE = 9  # the highest degree of the polynomials of a piece of the inputs
 # values of given.changed beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
 # the next piece of the inputs continues the piece in use without a jump
 REINITIALIZE, CONTINUES = 1, 2
@@ -167,8 +167,8 @@ def inputs_continue(d):
 def limit_to_piece(d, h):
     """Return a size ≤ h with which the next step does not pass the end of the present piece of the inputs.
 
-    The step ends at this end or well before it (``limit_to_time``). If the step is in the fictitious time of
-    a contact, or the inputs are constant, the result is h.
+    The step ends at the piece's end or well before (``limit_to_time``). If the step is through a regularized
+    contact, or the inputs are constant, the result is h.
     """
     if d.inputs.piece.order == 0 or d.step.regularized >= 0:
         return h
@@ -300,8 +300,8 @@ def set_cubic(d, j, time, h):
 def record_given(d, j, now):
     """Record the values that are given to channel j at the communication point ``now`` [s].
 
-    Return False if the position of a wall jumps, else True. A base that is given a new position without
-    velocities gets the mean velocity since its previous given position. The channel of the first
+    Return False if the position of a wall or belt jumps, else True. A base that is given a new position
+    without velocities gets the mean velocity since its previous given position. The channel of the first
     contradiction between position and velocity, or of a jump, is stored in `moved.contradiction`, counted
     from 1.
     """

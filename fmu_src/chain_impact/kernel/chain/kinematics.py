@@ -118,8 +118,8 @@ def locate_from_link_vectors(d, y):
 def set_joint_places(d, values, first, vectors):
     """Set x of each joint's place in ``vectors`` to the joint's angle times the length of the longest link.
 
-    The absolute angles of the N links begin at index ``first`` of ``values``. With rates, accelerations or
-    changes of these angles as ``values``, x gets that of the joint's angle, times the same length.
+    The absolute angles of the N links begin at index ``first`` of ``values``. If ``values`` has the rates,
+    accelerations or changes of these angles, x gets the same of the joint's angle, times this length.
     """
     for i in range(d.links):
         vectors.x[joint_place(d, i)] = d.chain.longest_link * relative(values, first, i)

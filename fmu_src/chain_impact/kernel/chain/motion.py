@@ -28,7 +28,7 @@ def move_channels_to_state(d, y):
 def move_channels(d, time):
     """Set position [m], velocity [m/s] and acceleration [m/s²] of all channels to those at a ``time`` [s].
 
-    The function also moves the walls and belts of all candidates.
+    The function also moves the walls and belts that channels move, for all candidates.
     """
     moved, piece = d.moved, d.inputs.piece
     x, since = (time - piece.middle) * piece.scale, time - moved.began

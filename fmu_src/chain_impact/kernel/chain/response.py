@@ -122,7 +122,8 @@ def factorize(d, link_vectors, space, slot, coupled):
         space: record of which two fields are used. ``impedance`` has D [kg] of each point and site as
             ``xx, xy, yy``, and κ_i [kg·m²] of each joint as ``joint``, shape (N,). ``factors`` gets the
             result, which ``solve`` uses.
-        slot: the slot of ``factors`` that gets the result.
+        slot: the index in ``factors`` of this matrix: FREE, HELD or SHIFTED; for a complex matrix, the index
+            of the complex shift.
         coupled: whether joints may transmit moments. If not, all resistances κ_i count as zero here, and all
             angular impulses μ_i in ``solve``; both functions then take less time.
     """
@@ -174,11 +175,11 @@ def copy_factors(d, coupled):
 
 
 def set_middle_mobility(d, factors, slot, axx, axy, ayy):
-    """Set ``middle_mobility`` in a slot of the factors: the inverse A⁻¹ of the inertia A at the middle joint.
+    """Set ``middle_mobility`` of matrix ``slot`` in the factors: the inverse A⁻¹ at the middle joint.
 
-    A is the articulated inertia with the components axx, axy and ayy. If the base is pinned or slides, it is
-    the middle joint. In place of the inverse, the mobility is then 0 at a pinned base, and u uᵀ/(u·A u + m)
-    on a slider with the direction u and the mass m (slider.py).
+    A is the articulated inertia with the components axx, axy and ayy. A pinned or sliding base is the middle
+    joint. In place of the inverse, the mobility is then 0 at a pinned base, and u uᵀ/(u·A u + m) on a slider
+    with the direction u and the carriage's mass m (slider.py).
     """
     mobility = factors.middle_mobility
     if d.slides:
@@ -212,7 +213,7 @@ def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx
             rx, ry = rx - link_vectors.x[i], ry - link_vectors.y[i]
         k = site_place(d, s)
         xx, xy, yy = space.impedance.xx[k], space.impedance.xy[k], space.impedance.yy[k]
-        # D r⊥, with the impedance D of the site and its arm r
+        # D r⊥, with the impedance D of the site and its arm r from the inner joint
         sx, sy = xy * rx - xx * ry, yy * rx - xy * ry
         hx, hy, about_joint = hx + sx, hy + sy, about_joint + cross(rx, ry, sx, sy)
         axx, axy, ayy = axx + xx, axy + xy, ayy + yy
@@ -242,7 +243,7 @@ def solve(d, link_vectors, space, slot, change):
             angular impulses τ_i on the links, ``link`` [N·m·s]. μ_i is read only if ``factorize`` has set
             the slot with ``coupled`` true, τ_i only if ``has_link_moments`` is true. ``move_site_loads``
             must have replaced the loads at sites. If the load has forces and moments, Δ has accelerations.
-        slot: the slot of ``factors`` that ``factorize`` has set.
+        slot: the index in ``factors`` of the matrix, as for ``factorize``.
         change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
             links' angular velocities [rad/s]. Further entries of the array stay as they are.
     """

@@ -217,7 +217,7 @@ def travel_of_sines(d):
 
 
 def segment_end(d, j):
-    """Return the end of the present segment of signal j [s]; infinity if it has no end."""
+    """Return the end of the present segment of signal j [s]; ∞ if the segment has no end."""
     signal, k = d.signal, d.signal.segment[j]
     if k < signal.last[j]:
         return signal.lap[j] * signal.period[j] + d.knot.time[k + 1]
@@ -377,8 +377,8 @@ def integrate(d, j, time):
 def signals_are_valid(d):
     """Return whether all signals are valid.
 
-    The knots must be finite, and their times must not decrease. If a sine is integrated, its frequency or its
-    rate of change of the frequency must not be 0.
+    The knots must be finite, and their times must not decrease. If a sine is integrated, its frequency and
+    the frequency's rate of change must not both be 0.
     """
     signal = d.signal
     for j in range(d.signals):

@@ -45,9 +45,9 @@ DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
 # levels are added to the continued fraction until its relative error is at most this, or their number is the
 # largest
 FRACTION_ERROR = 1e-17
-# LARGEST_TURN: if the phase turns at most this [rad] in a rise, the integral is computed by quadrature;
-# otherwise the terms of the integrals E_n hardly cancel, and need no quadrature. PANEL: the largest turn
-# [rad] in one panel of a quadrature.
+# LARGEST_TURN: if the phase turns at most this [rad] in a rise, the integral is computed by quadrature; if
+# the phase turns more, the terms c_k E_{m+k} hardly cancel, and no quadrature is needed. PANEL: the largest
+# turn [rad] in one panel of a quadrature.
 LARGEST_TURN, PANEL = 24.0, 6.0
 # the nodes and weights of Gauss–Legendre quadrature on [0, 1]
 # fmt: off

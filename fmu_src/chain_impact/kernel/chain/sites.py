@@ -44,7 +44,7 @@ def site_of_point(d, point):
 
 @inlined
 def site_arm(d, link_vectors, s):
-    """Return x and y, in the world frame, of the arm r [m] from the proximal joint of its link to site s."""
+    """Return x and y, in the world frame, of the arm r [m] of site s, from its link's proximal joint."""
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
     lx, ly = link_vectors.x[i], link_vectors.y[i]
     return along * lx - beside * ly, along * ly + beside * lx

@@ -72,8 +72,8 @@ def find_peaks(d, c, force_rate, time, reader):
     """Return the peak force [N] and the largest penetration [m] of contact c from the onset to ``time`` [s].
 
     c has a force law, and ``time`` is in the last step. The points must be located and accelerated at
-    ``time``. The third result tells whether the function has located the points at another time.
-    ``force_rate`` [N/s] is dF/dt at ``time``; ``reader`` tells for whom the peaks are, OUTPUTS or SOLVER.
+    ``time``. A third result is true if afterwards the points may be located at another time. ``force_rate``
+    [N/s] is dF/dt at ``time``; ``reader`` tells for whom the peaks are, OUTPUTS or SOLVER.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -296,7 +296,8 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         separation_speed: rate ġ of the clearance at ``end`` [m/s], or NaN.
         peak_force: the largest force in the contact so far [N].
         max_penetration: the largest penetration in the contact so far [m].
-        impulse: ∫F dt of the candidate since the start of the run [N·s].
+        impulse: ∫F dt of the candidate since the start of the run [N·s]; only the part from the onset is
+            written.
     """
     touch, log, arm = d.touch, d.contact_log, lever_of_candidate(d, c)
     entry = row % len(log.point)

@@ -117,8 +117,9 @@ QUIET, SPLIT, CROSSES = 0, 1, 2  # results of ``check_candidate``
 def find_crossing(d):
     """Return the fraction θ of the last step at which a suspect's contact first begins or ends, or −1.
 
-    The result is −1 if no contact does, or if the cost exceeds the limit. The candidates with an event at θ
-    are marked. Before the call no candidate may be marked, and φ and φ′ at the step's start must be set.
+    The result is −1 if no suspect's contact begins or ends, or if the cost exceeds the limit. The candidates
+    with an event at θ are marked. Before the call no candidate may be marked, and φ and φ′ at the step's
+    start must be set.
     """
     a, b = 0.0, 1.0
     while not cost_exceeded(d):
@@ -236,8 +237,8 @@ def locate_crossing(d, a, b):
     within = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # The candidate `located` stays marked in any case: if its point is slow, round-off alone may put its
-        # φ above the limit.
+        # The candidate `located` stays marked, because round-off alone may put the φ of a slow point above
+        # the limit.
         if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
             mark_contact_event(d, c, NONE)
     return first

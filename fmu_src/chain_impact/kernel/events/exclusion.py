@@ -46,7 +46,7 @@ def known_clearances(d):
 def remember_clearances(d, extent):
     """Record what is known of the clearances at the end of the last step: ``extent``, NOTHING to FAR.
 
-    This is valid until a break in the sequence of steps (``step.breaks``).
+    The recorded value is valid until a break in the sequence of steps (``step.breaks``).
     """
     d.search.known, d.search.known_for = extent, d.step.breaks
 
@@ -152,11 +152,11 @@ def distance_per_radian(d):
 
 
 def remains_far(d):
-    """Return whether the last step surely has no event that ``excludes_events`` excludes.
+    """Return whether, by an estimate, the last step has no event that ``excludes_events`` excludes.
 
-    This is so if all candidates without contact are far from touching. A contact with a force law is allowed
-    only if it is the regularized contact, lasts, keeps its impact speed v₀, and crosses no kink. If the
-    result is true, FAR is remembered.
+    The result is true if all candidates without contact are far from touching, and no contact has a force
+    law, except a regularized contact that lasts, keeps its impact speed v₀ and crosses no kink. If the result
+    is true, FAR is remembered.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
@@ -250,7 +250,7 @@ def measure_all(d, y):
 
 
 def set_clearances(d, y):
-    """Set φ and φ′ of every candidate for the state y; return u′ of the regularized contact.
+    """Set φ and φ′ of every candidate for the state y; return u′ of the regularized contact, 0 without one.
 
     ``set_clearance`` describes φ, and ``sundman_u_now`` u′. The points must be located.
     """
@@ -267,9 +267,10 @@ def set_clearances(d, y):
 
 
 def sundman_u_now(d, y):
-    """Return u (ode/sundman.py) of the regularized contact, and the rate u′, for the state y.
+    """Return u (ode/sundman.py) of the regularized contact, and its rate u′, for the state y.
 
-    The points must be located for y. Without a regularized contact the results are 1 and 0.
+    u′ is the derivative in the step's integration variable. The points must be located for y. Without a
+    regularized contact the results are 1 and 0.
     """
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0

@@ -10,7 +10,7 @@ where u⁻ and u⁺ are the normal speeds before and after the impact, away from
 inverse of the mass matrix along the normals, and e the restitution. a ⟂ b means that a or b is 0. A held
 contact has e = 0. A point that arrives slower than the minimum impact speed of its law has e = 0, too, so
 that a bouncing point comes to rest after finitely many impacts. Every impulse p > 0 does the work ½ p (u⁺ +
-u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A point that all but touches a wall and moves away from
+u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A point that almost touches a wall and moves away from
 this wall has u⁻ > 0, and could gain energy. An impact that would add energy is therefore computed with e = 0
 for all contacts; such an impact adds no energy.)
 
@@ -86,11 +86,11 @@ LEAST_REBOUND_SPEED = 1e-3
 # p and the speeds u⁻ before and u⁺ after them; and the round-off of a speed, relative to the largest speed.
 IMPACT_ROUND_OFF = 1e-9
 # A point that is released gets a small clearance, far larger than round-off, so that round-off does not make
-# it touch again: the larger of RELEASE_GAP times the longest link and RELEASE_OF_COORDINATES times the
-# coordinates whose round-off enters the clearance.
+# the point touch again: the larger of RELEASE_GAP times the longest link and RELEASE_OF_COORDINATES times the
+# size of the coordinates whose round-off enters the clearance.
 RELEASE_GAP, RELEASE_OF_COORDINATES = 1e-13, 1e-14
 # The distance NEAR_WALL_CLEARANCE × ``release_gap`` has two uses, both against endless impacts. A point with
-# a smaller clearance all but touches its wall (``join_near_contacts``). And arriving points come to rest if
+# a smaller clearance almost touches its wall (``join_near_contacts``). And arriving points come to rest if
 # their kinetic energy is at most the work of weight and dry friction over this distance (``is_gentle``). So
 # both uses include a point that has just been released.
 NEAR_WALL_CLEARANCE = 10.0
@@ -158,7 +158,7 @@ def begin_late_contacts(d):
 
 
 def set_rates_after_impulses(d):
-    """Update the rates and the kink sides of contacts with a force law to the speeds after the impulses."""
+    """Set the rates and kink sides of contacts with a force law, from the speeds after the impulses."""
     locate_points_now(d, d.step.state_end)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -170,7 +170,7 @@ def set_rates_after_impulses(d):
 
 
 def join_near_contacts(d):
-    """Let the points that all but touch a rigid wall take part in the impact, marked as NEIGHBOUR.
+    """Let the points that almost touch a rigid wall take part in the impact, marked as NEIGHBOUR.
 
     Otherwise a link wedged between two walls would hit the walls in turn, infinitely often in a finite time.
     """
