@@ -144,7 +144,7 @@ class DifferentiatedInstance(Instance):
         if len(rows):
             last = int(self.record["contact_log"]["count"])
             # In a step that failed, a contact may have ended in the instance, but not in the tangent
-            # instances: its derivatives are then NaN.
+            # instances: the derivatives of this contact are then NaN.
             self._keep_slopes(rows, slots, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
 
@@ -166,10 +166,10 @@ class DifferentiatedInstance(Instance):
         return log
 
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
-        """Store the derivatives of the impacts in ``rows``, whose rows in the log are ``slots``.
+        """Store the derivatives of the impacts in ``rows``; ``slots`` are the indices of these in the log.
 
-        A derivative is NaN if the impact is not ``valid``, if the differentiated quantity is not finite or is
-        known only when derivatives cannot be trusted, or if the parameter has no derivative (``_missing``).
+        A derivative is NaN if the impact is not ``valid``, if the quantity is not finite or is known only
+        from a time on at which derivatives cannot be trusted, or for a parameter in ``_missing``.
         """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
@@ -235,8 +235,8 @@ class DifferentiatedInstance(Instance):
 def is_rise(parameter: Variable) -> bool:
     """Return whether a parameter is the rise of a signal.
 
-    The motion can lack a derivative with respect to two kinds of parameters: a rise of 0 or a friction of 0.
-    This function tells which of the two a parameter is.
+    A parameter with respect to which derivatives are ``_missing`` is a rise of 0 or a friction of 0; this
+    function tells which of the two it is.
     """
     return parameter.record_path[:2] == ("signal", "rise")
 
@@ -247,7 +247,7 @@ class Differentiated:
 
     Attributes:
         values: the W outputs at T times, shape (T, W); NaN after a fault.
-        slopes: the derivatives of the outputs, shape (T, W, P); NaN after a fault.
+        slopes: the derivatives of the outputs, shape (T, W, P); NaN after a fault, and as ``limits`` tells.
         impacts: I rows, one for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: quantity of an impact → its derivatives, shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.

@@ -3,7 +3,7 @@
 A piece is an interval with one polynomial for each function: its Chebyshev series from values at
 Chebyshev–Gauss points. The ends of a piece are not among these points, so the exact value at a jump does not
 matter. An interval in which a series does not converge is halved, or divided where the functions change from
-one polynomial to another. An interval shorter than ``SHORTEST``, around a jump or kink, gets no piece.
+one polynomial to another. An interval around a jump or kink gets no piece if it is at most SHORTEST long.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
 coefficients bound the error.
@@ -39,7 +39,7 @@ TOGETHER = 4
 # if polynomials have failed for intervals of some length, this length is tried again after at most this
 # number of pieces
 PATIENCE = 32
-# largest number of successive intervals shorter than SHORTEST; if there are more, a function is not smooth
+# largest number of successive intervals that get no piece (SHORTEST); with more, a function is not smooth
 NOISE = 4
 # [1] values of the functions for a piece shorter than this, relative to the run, count against CALLS
 FINE = 1 / 65536
@@ -94,8 +94,8 @@ class Follower:
         Args:
             functions: the functions to follow.
             stop: end of the run, which begins at 0 [s].
-            accuracy: allowed error of a piece, relative to each function's largest value; shape (M,), or one
-                number for all functions.
+            accuracy: allowed error of a piece, relative to each function's largest absolute value; shape
+                (M,), or one number for all functions.
             resolved: round-off of a time, relative to the time, which makes the functions' values inaccurate;
                 shape (M,), or one number.
         """
@@ -115,8 +115,8 @@ class Follower:
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
         # _again: binary exponent of a length → number of found pieces at which this length is tried again;
-        # _patience: the same exponent → number of pieces for which the last failure has delayed the next
-        # trial
+        # _patience: the same exponent → number of pieces by which the last failure has delayed the next
+        # trial, or 1 after a success
         self._again: dict[int, int] = {}
         self._patience: dict[int, int] = {}
         # start and end of an interval [s] → its piece, computed in advance, or None if that failed;

@@ -214,9 +214,9 @@ def _pieces_of(
 ) -> tuple[Pieces, np.ndarray]:
     """Return the polynomials of all signals and then of all motions, and the columns of the motions.
 
-    Motions are always followed, functions with the interpolations ``follow`` and ``spline``, samples with
-    ``spline`` only. All other signals are held, or with ``linear`` joined by lines, between the communication
-    points ``run`` and the times of samples.
+    The ``motions`` are followed; of the ``signals``, functions with the interpolations ``follow`` and
+    ``spline``, samples with ``spline`` only. All other signals are held, or with ``linear`` joined by lines,
+    between the communication points ``run`` and the times of samples.
     """
     scene, same = prepared.scene, SAME_TIME * run[-1]
     splines = {

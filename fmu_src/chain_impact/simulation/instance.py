@@ -335,7 +335,7 @@ class Instance:
 
     @property
     def contradictions(self) -> list[str]:
-        """A sentence, in a list, if given positions and the given velocity of a motion disagree."""
+        """A list with one sentence if the positions given for a motion contradict its velocity; else []."""
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
         names = {variable.record_path: variable.name for variable in self.prepared.inputs}

@@ -63,7 +63,7 @@ class Channel:
         position: name of the input for the position; "" for a belt, which has no position.
         velocity: name of the input for the velocity.
         acceleration: name of the input for the acceleration; "" for a belt.
-        start: position at the start if no input gives it [m].
+        start: position at t = 0 if no input gives the position [m]; 0 for a wall or belt.
     """
 
     position: str
@@ -127,8 +127,8 @@ def as_function(
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
     """Return an input over time as a function of times [s], and the times [s] at which it may not be smooth.
 
-    ``joined`` says how samples are joined: "linear", "held" until the next sample, or by a "spline". A single
-    sample is held. ``stop`` is the end of the run [s].
+    ``joined`` says how samples are joined: "linear", "held" until the next sample, or by a "spline". The
+    first sample acts also before its time, the last one also after its time. ``stop``: end of the run [s].
     """
     if callable(signal):
         return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)

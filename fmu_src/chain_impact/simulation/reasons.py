@@ -50,8 +50,8 @@ NO_LESS = "there is no derivative by {parameter} at 0, as friction cannot be les
 ONE_SIDED = (
     "the derivative by {parameter} is for an earlier time only: its signal bends at the start of the run"
 )
-"""The sentence for a time of a signal that is the start of the run, and at which the signal jumps or bends so
-that accelerations of the chain jump."""
+"""The sentence for a parameter that shifts a bend or jump of a signal, if this is at the start of the run and
+makes accelerations of the chain jump."""
 
 LEFT_OPEN = (
     "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "

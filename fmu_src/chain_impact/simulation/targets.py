@@ -42,7 +42,7 @@ def still_dampers(prepared: PreparedScene, names: Sequence[str], pieces: Pieces)
 
 
 def _damping(prepared: PreparedScene, name: str) -> float:
-    """Return the damping of the drive whose target has a name, [N·m·s/rad] or [N·s/m]."""
+    """Return the damping [N·m·s/rad] or [N·s/m] of the drive whose target is the input ``name``."""
     chain, number = prepared.scene.chain, name_parts(name).n
     if number:
         return chain.links[number - 1].joint_damping

@@ -155,8 +155,8 @@ def compare(
     If a law does not allow the scene's exponent, its run has the exponent that the law needs, and the
     stiffness with which the first impact without losses has the same penetration. A law that does not allow
     the scene's restitution, or whose run fails, is listed with the reason. Stops with their own law
-    (``stops.model``) keep this law in every run: only the law of the walls changes, and the first impact at a
-    wall is compared.
+    (``stops.model``) keep it in every run: only the law of walls and slider stops changes, and the first
+    impact at one of these is compared.
 
     Args:
         scene: a scene, or an argument of ``load_scene``; each law replaces the scene's contact model.

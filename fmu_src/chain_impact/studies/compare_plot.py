@@ -310,9 +310,9 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw the total energy over time; the laws of ``banded`` share one grey band.
 
-    A cross in the colour of a law marks the onset of its first impact that differs from that under the
-    reference law (``LawRun.divergence``). The energy has the same zero as in the picture of the motion under
-    the reference law.
+    A cross in the colour of a law is at ``LawRun.divergence_time``, the onset of the first impact that
+    differs between this law and the reference law. The energy has the same zero as in the picture of the
+    motion under the reference law.
     """
     reference = comparison[comparison.reference].result
     assert reference is not None

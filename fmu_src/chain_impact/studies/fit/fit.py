@@ -177,7 +177,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
 
 
 def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
-    """Refuse a column of OF_FORCE if walls are rigid and none of its values can be fitted (``usable``)."""
+    """Refuse a column of OF_FORCE of which no value can be fitted (``usable``), if walls are rigid."""
     scene = problem.scenes[0]
     law = CONTACT_LAWS.get(scene.contact.model)
     if not (law and law.impulsive):
@@ -193,8 +193,8 @@ def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
 def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
     """Return the model at the end of the search, with each parameter close to a bound set to this bound.
 
-    The search approaches a bound without reaching it. If not the same values can be fitted at the bounds, for
-    example because an impact is missing there, the model keeps the parameters of the search.
+    The search approaches a bound without reaching it. If the values that can be fitted differ at the bounds,
+    for example because an impact is missing there, the model keeps the parameters of the search.
     """
     at = search_result.search.best
     alone = information(at.slopes[at.usable], search_result.sigma[at.usable]).alone

@@ -56,10 +56,10 @@ class Found:
     Attributes:
         search: the result of the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
-        horizons: the horizon of each search, the time [s] up to which it used data; for the searches with all
-            data, only the last time of a value.
+        horizons: the horizon of each search, the time [s] up to which it used data; the searches with all
+            data have one entry, the last time of a value.
         worse: mean square of the residuals r/σ with all data, divided by the smallest mean square of the
-            searches with fewer data, but at least MANY_VALUES values; 0 without such searches.
+            searches with fewer data that used at least MANY_VALUES values; 0 without such searches.
     """
 
     search: Search
@@ -72,7 +72,7 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
     """Search the values of the free parameters, and return the result of a series of searches.
 
     If the first series does not converge, or probably ends in a wrong minimum (see WORSE), a second series is
-    made, and the result with the smaller mean square of residuals r/σ is returned.
+    made. The result with the smaller mean square of r/σ, with σ of the first series, is returned.
 
     Raises:
         SceneError: when the data cannot be fitted, or the model at the start has none of the measured values.

@@ -126,7 +126,7 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """Return the chosen columns of outputs and inputs over time, and of quantities of impacts."""
+        """Return two lists: chosen columns of outputs and inputs over time, and of quantities of impacts."""
         measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured if name in chosen]
         needed, likely = _meant(table, over_time)

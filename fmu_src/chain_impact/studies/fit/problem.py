@@ -74,8 +74,8 @@ class Problem:
             a standard deviation that must be estimated.
         order: time of each value, shape (M,) [s] (``Measurements.order``).
         low, high: the lowest and the highest coordinate of each parameter, shape (P,).
-        size: size of the column to which each value belongs, shape (M,): the largest value minus the smallest
-            one or, if this is larger, the largest absolute value; > 0.
+        size: size of the column to which each value belongs, shape (M,): the larger of its range and its
+            largest absolute value, but at least SMALLEST.
         group: index in ``names`` of the column to which each value belongs, shape (M,).
         names: the names of the measured columns.
         used: for each data set, the indices of the parameters on which its model depends.
@@ -206,7 +206,8 @@ class Problem:
         The distance is AT_BOUND times the standard error or, if this is smaller, times the distance from the
         start to the bound; but at least AT_BOUND_PART times the distance between both bounds. The standard
         error alone does not suffice, because that of an undetermined parameter is so large that every value
-        would count as at the bound. Infinite errors and distances, and a start at the bound, do not count.
+        would count as at the bound. If the start is at the bound, only the standard error counts. An infinite
+        error counts as 0, as does an infinite distance between both bounds.
 
         ``bounds``: the lower or the upper bound of each coordinate; ``errors`` as for ``bounds_reached``.
         """
@@ -261,9 +262,9 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
     """Return the quantity ``name`` of an impact of the model, and its derivatives, shape (P,).
 
-    ``at``: the index of the impact in ``run.impacts``. A peak force or force in a joint of 0, as of an
-    impulse, becomes NaN. If the contact lasts to the end of the run, a quantity that is not known at the
-    onset (AT_ONSET) is NaN.
+    ``at``: the index of the impact in ``run.impacts``. A peak force of 0, as of an impulse, is NaN, as is a
+    joint force of 0. If the contact lasts to the end of the run, a quantity that is not known at the onset
+    (AT_ONSET) is NaN.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")
