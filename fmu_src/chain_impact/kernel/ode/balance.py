@@ -74,11 +74,11 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # A step is rejected if it changes the energy balance, up or down, by more than STEP_CHANGE × tolerance × S
-# and round-off; S [J] is the scale above. In 1500 random scenes, the largest change of a run, relative to
+# plus round-off; S [J] is the scale above. In 1500 random scenes, the largest change of a run, relative to
 # tolerance × S, had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
 STEP_CHANGE = 3.0
 # A run ends with a fault if the energy balance changes in a window of time, up or down, by more than
-# WINDOW_CHANGE × tolerance × S and round-off. The errors of steps have a common sign only where a point
+# WINDOW_CHANGE × tolerance × S plus round-off. The errors of steps have a common sign only where a point
 # rests: there the ratios of change to tolerance × S add up to 230 in 100,000 steps.
 WINDOW_CHANGE = 100.0
 # [s] the length of a window of time for WINDOW_CHANGE; equal to COST_WINDOW (cost.py)

@@ -129,7 +129,7 @@ def set_residual(d, i, j, residual):
 
 
 def can_extrapolate(d):
-    """Return whether the last step was implicit and had the present contacts, so that it predicts stages."""
+    """Return whether the last step was implicit and had the present contacts: then it can predict stages."""
     return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 

@@ -294,7 +294,7 @@ def controlled_count(d):
 
 @inlined
 def largest_errors(first_error, second_error, weight, count):
-    """Return the largest |component| × weight of each of two error estimates, over ``count`` components.
+    """Return the largest |component| × weight of each of two error estimates, among ``count`` components.
 
     Both results are infinity if any of these components of ``first_error`` or ``second_error`` is not finite.
     ``weight`` has the weight of each component.
@@ -308,7 +308,7 @@ def largest_errors(first_error, second_error, weight, count):
 
 
 def scaled_errors(d):
-    """Return the largest scaled component of each error estimate of the explicit step, over the tolerance.
+    """Return both error estimates of the explicit step, each as its largest scaled component / tolerance.
 
     While constraints act, the errors of drives' forces (``force_errors``) count as well. Estimate k, 0 or 1,
     of the tried step is row k of ``scratch.error`` and, for the clearances of active contacts, row k of

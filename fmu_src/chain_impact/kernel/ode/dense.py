@@ -260,10 +260,10 @@ def correct_falling_impulses(d):
 
 
 def reduce_largest_impulse(d, wall, amount):
-    """Reduce the largest impulse in the last step on any point that a rigid wall holds.
+    """Reduce the largest impulse in the last step among those on the points that one rigid wall holds.
 
-    This impulse loses ``amount`` [N·s], but does not become negative. ``wall`` is the wall's index, as in
-    `candidate.wall`. If no impulse on these points is positive, nothing changes.
+    This impulse loses ``amount`` [N·s], but does not become negative. ``wall`` is the index of this wall, as
+    in `candidate.wall`. If no impulse on these points is positive, nothing changes.
     """
     quadrature, most, largest = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):

@@ -151,7 +151,7 @@ def evaluate_start(d):
 
 
 def count_supplied(d, energy):
-    """Add an energy [J] that inputs supply at the end of the last step to the supplied energy."""
+    """Add an energy [J] that inputs or motions supply at the last step's end to the supplied energy."""
     d.step.state_end[supplied_at(d.links)] += energy
 
 
@@ -235,8 +235,8 @@ def choose_variable(d, size_chosen):
 
     Args:
         d: the instance.
-        size_chosen: whether the proposed size is already in units of this variable, as after contacts have
-            begun or ended; otherwise a change of the variable converts the size.
+        size_chosen: whether the proposed size is already in units of the chosen variable, as after contacts
+            have begun or ended; otherwise a change of the variable converts the size.
     """
     step, root = d.step, sundman_u_at(d.links)
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)

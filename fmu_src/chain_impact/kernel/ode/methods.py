@@ -71,8 +71,8 @@ MIN_SWITCH_STEPS = 3
 def choose_method(d):
     """Choose the method of the next step: by `solver.method`, or from contacts, drives and sizes of steps.
 
-    If all walls and stops are rigid, and no drive has a spring or damper, the method is always explicit. The
-    points must be located at the start of the next step.
+    If the scene has walls or stops, all are rigid, and no drive has a spring or damper, the method is
+    explicit. The points must be located at the start of the next step.
     """
     step = d.step
     touching = d.touch.active_count > 0
@@ -129,7 +129,7 @@ def limit_to_stable(d):
     derivatives with respect to parameters grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z is that of the last step, whose size up to its end is ``size`` × ``end_fraction``
+    if z > 0.0:  # z is hρ of the last step, whose size h up to its end is ``size`` × ``end_fraction``
         limit_next_size(d, d.step.size * d.step.end_fraction * STABLE_STEP / z)
 
 
@@ -149,7 +149,7 @@ def begin_impact(d, c):
     """Choose the method at the onset of candidate c, and reset the counts for a change of the method.
 
     The proposed step size must be the result of ``size_at_onset`` for the explicit method. The explicit
-    method begins, unless the last step was implicit and drives make even the steps of the impact stiff
+    method begins, unless the present method is implicit and drives make even the steps of the impact stiff
     (IMPACT_PART); then the implicit method continues, with at most the size of ``size_at_onset`` for it.
     """
     if find_joint_stiffness(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:

@@ -59,7 +59,7 @@ def law_dtype(candidates: int) -> np.dtype:
         # factor f(e) of the damping, which is λ in the Hunt–Crossley family (forces/laws.py)
         ("damping_factor", REAL),
         ("rate_exponent", REAL),  # exponent p of the penetration δ in the damping force d δᵖ δ̇
-        ("approach_only", INTEGER),  # 1: the law damps only while δ grows; 0: always
+        ("approach_only", INTEGER),  # 1: the law damps only while δ grows; 0: in both directions
         ("impulsive", INTEGER),  # 1: the wall or stop is rigid, and acts by impulses; 0: it has a force law
         # m, depth in the wall up to which a point counts as not touching; 0 at a rigid wall
         ("harmless_depth", REAL),

@@ -16,7 +16,7 @@ def friction_dtype(elements: int) -> np.dtype:
         ("used", INTEGER),  # 1: some wall, joint or the slider has dry friction
         # number of elements with friction at present: active contacts, joints and the slider, in this order
         ("count", bounded(0, elements)),
-        ("contact_count", INTEGER),  # number of active contacts in ``count``
+        ("contact_count", INTEGER),  # number of active contacts among these elements
         ("stuck_count", INTEGER),  # number of sticking elements: contacts, joints and the slider
         ("stuck_joints", INTEGER),  # number of sticking joints, plus 1 if the slider sticks
         ("power", REAL),  # W, power that all elements dissipate by dry friction, at the last evaluation of ẏ

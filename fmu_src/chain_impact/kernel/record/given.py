@@ -69,9 +69,9 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("has_drive_limits", INTEGER),  # 1: some drive has a largest torque or force
         # 1/s, upper bound on the decay rates and angular frequencies that dampers and springs of drives cause
         ("joint_rate_bound", REAL),
-        # distance along each link from its proximal joint to its centre of mass, over the link's length
+        # distance along each link from its proximal joint to its centre of mass, divided by the link's length
         ("center_of_mass_ratio", REAL, (links,)),
-        # distance of each link's centre of mass to the left of the link's line, over the link's length
+        # distance of each link's centre of mass to the left of the link's line, divided by the link's length
         ("offset_ratio", REAL, (links,)),
         ("proximal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its proximal joint
         ("distal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its far end
@@ -302,8 +302,8 @@ def walls_dtype(candidates: int) -> np.dtype:
     time, those of ``x``, ``y`` and ``angle`` at the start of the next run.
     """
     return record(
-        ("x", FINITE, (candidates,)),  # m, x of a point on each wall
-        ("y", FINITE, (candidates,)),  # m, y of the point with this ``x`` on each wall
+        ("x", FINITE, (candidates,)),  # m, x of one point on the edge of each wall
+        ("y", FINITE, (candidates,)),  # m, y of the same point
         # rad, direction of each wall, from +x; the free side is to the left of this direction
         ("angle", FINITE, (candidates,)),
         # ---- materials of all walls; the walls of the box come first

@@ -32,9 +32,9 @@ _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links i
 RANGED = tuple(_SMALL)
 """The paths of all fields of real numbers that must lie in a range, such as ("chain", "mass")."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
-# RANGE_OWNERS: for each field of RANGED, to what its entries belong; from this ``refuse_value``
-# (initialize.py) finds the link or slider to name. OF_LINKS: links or drives, one entry each; OF_SITES:
-# sites; OF_STOPS: stops in joints; OF_CARRIAGE: the slider; OF_ALL: none of these
+# RANGE_OWNERS: the owners of the entries of each field of RANGED, from which ``refuse_value`` (initialize.py)
+# finds the link or slider that a fault names. OF_LINKS: links or drives, one entry each; OF_SITES: sites;
+# OF_STOPS: stops in joints; OF_CARRIAGE: the slider; OF_ALL: none of these
 OF_LINKS, OF_SITES, OF_STOPS, OF_CARRIAGE, OF_ALL = 0, 1, 2, 3, 4
 _OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS, "slider": OF_CARRIAGE}
 RANGE_OWNERS = tuple(

@@ -1,4 +1,4 @@
-"""The parts of the record with the data of signals, functions of time by which the scene drives inputs."""
+"""The parts of the record with the data of signals: functions of time that drive inputs and motions."""
 
 import numpy as np
 

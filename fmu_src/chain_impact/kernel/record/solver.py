@@ -242,12 +242,12 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("position", places),
         ("velocity", places),  # m/s, velocities of all places
         ("acceleration", places),  # m/s², accelerations of all places
-        # 1: ``position``, ``velocity`` and ``acceleration`` are those at the end of the last step, also after
-        # this step; 0: they may belong to another time
+        # 1: ``position``, ``velocity`` and ``acceleration`` are those at the end of the last step, and stay
+        # valid after this step; 0: they may belong to another time
         ("at_end", INTEGER),
         # changes of all coordinates, of their rates or of their accelerations: the response of the chain
         ("change", REAL, (coordinate_count(links),)),
-        ("motion", places),  # motions of all places that such changes cause
+        ("motion", places),  # motions of all places that changes of the coordinates cause
         # m/s², for each point, a bound on the second derivative of the position relative to the base, by the
         # integration variable of the step: time or fictitious time, both in seconds
         ("reach", REAL, (points,)),
@@ -278,8 +278,8 @@ def search_dtype(candidates: int) -> np.dtype:
         # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),
         ("suspect", INTEGER, (candidates,)),  # indices of the ``suspect_count`` candidates to be examined
-        # m/s², bound, over the step, on the second derivative of the clearance of each candidate that the
-        # search examines, in the integration variable of the step
+        # m/s², bound, for the whole step, on the second derivative, by the step's variable, of the clearance
+        # of each candidate that the search examines
         ("curvature", REAL, (candidates,)),
         # φ of each candidate at the start and the end of the searched interval: the clearance [m]; in contact
         # the penetration [m], u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)

@@ -65,7 +65,7 @@ LEAST_SINGLE_MOBILITY = 1e-3
 # With the mobility W and x = D W, n iterations leave (1 + x)⁻ⁿ of a motion; one solution leaves 1/(1 + a x):
 # equal for a = ((1 + x)ⁿ − 1)/x, which is n for small x, and 10 for x = 0.36. A larger x leaves little.
 SINGLE_SOLUTION_FACTOR = 10.0
-SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, over the largest motion
+SOLVED_RESIDUAL = 1e-15  # largest residual that needs no more iterations, relative to the largest motion
 # A residual of a sticking element well below this, relative to the largest motion, may be round-off, so
 # ``reduce_free_impulses`` takes hardly anything from its impulse. With a much smaller limit, round-off times
 # the impedance D would be taken from impulses, and a chain at rest would change its energy.
@@ -77,11 +77,11 @@ NEGLIGIBLE_MOTION = 0.1
 # the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
 # relative to the largest impulse or motion
 SIGN_TOLERANCE = 1e-12
-# The number of successive pivots that may leave the least number of violated candidates unchanged. After one
-# more, each pivot changes one candidate until that number falls; this ends, but slowly (``solve_lcp``).
+# The number of successive pivots that may leave the least number of violations unchanged. After one more such
+# pivot, each pivot changes a single candidate until that number falls; this ends, but slowly (``solve_lcp``).
 MAX_STALLED_PIVOTS = 3
 # The least impedance of a sticking element, relative to that of the element with the largest limit of
-# friction. With a smaller one, the element's residual would fall too slowly.
+# friction. With a smaller impedance, the element's residual would fall too slowly.
 LEAST_STICKING_IMPEDANCE = 1e-2
 # Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: a held point is too deep.
@@ -136,7 +136,7 @@ def solve_equality(d, scale):
         scale: the largest motion of any point, to which round-off is relative.
 
     Returns:
-        The largest residual after the iteration; 0 if none was needed, or if no rigid wall holds a point.
+        The largest residual after the iteration; 0 without an iteration, or if no rigid wall holds a point.
     """
     constraints, impedance = d.constraints, holding_impedance(d)
     constraints.near_fold = 0

@@ -341,7 +341,7 @@ def largest_acceleration(d):
 def length_bound(d, vectors):
     """Return an upper bound of the lengths of the velocities or accelerations at places with clearances.
 
-    Points and sites have clearances, and joints, if any has a stop. ``vectors`` has those of all places.
+    Points and sites have clearances; so do joints, if any joint has a stop. ``vectors`` belong to all places.
     """
     most = 0.0
     for k in range(d.links + 1):
