@@ -118,8 +118,8 @@ def sum_from_tip(d, at_tip, x, y):
     """Replace the force, or impulse, that each link needs, in x and y, by that in the link's proximal joint.
 
     The entry of a link before the call is the link's mass times (a_C − g), minus the forces of walls on the
-    link; or the integral of this over time. The force in a joint is the sum of these entries from the joint's
-    outer link to the tip, minus the force, or impulse, ``at_tip``.
+    link; or the integral of this force over time. The force in a joint is the sum of these entries from the
+    joint's outer link to the tip, minus the force, or impulse, ``at_tip``.
     """
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
@@ -266,9 +266,9 @@ def update_load_peaks(d):
 def search_step(d):
     """Set ``transmitted.largest_square`` of each joint to its largest |f|² [N²] in the last step.
 
-    Two kinds of stored maxima depend on this value: the joint's peak, and the largest |f|² of each active
-    contact. If |f|² stays below all of them in the step, none of them changes; then the value is the least of
-    these stored maxima, although |f|² is smaller.
+    The value raises two kinds of stored maxima: the joint's peak, and the largest |f|² of each active
+    contact. If |f|² of the joint stays below all of these maxima in the step, the value is the least of the
+    maxima instead, and raises none.
     """
     transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):
@@ -364,7 +364,7 @@ def square_of_force(d, i):
 def square_at(d, i, theta):
     """Return |f|² [N²] of the joint in row i at the fraction θ of the last step.
 
-    ``transmitted.largest_square`` of the joint is raised to this value, with its time, if it is smaller.
+    If ``transmitted.largest_square`` of the joint is smaller, this value and its time replace it.
     """
     load_joints_at(d, theta)
     square = square_of_force(d, i)

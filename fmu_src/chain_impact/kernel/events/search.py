@@ -218,7 +218,7 @@ def onset_lateness(d, y):
         Two values. The first is the time from the earliest onset to y, divided by the step size in seconds;
         negative if y is earlier. This value is ∞ if a candidate with an onset does not approach its wall in
         the state y, or if such an onset is farther away than LANDING_TIME, where a clearance of round-off
-        counts as 0; it is −∞ if there are no onsets. The second value is the largest depth [m] of a candidate
+        counts as 0. The value is −∞ without onsets. The second value is the largest depth [m] of a candidate
         with an onset inside its wall; 0 if all are outside.
     """
     locate_points(d, y)

@@ -180,8 +180,8 @@ def given_restitution(d, c):
 def given_friction(d, c):
     """Return the given coefficients of sliding and of static friction of candidate c.
 
-    They are the wall's own ones or the common ones, by the rule of ``wall_friction``. A static coefficient of
-    0 means that it equals the sliding one; the function returns this 0. Both coefficients are 0 for a stop.
+    They are the wall's own coefficients or the common ones, by the rule of ``wall_friction``: a static
+    coefficient of 0 stands for one that equals the sliding coefficient. Both are 0 for a stop.
     """
     if at_stop(d, c):
         return 0.0, 0.0

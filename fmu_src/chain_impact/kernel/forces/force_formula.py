@@ -27,7 +27,7 @@ from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 RELATIVE_INCREMENT = 1e-5
 # If a law damps on approach only, a step may use the force of the wrong side of δ̇ = 0, with the rate δ̇ of
 # the penetration, while |δ̇| is at most TURNING_RATE times v₀ √(tolerance/max(1, damping_over_elastic)), with
-# the impact speed v₀, plus a margin for a contact at rest (``turning_margin``). Up to the first part, the
+# the impact speed v₀, plus a margin for a contact at rest (``turning_margin``). Without this margin, the
 # wrong force changes the impulse by at most a tenth of the tolerance, relative to the impulse.
 TURNING_RATE = 0.3
 

@@ -16,7 +16,7 @@ ARGUMENTS = (
 )
 """The arguments that a law may have: δ ≥ 0 [m], δ̇ [m/s], v₀ [m/s], m_eff [kg], K [N/mⁿ], n, e.
 
-At a stop in a joint they belong to an angle: rad, rad/s, kg·m², N·m/radⁿ.
+At a stop in a joint the arguments belong to an angle: rad, rad/s, kg·m², N·m/radⁿ.
 """
 
 

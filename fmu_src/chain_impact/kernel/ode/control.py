@@ -195,8 +195,8 @@ def size_at_onset_beside(d, c):
 def contact_time_scale(d, c):
     """Return the time scale [s] of the contact force of candidate c after the onset.
 
-    Without damping this time is δ*/v₀, the expected penetration divided by the impact speed; damping makes it
-    shorter. The size of the first step of the contact is proportional to this time.
+    Without damping this time is δ*/v₀, the expected penetration divided by the impact speed; damping shortens
+    this time. The size of the first step of the contact is proportional to this time.
     """
     ratio, exponent = damping_over_elastic(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + ratio, -exponent)

@@ -1,9 +1,10 @@
 """The last accepted step: its state at both ends, its dense output, and rate and points at its end.
 
-Other modules change these data by the functions of this module. Data that other modules derive from a step,
-such as clearances over time, are valid until a break in the sequence of steps: the next step then does not
-start at the end of this step, or has another integration variable. `step.breaks` counts the breaks. An impact
-changes the state at the end of a step; the changed state belongs to the step that follows (advance.py).
+Other modules change these data by the functions of this module, but explicit.py and collocation.py set the
+coefficients of the dense output. Data that other modules derive from a step, such as clearances over time,
+are valid until a break in the sequence of steps: the next step then does not start at the end of this step,
+or has another integration variable. `step.breaks` counts the breaks. An impact changes the state at the end
+of a step; the changed state belongs to the step that follows (advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import (

@@ -41,11 +41,11 @@ STIFF_STEP = 2.0
 # the value that takes the place of STIFF_STEP if all contacts with a force law are sustained
 STIFF_STEP_IN_CONTACT = 0.1
 # A contact counts as sustained after SUSTAINED_AFTER times its time scale, the expected penetration divided
-# by the impact speed. An impact takes three to ten time scales, so with a smaller value it could count as
-# sustained.
+# by the impact speed. An impact takes three to ten time scales, so with a smaller value an impact could
+# count as sustained.
 SUSTAINED_AFTER = 20.0
-# An implicit step costs about as much as EQUAL_COST_RATIO explicit steps. If the next implicit step is
-# shorter than EQUAL_COST_RATIO times the last explicit step, it suggests the explicit method.
+# An implicit step costs about as much as EQUAL_COST_RATIO explicit steps. An implicit step suggests the
+# explicit method if the next implicit step is shorter than EQUAL_COST_RATIO times the last explicit step.
 EQUAL_COST_RATIO = 2.5
 # If the size of the last explicit step is not known, an implicit step with hρ < NOT_STIFF_STEP suggests the
 # explicit method, with the size h and the rate ρ as for STIFF_STEP: two stable explicit steps then cover the
@@ -150,7 +150,7 @@ def begin_impact(d, c):
 
     The proposed step size must be the result of ``size_at_onset`` for the explicit method. The explicit
     method begins, unless the present method is implicit and drives make even the steps of the impact stiff
-    (IMPACT_PART); then the implicit method continues, with at most the size of ``size_at_onset`` for it.
+    (IMPACT_PART); then the implicit method continues, with at most its ``size_at_onset``.
     """
     if find_joint_stiffness(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:
         d.step.method = EXPLICIT

@@ -31,9 +31,9 @@ NO_CONTACT = -1
 # The least u to which a regularized step may go. u is integrated, so it may become negative: then the step
 # has passed the end of the contact, and time runs backwards.
 LEAST_ROOT = -0.5
-# A point with u + |δ̇|/v₀ ≤ RESTING_SUM counts as resting on the wall, not as hitting it; |δ̇|/v₀ is its
-# normal speed relative to the impact speed. A step from such a state runs in time: with s as the variable,
-# time would hardly advance, because p is almost 0.
+# A point with u + |δ̇|/v₀ ≤ RESTING_SUM counts as resting on the wall, not as hitting it; |δ̇|/v₀ is the
+# point's normal speed relative to the impact speed. A step from such a state runs in time: with s as the
+# variable, time would hardly advance, because p is almost 0.
 RESTING_SUM = 0.1
 
 

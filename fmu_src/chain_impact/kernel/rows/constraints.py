@@ -67,7 +67,7 @@ LEAST_SINGLE_MOBILITY = 1e-3
 SINGLE_SOLUTION_FACTOR = 10.0
 SOLVED_RESIDUAL = 1e-15  # largest residual that needs no more iterations, relative to the largest motion
 # A residual of a sticking element well below this, relative to the largest motion, may be round-off, so
-# ``reduce_free_impulses`` takes hardly anything from its impulse. With a much smaller limit, round-off times
+# ``reduce_free_impulses`` hardly changes the element's impulse. With a much smaller limit, round-off times
 # the impedance D would be taken from impulses, and a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
 UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
@@ -303,7 +303,7 @@ def solve_lcp(d, scale):
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587) begins with the active set in
     ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once
-    or, beyond MAX_STALLED_PIVOTS, only the one with the highest index; this ends if the mobility W is
+    or, beyond MAX_STALLED_PIVOTS, only that with the highest index; this search ends if the mobility W is
     positive definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of
     pivots, the problem is recorded as unsolved. Arguments and stored results are as in ``solve_equality``.
     """
