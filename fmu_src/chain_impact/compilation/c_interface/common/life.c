@@ -165,7 +165,7 @@ int fail(Instance *instance, int status, int fault) {
 }
 
 /* Warn if the positions and velocities that the importer gives for a prescribed motion contradict each other, but at
-   most once in a run. */
+   most once until a reset. */
 static void warn(Instance *instance) {
     const Table *table = instance->table;
     if (table->contradiction_word == 0 || instance->warned) return;

@@ -116,7 +116,7 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
         return say(instance, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(instance));
     uint64_t registers = usual_registers();
     double value = at->type == REAL ? new.real : (double)new.integer;
-    /* NaN gives 0, too, because each comparison with NaN is false */
+    /* for NaN, in_range is 0, because each comparison with NaN is false */
     int in_range = at->low <= value && value <= at->high;
     put_registers_back(registers);
     if (in_range) return OK;
@@ -125,7 +125,7 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
     return say(instance, ERROR, "%s: %s = %s must be %s", call, name, number(new.real).text, range);
 }
 
-/* Set the values of all variables, each of which has one value; if one value is refused, set none. */
+/* Set each of `count` variables to one value; if one value is refused, set none. */
 int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length) {
     if (!allowed(instance, call, ANY_PHASE)) return ERROR;

@@ -3,7 +3,7 @@
 
 #include <fmi2Functions.h>
 
-/* Define a function of the standard: it evaluates `made`, a call of a shared function, and returns that status. */
+/* Define a function of the standard: it evaluates `made`, a call of a shared function, and returns the status. */
 #define FUNCTION(name, made, ...) \
     FMI2_Export fmi2Status name(__VA_ARGS__) { return (fmi2Status)(made); }
 
@@ -21,8 +21,8 @@ static void log_message(const Instance *instance, int status, const char *catego
 static const Interface FMI2 = {
     .token = "fmuGUID", .resources = "fmuResourceLocation", .references = "vr", .values = "value", .state = "FMUstate",
     .types = {"Real", "Integer"},
-    /* the logger takes a message as a format of printf, where % begins a value, and # begins a variable's name: both
-       are doubled */
+    /* the logger takes a message as a format of printf, where % begins a value, and # begins a reference to a
+       variable: both are doubled */
     .escaped = "%#",
     .by_uri = 1, .unfinished = DISCARD, .log = log_message,
 };
@@ -70,7 +70,7 @@ FUNCTION(fmi2ExitInitializationMode, exit_initialization(c, __func__), fmi2Compo
 FUNCTION(fmi2Terminate, terminate(c, __func__), fmi2Component c)
 FUNCTION(fmi2Reset, reset(c, __func__), fmi2Component c)
 
-/* --- variables: 2.1.7; functions for what the model description excludes accept an empty list only --- */
+/* --- variables: section 2.1.7 of FMI 2.0; functions for absent types and derivatives accept an empty list only --- */
 
 #define ACCESS(name, what, type, array)                                                                    \
     FUNCTION(name, what(c, __func__, array, vr, count, value, count), fmi2Component c,                     \

@@ -36,7 +36,7 @@ export class OpenScene {
     return { origin, text, names, scene, values, inputSteps };
   }
 
-  /** Show a state again; if it has the present scene, the chosen outputs stay. */
+  /** Show a state again; if its scene is the present one, the choice of outputs stays. */
   restore({ origin, text, names, scene, ...kept }) {
     this.origin = origin;
     if (scene === this.changes.scene) {

@@ -1,4 +1,4 @@
-// The runs of the page: one run for each change, and the line that tells how the last run ended.
+// The runs of the page, which changes begin, and the line that tells how the last run ended.
 
 import { find, make } from "../base/dom.js";
 import { readable, textWithUnit } from "../base/format.js";
@@ -109,7 +109,7 @@ export class Simulation {
     return withBoxWalls(sentence, this.changes.valueOf);
   }
 
-  /** Show a sentence on a fault in the address, `notice`, until a parameter changes. */
+  /** Show a sentence on a fault in the address, `notice`, until something changes. */
   notify(notice) {
     this.#notice = notice;
     this.#tell();

@@ -3,7 +3,7 @@
 export const SPEEDS = [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4];
 const STEP = 1 / 30; // [s] time on the screen by which one press of an arrow key moves the motion
 
-/** The clock. It calls its listeners whenever one of its properties is set. */
+/** The clock. Its method `set` changes its properties, and calls its listeners. */
 export class Clock {
   #listeners = [];
   // the impact to which the reader has gone, until the time changes; the time alone would not tell which impact, because several may have
@@ -70,7 +70,7 @@ export class Clock {
     this.set({ frame: this.recording.frameAt(time) });
   }
 
-  /** Play or pause; after the end of the recording, play from the start. */
+  /** Play or pause; at the end of the recording, play from the start. */
   toggle() {
     const again = this.hasEnded;
     this.set({ playing: !this.playing, frame: again ? 0 : this.frame });
@@ -85,7 +85,7 @@ export class Clock {
     this.set({ frame: again ? 0 : frame, playing: this.playing && (again || frame < this.last) });
   }
 
-  /** Pause, and move back (−1) or ahead (1) by the time STEP on the screen. */
+  /** Pause, and move back (−1) or ahead (1) by STEP seconds on the screen. */
   step(direction) {
     this.playing = false;
     this.advance(direction * STEP);
@@ -107,8 +107,8 @@ export class Clock {
   }
 
   /**
-   * Go to the nearest time before (−1) or after (1) the present one at which an impact has its largest force. If there is none before, go
-   * to the start.
+   * Go to the nearest time before (−1) or after (1) the present one at which an impact has its largest force (`peakTime`). If there is none
+   * before, go to the start; if there is none after, stay.
    */
   stepImpact(direction) {
     const now = this.time;

@@ -158,8 +158,8 @@ export class ImpactList {
 }
 
 /**
- * Return words for a contact of a recording at the present time [s]. The force comes first, because a narrow screen cuts the end; for the
- * same reason the speed is left out before the onset. The result is "" for a contact that is not in the list of impacts.
+ * Return words for a contact of a recording; `time`: the present time [s]. The force comes first, because a narrow screen cuts the end; for
+ * the same reason the speed is left out before the onset. The result is "" for a contact that is not in the list of impacts.
  */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";

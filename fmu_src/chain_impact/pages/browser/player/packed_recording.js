@@ -11,8 +11,8 @@ function numbers({ low, high, values }) {
 }
 
 /**
- * Return a function that unpacks the numbers of some rows, and returns numbers for all `count` rows; in the other rows they are 0.
- * `packedRows`: the indices of these rows as text in base64.
+ * Return a function that unpacks the numbers of some rows, and returns a number for each of `count` rows, 0 for a row without a packed one.
+ * `packedRows`: the indices of the rows with packed numbers, as text in base64.
  */
 function atAllRows(packedRows, count) {
   const rows = new Uint32Array(bytesIn(packedRows).buffer);

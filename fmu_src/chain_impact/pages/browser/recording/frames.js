@@ -62,7 +62,7 @@ function largest(values) {
   return values.reduce((most, value) => Math.max(most, value), 0);
 }
 
-/** Return the moments at the two stops of a joint, which are one output with a sign, in the form of the forces of two walls. */
+/** Return the moments at both stops of a joint, one output that is positive at joint_min, in the form of the forces of two walls. */
 function ofStops({ n, columns: { moment } }) {
   return STOPS.map((wall, k) => ({ point: n, wall, force: moment.map((value) => Math.max(k ? -value : value, 0)) }));
 }

@@ -14,7 +14,7 @@ export function slowSpans(impacts) {
     .sort((a, b) => a[0] - b[0]);
 }
 
-/** Return `count` equally spaced numbers from one number to another. */
+/** Return `count` equally spaced numbers from one number to another, both included. */
 function between(from, to, count) {
   const step = (to - from) / (count - 1);
   return Array.from({ length: count }, (_, k) => (k < count - 1 ? from + k * step : to));
@@ -36,7 +36,7 @@ function interpolated(allX, nodes, values) {
  * impact without duration takes less. With `impactTime` 0 nothing is slow.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
-  // an impact without a duration takes a small share of the time
+  // an impact without a duration takes a small share, INSTANT, of `impactTime`
   const shown = impactTime > 0 ? spans.map(([a, b]) =>
     [a, Math.max(a + PACING.LEAST_DURATION, Math.min(b, a + PACING.LONGEST_SLOW)), b > a ? 1 : PACING.INSTANT]) : [];
   const moments = between(start, stop, 2 + Math.min(Math.floor((stop - start) / PACING.FLIGHT_STEP), 2 * most));

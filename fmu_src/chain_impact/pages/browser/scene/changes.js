@@ -49,7 +49,7 @@ export class Changes {
 
   /**
    * Return the value of a parameter with the changes `values`: the changed value; else the value that follows from other parameters; else
-   * the value in the scene. Other functions get this one as an argument, so it is an arrow function, which keeps its `this`.
+   * the value in the scene; undefined for an unknown name. This is an arrow function, so that it keeps `this` as an argument of others.
    */
   valueOf = (name, values = this.values) => {
     const { derived } = this.parameters.get(name) ?? {};

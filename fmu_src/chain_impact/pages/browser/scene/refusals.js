@@ -3,7 +3,7 @@
 import { inFile, pathText } from "../base/paths.js";
 import { holds, numberIn } from "./rules.js";
 
-/** Return a value as text for an error, in the form of Python's errors, cut if it is long; some numbers differ (1 for 1.0). */
+/** Return a value as text for an error, as in Python's errors, cut if it is long; some values differ (1 for 1.0, true for True). */
 export function shown(value) {
   const text = written(value);
   return text.length > SHARED.file.SHOWN ? `${text.slice(0, SHARED.file.SHOWN)}...` : text;
@@ -26,8 +26,8 @@ export function refuse(path, fault, words = {}) {
 }
 
 /**
- * Refuse a value if one of the rules is true for it. `valueOf` returns the value of a key or fact, `nameOf` the name of a key for the
- * error; `words` are further words of the sentence.
+ * Refuse a value by the first of the rules whose condition is true. `valueOf` returns the value of a key or fact, `nameOf` the name of a
+ * key for the error; `words` are further words of the sentence.
  */
 export function keepRules(rules, valueOf, nameOf, words = {}) {
   const rule = rules.find(({ condition }) => holds(condition, valueOf));

@@ -22,7 +22,7 @@ function halfHull(points) {
   return hull.slice(0, -1);
 }
 
-/** Return the corners [x, y] of the convex hull of discs [x, y, radius] [m]; a disc counts as CIRCLE_CORNERS points, or as its centre. */
+/** Return the corners [x, y] of the convex hull of discs [x, y, radius] [m], each as CIRCLE_CORNERS points or, with radius 0, as one. */
 function outlineOf(discs) {
   const rims = discs.flatMap(([x, y, radius]) => Array.from({ length: radius > 0 ? CIRCLE_CORNERS : 1 }, (_, k) =>
     [x + radius * Math.cos((2 * Math.PI * k) / CIRCLE_CORNERS), y + radius * Math.sin((2 * Math.PI * k) / CIRCLE_CORNERS)]));

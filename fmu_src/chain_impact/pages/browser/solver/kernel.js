@@ -96,9 +96,11 @@ export class Kernel {
    * Run from the start of the scene through some times, and return the results. The generator yields the fraction that is done after each
    * call of the kernel for rows, so that its caller can do other work meanwhile.
    *
-   * @param values the changed parameters: name → number. @param times Float64Array [s]. @param outputs { word, integer } of the record, one
-   * for each column. @param timesPerCall number of times in one call of the kernel, which cannot be interrupted. @param inputSteps { time,
-   * word, value } in the order of time: inputs that have another value from a time on.
+   * @param values the changed parameters: name → number.
+   * @param times Float64Array [s].
+   * @param outputs { word, integer } of the record, one for each column.
+   * @param options `timesPerCall`: number of times in one call of the kernel, which cannot be interrupted. `inputSteps`: { time, word,
+   * value } in the order of time: inputs that have another value from a time on.
    */
   *run(values, times, outputs = [], { timesPerCall = ROWS, inputSteps = [] } = {}) {
     const width = outputs.length;

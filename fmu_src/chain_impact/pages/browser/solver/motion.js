@@ -75,8 +75,8 @@ function drawnWords({ drawn: { points, groups }, moved }) {
 }
 
 /**
- * Return the rows of a recording as the argument of `framesOf`; `column` is a function from an index in the record to its values in all
- * rows.
+ * Return the rows of a recording as the argument `rows` of `framesOf`; `column` is a function from an index in the record to the
+ * values there in all rows.
  */
 function rowsOf(scene, valueOf, { time, impacts, column }) {
   const { drawn: { points, groups }, moved } = scene;
@@ -128,8 +128,8 @@ function inputCurves({ scene, parameters }, { time, columns }, { values, inputSt
  * Return `parts`, those of a `Recording` (null without a motion), and how the first run ended; the generator yields the fraction that is
  * done.
  *
- * @param curves the names of outputs that are wanted over time. @param inputSteps inputs with other values from some times on: name → pairs
- * of a time [s] and a value.
+ * @param options `curves`: the names of the outputs that are wanted over time. `inputSteps`: inputs with other values from some times on:
+ * name → pairs of a time [s] and a value.
  */
 export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   const { scene } = kernel;

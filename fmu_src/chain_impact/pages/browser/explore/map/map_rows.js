@@ -11,8 +11,8 @@ export function rowOrder(points) {
 
 /**
  * Return the outputs of all runs of a map with `points` values of each parameter. A run that is not simulated yet has the output of the
- * nearest run of `coarse`, a map of the same fields with fewer values. Where `coarse` gives none, it has the output of the run in the
- * nearest simulated row, or undefined.
+ * nearest run of `coarse`, a map of the same fields with fewer values; where `coarse` gives none, the output of the run in the same column
+ * of the nearest simulated row; undefined without such a row.
  */
 export function completed({ results, points, coarse }) {
   const known = Array.from({ length: points }, (_, row) => row).filter((row) => results[row * points] !== undefined);

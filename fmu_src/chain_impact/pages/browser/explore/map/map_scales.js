@@ -4,7 +4,7 @@ import { ticksBetween } from "../../base/ticks.js";
 import { shownIn, shownUpTo } from "../../scene/angles.js";
 import { MAIN_PARAMETERS } from "../parameters/sliders.js";
 
-/** Return whether the axis of a parameter is logarithmic, as its slider is. */
+/** Return whether the axis of a parameter is logarithmic, as the parameter's entry in MAIN_PARAMETERS says. */
 export function isLogarithmic(name) {
   return MAIN_PARAMETERS.some((entry) => entry.name === name && entry.logarithmic);
 }
@@ -67,7 +67,7 @@ const QUANTITIES = {
   "energy.total": "Energy at the end",
 };
 
-/** Return the title for the name of an output; an output without one is a coordinate of the tip. */
+/** Return the title for the name of an output; a name without an entry in QUANTITIES is that of a coordinate of the tip. */
 export function quantityOf(name) {
   return QUANTITIES[name] ?? `Tip at the end, ${name.at(-1)}`;
 }
@@ -83,8 +83,8 @@ export function axisScale(first, last, hasDecades) {
 }
 
 /**
- * Return the ticks of a logarithmic axis from `low` to `high`: powers of ten; if these are few, also 2 and 5 times them; if even these are
- * few, numbers at equal distances.
+ * Return the ticks of a logarithmic axis from `low` to `high`: powers of ten; with fewer than 3 of these, also 2 and 5 times powers of ten;
+ * with fewer than 2 of all these, numbers at equal distances.
  */
 export function decadesBetween(low, high) {
   const first = Math.floor(Math.log10(low));

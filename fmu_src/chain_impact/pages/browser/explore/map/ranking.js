@@ -12,8 +12,8 @@ const MOST_EFFECTS = 10; // largest number of parameters in the list
 const NOT_RANKED = /^(solver|simulation)\.|\.exponent$/;
 
 /**
- * Return the changed `value` of a parameter, 1 % more or, if the scene refuses it, 1 % less, and its `sign`; undefined if the parameter is
- * 0, or the scene refuses both.
+ * Return a parameter's `name`, its `value` times 1.01 or, if the scene refuses this, 0.99, and the `sign` 1 or −1; undefined if the value
+ * is 0, or the scene refuses both.
  */
 function stepOf(changes, name) {
   const steps = [1, -1].map((sign) => ({ name, sign, value: changes.valueOf(name) * (1 + sign * STEP_SHARE) }));
@@ -41,7 +41,7 @@ export class Ranking {
     find("map").addEventListener("close", () => this.#show(false));
   }
 
-  /** Begin the list, which takes the place of the map when it has entries, or show the map again. */
+  /** Begin the list, which takes the place of the map when it has entries; without `isShown`, show the map again. */
   #show(isShown) {
     this.text.hidden = !isShown;
     this.#fill([]);

@@ -114,7 +114,7 @@ function lawOf(changes, ofStops) {
   return (ofStops && stops.model) || (model?.items[changes.valueOf(model.name) - 1]?.[0] ?? contact.model);
 }
 
-/** Return the least value that the slider of a parameter gives: that of the first step if the scale has 0 there, and 0 is not allowed. */
+/** Return the least value that the slider of a parameter may set: above 0 if the slider begins at 0 and 0 is not allowed, else −∞. */
 function leastOf(changes, { name, spread }) {
   if (spread) return rounded(changes.starts[name] / 100);
   const isRefused = name.endsWith("restitution") && SHARED.laws[lawOf(changes, name.startsWith("stop."))]?.allows_zero === false;
