@@ -41,8 +41,8 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
 def thinned(recording: Recording, impact_time: float) -> Recording:
     """Return a recording without some of its rows, if it has more than MOST_PAGE_ROWS.
 
-    These rows stay: MOST_PAGE_ROWS rows at equal distances, the rows next to a frame that the page shows at
-    the speed 1, with its slow motion, and the rows next to the onset or the end of an impact.
+    These rows stay: MOST_PAGE_ROWS rows with equally spaced indices, the rows next to a frame that the page
+    shows at the speed 1, with slow motion, and the rows next to the onset or the end of an impact.
     ``impact_time``: the time [s] that an impact takes on the screen.
     """
     time, impacts = recording.time, recording.impacts

@@ -91,11 +91,11 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
 
 
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
-    """Return for each line a style of dashes if it merges with an earlier line, and None for other lines.
+    """Return for each line a style of dashes if it merges with the first line of a group, else None.
 
-    Lines merge if they nearly coincide (MERGED). In a group of lines that merge, the first line, which the
-    caller draws below the other lines, has no dashes. The dashes of the other lines alternate: one dash of
-    each, and then a gap through which the first line is visible.
+    Lines merge if they nearly coincide (MERGED). The first line of a group, which the caller draws below the
+    other lines, has no dashes; a line that merges with no earlier group begins one. The dashes of the other
+    lines alternate: one dash of each, and then a gap through which the first line is visible.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.

@@ -37,8 +37,8 @@ THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar of each
 # block is at most ONE_SCALE times as long as the longest bar of any other block.
 ONE_SCALE = 10.0
-CUT = 4.0  # if bars are longer than CUT times all marks, and marks refute most bars, long bars are cut off
-ROOM_BESIDE = 1.5  # the arrow at the end of a bar is seen beside the mark that is farthest from 0
+CUT = 4.0  # see ``axis_ends``
+ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are seen beside the marks
 CUT_BARS = "; a bar with an arrow is longer than the axis"
 ARROW_HEAD = 6.0  # [points] the size of the arrow at the end of a bar that is cut off
 
@@ -88,8 +88,8 @@ class Bars:
 def axis_ends(values: Sequence[float], marks: Sequence[float | None]) -> tuple[float, float]:
     """Return the ends of the axis for bars: the least and the largest of 0, all ``values`` and all ``marks``.
 
-    If most bars have marks, which are all much nearer to 0 than the longest bar (CUT), longer bars are
-    cut off at ROOM_BESIDE times the largest distance of a mark, or of a bar without mark, from 0.
+    If most bars have marks, and all marks and all bars without a mark are much nearer to 0 than the longest
+    bar (CUT), bars are cut off at ROOM_BESIDE times the largest distance of these marks and bars from 0.
     """
     seen = [value for value in (*values, *marks) if value is not None and math.isfinite(value)]
     low, high = min([0.0, *seen]), max([0.0, *seen])

@@ -41,8 +41,8 @@ def has_impulses(law: str) -> bool:
 def impacts_at_peaks(recording: Recording) -> np.ndarray:
     """Return a copy of the table of impacts in which ``onset`` is the time of the largest force, if known.
 
-    The onset stays if the largest force follows too soon to be visible (SEEN_CONTACT), if no row has the peak
-    force, if the recording lacks the force, and under a law that acts by impulses.
+    The onset stays if the largest force follows too soon to be visible (SEEN_CONTACT), if no row has almost
+    the peak force (ALMOST_PEAK), if the recording lacks the force, and under a law that acts by impulses.
     """
     impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * np.ptp(recording.time)
     law = recording.parameters.get("contact.model", "")

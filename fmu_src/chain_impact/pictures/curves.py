@@ -58,7 +58,7 @@ END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
 TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
-SMALL = 0.1  # [m] a panel with smaller lengths only has the unit mm or µm
+SMALL = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
 LONGEST = 14  # a name with more characters has two lines as the label of a panel with one curve
 # the largest number of curves for a legend beside the panel; with more curves the legend is above the panel
 SIDE = 8

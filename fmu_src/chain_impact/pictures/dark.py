@@ -133,7 +133,7 @@ class Ground(NamedTuple):
     def _suited_each(self, colours: Any) -> Colour | list[Colour]:
         """Return the colours that replace the colours of a collection.
 
-        A single colour is returned without a list, for which matplotlib accepts any number of opacities.
+        A single colour is returned without a list: for it, matplotlib accepts any number of opacities.
         """
         each = [self.suited(colour) for colour in np.asarray(colours)]
         return each[0] if len(each) == 1 else each
@@ -159,7 +159,7 @@ def luminance(colour: Any) -> float:
 
 
 def is_dark(ground: Any) -> bool:
-    """Return whether a ground is dark; a ground that is transparent is not."""
+    """Return whether a ground is dark; a completely transparent ground is not."""
     return to_rgba(ground)[3] > 0.0 and luminance(ground) < DARK
 
 

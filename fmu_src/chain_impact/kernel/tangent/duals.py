@@ -5,8 +5,8 @@ numbers in place of reals. The kernel's functions accept both instances. The com
 numbers of compilation/dual_numbers.py.
 
 A direction is a parameter or input with respect to which derivatives are computed. The tangent instances
-follow the primal instance in memory; each has DIRECTIONS directions. The compiled versions of these functions
-are in compilation/built_in.py.
+follow the primal instance in memory; each has DIRECTIONS directions. The functions of this module that take
+instances have their compiled versions in compilation/built_in.py.
 """
 
 import numpy as np

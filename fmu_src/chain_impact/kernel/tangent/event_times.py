@@ -105,7 +105,7 @@ def delay_of_crossing(t, c, kind):
 
 
 def delay_without_force_jump(t, c, kind):
-    """Return the delay [s] of an event of candidate c at which its force does not jump.
+    """Return the delay [s] of an event of candidate c at which the candidate's force does not jump.
 
     ``kind`` is KINK or RELEASE of events/marks.py.
     """
@@ -123,9 +123,9 @@ def delay_of_saturation(t):
 
 
 def delay_of_segment(t):
-    """Return the delay [s] of the end of the first signal's segment that ends with the last step.
+    """Return the delay [s] of the end of the segment that ends with the last step, of the first such signal.
 
-    If no segment ends there, the result is 0 without derivatives.
+    If no signal's segment ends there, the result is 0 without derivatives.
     """
     for j in range(t.signals):
         if has_ended(t, j):

@@ -196,7 +196,7 @@ def copy_stages(d, t, size):
 
 
 def copy_jacobian_data(d, t):
-    """Copy the data of the Jacobian A of d to t: link vectors, and slopes of drives and contacts."""
+    """Copy the data of A, d's Jacobian, to t: link vectors; stiffness and damping of contacts and drives."""
     source, implicit = d.implicit, t.implicit
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = source.link.x[i], source.link.y[i]

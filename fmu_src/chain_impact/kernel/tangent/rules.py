@@ -199,7 +199,7 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
 def slope_along(argument, h, at):
     """Return the derivative of the user's law with respect to one ``argument``, by central differences.
 
-    The differences are of order 4, with the increment h; ``at`` has the values of all arguments.
+    The differences are of order 4, with the increment h; ``at`` has the values of all arguments. 0 if h = 0.
     """
     if h == 0.0:
         return 0.0
