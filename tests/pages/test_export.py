@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from chain_impact import cli, load_scene, simulate
-from tests.pages.in_pages import enter, impacts_of, saved, until, until_told
+from tests.pages.in_pages import enter, go_to, impacts_of, press, saved, time_of, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -49,6 +49,63 @@ def test_a_link_carries_the_changes(show):
     page.get_by_role("alert").wait_for()
     told = "The link cannot be used: contact.restitution = 2 must be"
     assert told in page.get_by_role("alert").inner_text()
+
+
+def test_a_link_brings_back_pins_and_time(show):
+    page = show(hash_="#contact.restitution=0.5&gravity.y=-9")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.7, 'gravity.y': -9.81})")
+    until_told(page, impacts_of({}))
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.4})")
+    until_told(page, impacts_of({"contact.restitution": 0.4}))
+    page.get_by_title("Take this pin away").first.click()
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.3})")
+    until_told(page, impacts_of({"contact.restitution": 0.3}))
+    go_to(page, 0.625)
+    page.get_by_role("button", name="Export…").click()
+    link = page.get_by_label("A link to this page as it is")
+    until(page, "document.getElementById('link').value.includes('time=0.625')")
+    assert page.inner_text("#export-text") == ""
+    named = "[...document.querySelectorAll('#pins th .dot, #pins td:nth-child(2)')].map((e) => e.innerText)"
+    other = show(hash_=f"#{link.input_value().partition('#')[2]}")
+    until(other, "document.querySelectorAll('#pins tbody tr').length === 3")
+    until_told(other, impacts_of({"contact.restitution": 0.3}))
+    assert other.evaluate(named) == page.evaluate(named)
+    assert [row[:1] for row in other.locator("#pins tbody .dot").all_inner_texts()] == ["", "B", "A"]
+    assert time_of(other) == 0.625
+    until(other, "location.hash.startsWith('#pins=B~!A~contact.restitution%3D0.4&time=0.625&')")
+    other.locator(".unpin").first.click()
+    until(other, "location.hash.startsWith('#pins=A~contact.restitution%3D0.4&')")
+    press(other, "Home")
+    until(other, "!location.hash.includes('time')")
+
+
+def test_a_long_link_and_pins_of_another_scene_are_told(show):
+    page = show(hash_="#pins=F~gravity.y%3D-9", begins=False)
+    told = "The link cannot be used: the pin F~gravity.y=-9 must be a letter from A to E, ~ and changes."
+    until(page, f"document.getElementById('status').textContent === {told!r}")
+    page.evaluate("chainImpact.show({'contact.restitution': 0.4})")
+    until_told(page, impacts_of({"contact.restitution": 0.4}))
+    page.get_by_role("button", name="Pin").click()
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove link 3").click()
+    until_told(page, "3 links")
+    page.keyboard.press("Escape")
+    masses = {f"link[{k}].{key}": 1.0 + k / 7 for k in (1, 2, 3) for key in ("mass", "inertia")}
+    for k in range(5):
+        page.evaluate("all => chainImpact.show(all)", {**masses, "gravity.y": -9.0 - k / 3})
+        until(page, f"Number(chainImpact.parameters['gravity.y']) === {-9.0 - k / 3}")
+        until(page, "document.getElementById('stage').ariaBusy === 'false'")
+        page.get_by_role("button", name="Pin").click()
+    page.get_by_role("button", name="Export…").click()
+    page.locator("#export-text").get_by_text("some programs cut it after 2000.").wait_for()
+    length = len(page.get_by_label("A link to this page as it is").input_value())
+    assert page.inner_text("#export-text") == (
+        "The command needs the scene file: save it first. The link has no pins of other scenes. "
+        f"The link has {length} characters; some programs cut it after 2000."
+    )
 
 
 def test_a_link_counts_although_the_page_then_writes_its_own_address(show):

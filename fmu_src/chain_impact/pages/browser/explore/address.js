@@ -1,5 +1,6 @@
-// The address of the page, which contains the open scene, the reader's changes and the chosen outputs.
+// The address of the page, which contains the open scene, the reader's changes, the chosen outputs, the pins and the time of a pause.
 
+import { numberText } from "../base/format.js";
 import { Changes } from "../scene/changes.js";
 import { inputStepsIn } from "../scene/input_steps.js";
 import { contentsIn } from "../scene/scene_file.js";
@@ -7,27 +8,61 @@ import { changesIn, hashOf } from "./export.js";
 
 const REST = 300; // [ms] the changes are put into the address when nothing has changed for this time
 
+// signs in an address that need no "%": BETWEEN_PINS separates pins, and AFTER_LETTER a pin's letter from its changes
+const [BETWEEN_PINS, AFTER_LETTER] = ["!", "~"];
+
 export class Address {
   #timer;
+  #awaited = {}; // pins and time of the last address, until `takeAwaited` returns them
 
   /**
-   * Use the scene, the changes and the outputs in the present address, and keep the address up to date afterwards. `choice`: the chosen
-   * outputs; `refuse`: function that shows a sentence on a fault in the address.
+   * Use the scene, the changes and the outputs in the present address, and keep the address up to date afterwards.
+   *
+   * @param choice the chosen outputs. @param clock the clock of the player. @param comparedMotions the motions of which the address has the
+   * pinned ones. @param refuse function that shows a sentence on a fault in the address.
    */
-  constructor(changes, choice, openScene, refuse) {
-    Object.assign(this, { changes, choice, openScene, refuse });
+  constructor(changes, choice, { openScene, clock, comparedMotions, refuse }) {
+    Object.assign(this, { changes, choice, openScene, clock, comparedMotions, refuse });
     if (location.hash) this.#apply(location.hash);
     changes.onChange(() => this.updateSoon());
+    comparedMotions.onPin = () => this.updateSoon();
+    let isPlaying = clock.playing;
+    clock.onChange(() => {
+      if (!clock.playing || !isPlaying) this.updateSoon();
+      isPlaying = clock.playing;
+    });
     // the address comes from the event, because `updateSoon` may have replaced the page's address since the event was made
     addEventListener("hashchange", ({ newURL }) => this.#apply(new URL(newURL).hash));
   }
 
+  /** Return the address; it has the time shown if the motion is paused between its start and its end. */
   get text() {
-    const hash = hashOf(this.changes, { scene: this.openScene.text, curves: this.choice.names.join() });
+    const { changes, choice, openScene, clock, comparedMotions } = this;
+    const { pins = comparedMotions.pinsOf(changes.scene) } = this.#awaited;
+    const time = clock.recording && !clock.playing && !clock.hasEnded ? clock.time : 0;
+    const hash = hashOf(changes, {
+      scene: openScene.text,
+      curves: choice.names.join(),
+      pins: pins.map((pin) => pin.letter + AFTER_LETTER + hashOf(changes, {}, pin)).join(BETWEEN_PINS),
+      time: time && numberText(Number(time.toFixed(7))),
+    });
     return location.href.split("#")[0] + (hash && `#${hash}`);
   }
 
-  /** Put the changes into the address when nothing has changed for a while: browsers limit how often a page may change its address. */
+  /** Return the `pins` and the `time` of an address that has been used since the last call; without such an address both are undefined. */
+  takeAwaited() {
+    const awaited = this.#awaited;
+    this.#awaited = {};
+    return awaited;
+  }
+
+  /** Return whether pins are not in the address, because they have another scene. */
+  get lacksPins() {
+    const { changes: { scene }, comparedMotions: { pins } } = this;
+    return pins.some((recording) => recording.scene !== scene);
+  }
+
+  /** Put all into the address when nothing has changed for a while: browsers limit how often a page may change its address. */
   updateSoon() {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => history.replaceState(null, "", this.text), REST);
@@ -35,21 +70,35 @@ export class Address {
 
   /**
    * Use the scene, the changes and the outputs in the part of an address from "#" on, `hash`. If the scene has a fault, show the fault, and
-   * use none of the three. If the changes or the outputs have a fault, show the fault, and use only the scene.
+   * use none of the three. If anything else has a fault, show the fault, and use only the scene.
    */
   #apply(hash) {
     const { changes, choice, openScene } = this;
     try {
-      const { scene: text = "", curves = "", ...parts } = changesIn(hash);
+      const { scene: text = "", curves = "", pins = "", time = "", ...parts } = changesIn(hash);
       if (text && text !== openScene.text) openScene.open(contentsIn(text));
       else if (text !== openScene.text) openScene.openFirst();
-      const { others, inputSteps } = inputStepsIn(parts, changes);
-      const values = new Changes(changes.scene).with(others);
+      const { values, inputSteps } = changedBy(parts, changes);
+      const awaited = pins.split(BETWEEN_PINS).filter(Boolean).map((pin) => pinIn(pin, changes));
       choice.take(curves);
+      this.#awaited = { ...(awaited.length && { pins: awaited }), ...(Number(time) > 0 && { time: Number(time) }) };
       changes.replace(values, inputSteps);
     } catch (error) {
       this.refuse(`The link cannot be used: ${error.message}.`);
       this.updateSoon();
     }
   }
+}
+
+/** Return the changes (`values`, `inputSteps`) that parts of an address (`texts`: name → text) make in the present scene. */
+function changedBy(texts, changes) {
+  const { others, inputSteps } = inputStepsIn(texts, changes);
+  return { values: new Changes(changes.scene).with(others), inputSteps };
+}
+
+/** Return the letter and the changes of a pin in an address, such as A~contact.restitution=0.5. */
+function pinIn(text, changes) {
+  const [, letter, hash = ""] = new RegExp(`^([A-E])(?:${AFTER_LETTER}(.*))?$`).exec(text) ?? [];
+  if (!letter) throw new RangeError(`the pin ${text} must be a letter from A to E, ${AFTER_LETTER} and changes`);
+  return { letter, ...changedBy(changesIn(hash), changes) };
 }

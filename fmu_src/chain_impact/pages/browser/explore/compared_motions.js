@@ -4,6 +4,7 @@
 import { find, make } from "../base/dom.js";
 import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
 import { partnerOf } from "../recording/partners.js";
+import { Recording } from "../recording/recording.js";
 import { placeText, toucherText, wallText } from "../scene/words.js";
 import { onGesture } from "./gestures.js";
 
@@ -13,6 +14,8 @@ const [TIP, TIPS_APART] = [15, 16]; // TIP: [pixels] diameter of the dot of a le
 const LISTED = 40; // number of impacts of each motion, from the first on, that the table of compared motions has
 
 export class ComparedMotions {
+  onPin = () => {}; // a function that is called when a motion has been pinned, or is not pinned any more
+
   constructor(player, panel, table) {
     this.player = player;
     this.panel = panel;
@@ -42,15 +45,34 @@ export class ComparedMotions {
     return this.pinned.map(({ recording }) => recording);
   }
 
+  /** Return the pinned motions of a scene, each with its `letter` and the changes that it has from the scene (`values`, `inputSteps`). */
+  pinsOf(scene) {
+    return this.pinned.filter(({ recording }) => recording.scene === scene)
+      .map(({ recording: { values, inputSteps }, colour }) => ({ letter: LETTERS[colour - 1], values, inputSteps }));
+  }
+
+  /** Pin motions in place of those that are pinned; each has a `letter`, its `parts` and facts `about` it (simulation.js). */
+  pinAll(motions) {
+    this.#use(motions.map(({ letter, parts, about }) => ({
+      recording: Object.assign(new Recording({ ...parts, ownView: parts.view }), about),
+      colour: LETTERS.indexOf(letter) + 1,
+    })));
+  }
+
   /** Pin the shown motion, unless it is pinned already, and show it in the table, where words for its changes are its name. */
   pin() {
     const { recording } = this.player;
     if (this.pinned.some((motion) => motion.recording === recording)) return;
     const used = this.pinned.map(({ colour }) => colour);
     const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
-    this.pinned.push({ recording, colour });
-    this.show();
+    this.#use([...this.pinned, { recording, colour }]);
     this.panel.scrollIntoView({ block: "nearest" }); // on a small screen the list is below the motion, so it is scrolled into view
+  }
+
+  #use(pinned) {
+    this.pinned = pinned;
+    this.show();
+    this.onPin();
     this.player.drawSoon();
   }
 
@@ -69,9 +91,7 @@ export class ComparedMotions {
   }
 
   unpin(motion) {
-    this.pinned = this.pinned.filter((other) => other !== motion);
-    this.show();
-    this.player.drawSoon();
+    this.#use(this.pinned.filter((other) => other !== motion));
   }
 
   /**

@@ -61,6 +61,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
     player.show(Object.assign(new Recording(withSteadyView(parts)), about));
     comparedMotions.show();
     choice.bringIntoView();
+    bringBack(address.takeAwaited());
     simulation.addCurves(comparedMotions.pins).then((isNew) => isNew && comparedMotions.show());
   } else if (player.recording) {
     player.clock.set({ playing: false });
@@ -69,6 +70,16 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
   showOutcome(parts ? player.recording : undefined);
   window.begun.finishLoad();
 });
+/** Go to the time, and pin the motions, that a link has brought; undefined ones are not in the link. The view then holds all pins. */
+function bringBack({ pins, time }) {
+  if (time !== undefined) player.clock.set({ playing: false, frame: player.recording.frameAt(time) });
+  if (!pins) return;
+  simulation.motionsOf(pins).then((motions) => {
+    comparedMotions.pinAll(motions);
+    simulation.soon();
+  });
+}
+
 const openScene = new OpenScene(changes, choice, kit);
 const editor = new Editor(changes, openScene, kit.keys);
 changes.onChange(() => {
@@ -77,7 +88,8 @@ changes.onChange(() => {
 const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
 player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });
 showParameterList(find("list-of-parameters"), changes);
-const address = new Address(changes, choice, openScene, (fault) => simulation.notify(fault));
+const { clock } = player;
+const address = new Address(changes, choice, { openScene, clock, comparedMotions, refuse: (fault) => simulation.notify(fault) });
 comparedMotions.follow(changes, handles);
 const steps = new UndoHistory(changes, openScene, handles, () => editor.refresh());
 choice.onChange(() => {

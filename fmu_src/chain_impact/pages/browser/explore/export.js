@@ -53,11 +53,11 @@ function dictionary(pairs) {
 }
 
 /**
- * Return the text after the # of an address: first the contents of `shown`, then the reader's changes. `shown` can have `scene`, the text
- * of the scene file if it is not the page's own, and `curves`, the names of the outputs in the charts.
+ * Return the text after the # of an address: first the contents of `shown` (name → text), which have no names of parameters, then the
+ * changes `given`, by default those of the reader.
  */
-export function hashOf(changes, shown = {}) {
-  const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(), ...inputStepTexts(changes)];
+export function hashOf(changes, shown = {}, given = changes) {
+  const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(given.values), ...inputStepTexts(given)];
   return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
 }
 

@@ -5,6 +5,8 @@ import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { inputSignals } from "../scene/input_steps.js";
 import { commandOf, csvOf, impactsCsvOf, pictureOf, save } from "./export.js";
 
+const LONG = 2000; // number of characters from which on some programs cut an address
+
 /**
  * Connect the buttons of the dialog with their exports.
  *
@@ -13,11 +15,17 @@ import { commandOf, csvOf, impactsCsvOf, pictureOf, save } from "./export.js";
  * faultOf function that returns a sentence on the fault of a run.
  */
 export function connectExport(changes, { keys, ask, address, openScene, faultOf }) {
-  find("export-open").addEventListener("click", () => {
+  find("export-open").addEventListener("click", async () => {
     find("command").value = commandOf(changes);
-    find("link").value = address.text;
-    find("export-text").textContent = openScene.text ? "The command needs the scene file: save it first." : "";
     find("export").showModal();
+    await null; // the dialog has then paused the motion, so that the address has the time
+    find("link").value = address.text;
+    const { length } = address.text;
+    find("export-text").textContent = [
+      openScene.text && "The command needs the scene file: save it first.",
+      address.lacksPins && "The link has no pins of other scenes.",
+      length > LONG && `The link has ${length} characters; some programs cut it after ${LONG}.`,
+    ].filter(Boolean).join(" ");
   });
   document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {
     const field = find(button.dataset.copy);

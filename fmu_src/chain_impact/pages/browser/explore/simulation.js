@@ -98,6 +98,17 @@ export class Simulation {
     return lacking.length > 0;
   }
 
+  /** Simulate the present scene with each of several changes; return these, each with `parts` and `about` as `show` gets them. */
+  async motionsOf(all) {
+    const { engine, choice: { names: curves }, changes } = this;
+    const { scene } = changes;
+    const motions = await Promise.all(all.map(async ({ values, inputSteps, ...given }) => {
+      const about = { changed: changesInWords(changes, { values, inputSteps }), scene, values, inputSteps };
+      return { ...given, about, parts: (await engine.ask("pinned", values, { curves, inputSteps }))?.parts };
+    }));
+    return motions.filter(({ parts }) => parts);
+  }
+
   /** Return a sentence on the fault of a run; "" without one. `hasMotion`: whether the run has computed a motion up to the fault. */
   faultOf(run, hasMotion) {
     const { scene } = this.changes;
@@ -154,16 +165,16 @@ export class Simulation {
   }
 }
 
-/** Return the changes of the reader: words for a parameter → text of its value or, for an input with steps, of all its values. */
-function changesInWords(changes) {
+/** Return changes, by default the reader's: words for a parameter → text of its value or, for an input with steps, of all its values. */
+function changesInWords(changes, { values, inputSteps } = changes) {
   const wordsOf = wordsFor(changes);
   const textOf = (name, value) => {
     const { items } = changes.parameters.get(name);
-    const shown = presentlyShown(changes, name);
+    const shown = presentlyShown(changes, name, values);
     return items.length ? items[value - 1][0] : textWithUnit(value, shown, shown.factor === 1 ? ALL_DIGITS : DEGREE_DIGITS);
   };
-  const texts = new Map(Object.entries(changes.values).map(([name, value]) => [name, textOf(name, value)]));
-  for (const [name, steps] of Object.entries(changes.inputSteps)) {
+  const texts = new Map(Object.entries(values).map(([name, value]) => [name, textOf(name, value)]));
+  for (const [name, steps] of Object.entries(inputSteps)) {
     const later = steps.map(([time, value]) => `${textOf(name, value)} from ${time} s`);
     texts.set(name, [texts.get(name), ...later].filter(Boolean).join(", "));
   }
