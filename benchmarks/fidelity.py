@@ -22,7 +22,7 @@ from benchmarks.peers.ours import Kernel
 from benchmarks.problems import PROBLEMS, STEEL
 from benchmarks.race import judge
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.style import BLUE, headline
+from chain_impact.pictures.drawing.style import BLUE, headline
 from chain_impact.recording.text import number
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.simulate import simulate

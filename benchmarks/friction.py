@@ -26,8 +26,8 @@ from benchmarks.looks import LIGHT_BLUE, OURS, highest_first, strong
 from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, above_loosest, race, seconds_at
 from chain_impact import simulate
-from chain_impact.pictures.dark import ORANGE, PLUM
-from chain_impact.pictures.style import BLUE, GREEN, INK, PURPLE, headline
+from chain_impact.pictures.drawing.dark_ground import ORANGE, PLUM
+from chain_impact.pictures.drawing.style import BLUE, GREEN, INK, PURPLE, headline
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from tests.helpers.scenes.friction import SLOPE, sled, thrown

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.pictures import style
-from chain_impact.pictures.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
+from chain_impact.pictures.drawing import style
+from chain_impact.pictures.drawing.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
 
 OURS, LIGHT_BLUE = VERMILLION, "#56b4e9"
 STYLE = style.STYLE | {"axes.grid": True}

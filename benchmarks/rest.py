@@ -17,7 +17,7 @@ from benchmarks.looks import OURS, highest_first, strong
 from benchmarks.peers import MissingError
 from benchmarks.peers.cvode import BUDGET, COUNTS, Cvode, driver
 from benchmarks.peers.ours import OnInstance
-from chain_impact.pictures.style import BLUE, INK, headline
+from chain_impact.pictures.drawing.style import BLUE, INK, headline
 from chain_impact.recording.text import number
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.instance import Instance

@@ -26,8 +26,8 @@ from benchmarks.peers.cvode import OVER_BUDGET, Cvode
 from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
-from chain_impact.pictures.dark import ORANGE
-from chain_impact.pictures.style import BLUE, GREEN, PURPLE, VERMILLION, headline
+from chain_impact.pictures.drawing.dark_ground import ORANGE
+from chain_impact.pictures.drawing.style import BLUE, GREEN, PURPLE, VERMILLION, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
 

@@ -24,8 +24,8 @@ from benchmarks import common, peers
 from benchmarks.looks import LOOKS, highest_first, look
 from benchmarks.problems import PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
-from chain_impact.pictures.labels import Ink, Label, place_labels
-from chain_impact.pictures.style import INK, headline
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.style import INK, headline
 from chain_impact.recording.text import number
 
 NAMES = ("four", "ten", "thirty")

@@ -29,8 +29,14 @@ SLOWEST = (
 )
 # file → other file with which the file shares a process, because both use the same results
 WITH = {
-    f"tests/pictures/test_{name}.py": "tests/pictures/test_overview.py"
-    for name in ("committed_pictures", "motion", "over_time", "room")
+    f"tests/pictures/{name}.py": "tests/pictures/test_overview.py"
+    for name in (
+        "motion/test_motion",
+        "motion/test_walls",
+        "over_time/test_energies",
+        "over_time/test_impacts",
+        "test_committed_pictures",
+    )
 }
 
 

@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact import Chain, load_scene, simulate
-from chain_impact.pictures.law_looks import law_look
-from chain_impact.pictures.style import DPI, STYLE
+from chain_impact.pictures.drawing.law_looks import law_look
+from chain_impact.pictures.drawing.style import DPI, STYLE
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "paper.png"

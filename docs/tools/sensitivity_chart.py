@@ -18,9 +18,9 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from chain_impact import Result, simulate
-from chain_impact.pictures.changes import calm
-from chain_impact.pictures.over_time import mark_impacts
-from chain_impact.pictures.style import BLACK, DPI, PALETTE, STYLE, headline
+from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, headline
+from chain_impact.pictures.over_time.time_axis import mark_impacts
+from chain_impact.pictures.sensitivities import calm
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import number
 from docs.tools import DOCS

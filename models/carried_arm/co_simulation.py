@@ -43,7 +43,7 @@ def draw(path, time, columns):
     import numpy as np
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.style import BLUE, DPI, INK, PEAK_COLOUR, STYLE, VIOLET, headline
+    from chain_impact.pictures.drawing.style import BLUE, DPI, INK, PEAK_COLOUR, STYLE, VIOLET, headline
 
     forces = np.hypot(columns["joint[1].force.x"], columns["joint[1].force.y"])
     # a new largest force lies within a communication step, at whose end it is drawn

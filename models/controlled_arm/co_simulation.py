@@ -39,7 +39,7 @@ def draw(path, columns, parameters):
 
     from chain_impact import Recording
     from chain_impact.pictures import draw_chain, draw_walls
-    from chain_impact.pictures.style import (
+    from chain_impact.pictures.drawing.style import (
         BLUE,
         DPI,
         GREEN,

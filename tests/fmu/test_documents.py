@@ -1,6 +1,6 @@
 """The documentation in an FMU, without a build: its page, its drawing, its terminals."""
 
-# Tests: pictures/start.py
+# Tests: pictures/chain_at_start.py
 
 from collections import Counter
 from html import escape
@@ -14,7 +14,7 @@ from lxml import etree
 
 from chain_impact import load_scene, model_names
 from chain_impact.fmu.documents import TERMINALS_FILE, documents, page, terminals_and_icons
-from chain_impact.pictures.start import icon
+from chain_impact.pictures.chain_at_start import icon
 from chain_impact.variables.prepared import PreparedScene
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"

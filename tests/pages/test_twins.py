@@ -4,7 +4,7 @@ The comparisons allow for a few last digits: a compiler may join a product and a
 libraries round sines differently.
 """
 
-# Tests: pages/drawn.py, pages/shared.py, pictures/arrow_scale.py, pictures/film_figure.py, scene/bodies.py
+# Tests: pages/drawn.py, pages/shared.py, pictures/film/arrow_scale.py, pictures/film/film.py, scene/bodies.py
 # Tests: pages/browser/base/mapped.js, pages/browser/base/similar_names.js
 # Tests: pages/browser/drawing/arrow_scale.js, pages/browser/explore/map/map_colours.js
 # Tests: pages/browser/recording/pacing.js, pages/browser/recording/view.js
@@ -25,10 +25,10 @@ from chain_impact import load_scene, model_names, simulate
 from chain_impact.pages.assembly import text_of
 from chain_impact.pages.drawn import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts
-from chain_impact.pictures.arrow_scale import ArrowScale
-from chain_impact.pictures.film_figure import CHAIN, FORCE, MUTED, TIP
-from chain_impact.pictures.over_time import ENERGIES, without_gap
-from chain_impact.pictures.style import LOAD
+from chain_impact.pictures.drawing.style import LOAD
+from chain_impact.pictures.film.arrow_scale import ArrowScale
+from chain_impact.pictures.film.film import CHAIN, FORCE, MUTED, TIP
+from chain_impact.pictures.over_time.energies import ENERGIES, without_gap
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans

@@ -8,10 +8,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
-from chain_impact.pictures import figures
-from chain_impact.pictures.dark import GLARE, luminance
+from chain_impact.pictures.drawing import figures
+from chain_impact.pictures.drawing.dark_ground import GLARE, luminance
+from chain_impact.pictures.drawing.style import styled
 from chain_impact.pictures.overview import fill, usual_size
-from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.models import model_names

@@ -1,6 +1,6 @@
 """The committed pictures of models: their texts equal the texts that the code draws."""
 
-# Tests: pictures/style.py
+# Tests: pictures/drawing/style.py
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from chain_impact.pictures.style import words_of
+from chain_impact.pictures.drawing.style import words_of
 from chain_impact.scene.models import model_names
 from docs.tools.images import OTHERS
 from tests.pictures.pictures import drawn, recorded

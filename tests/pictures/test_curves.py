@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures.curves import extremes, largest_vectors, looks_of
-from chain_impact.pictures.over_time import ENERGIES
+from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.curves import CLOSE_TIMES, Curves
 from tests.pictures.pictures import WIDTHS, check_texts
 

@@ -1,6 +1,6 @@
 """The page with a recording: its files, its headline, and no overlaps."""
 
-# Tests: pictures/arrangement.py, pictures/legends.py, pictures/sizes.py
+# Tests: pictures/overview_layout.py, pictures/drawing/legends.py, pictures/drawing/sizes.py
 
 import dataclasses
 import itertools
@@ -16,12 +16,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Text
 
-from chain_impact.pictures.arrangement import broadness, is_beside, is_over_time
-from chain_impact.pictures.figures import FIGURE_SIZE
-from chain_impact.pictures.impact_numbers import MOST_LISTED
-from chain_impact.pictures.labels import Ink
-from chain_impact.pictures.legends import MARK, fit_legends, legend_above
-from chain_impact.pictures.style import styled
+from chain_impact.pictures.drawing.figures import FIGURE_SIZE
+from chain_impact.pictures.drawing.labels import Ink
+from chain_impact.pictures.drawing.legends import MARK, fit_legends, legend_above
+from chain_impact.pictures.drawing.style import styled
+from chain_impact.pictures.overview_layout import broadness, is_beside, is_over_time
+from chain_impact.pictures.words.impact_numbers import MOST_LISTED
 from chain_impact.recording.recording import Recording
 from tests.pictures.pictures import (
     MODELS,

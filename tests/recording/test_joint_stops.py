@@ -11,19 +11,13 @@ from rich.table import Table
 
 from chain_impact import load_scene, simulate
 from chain_impact.cli.screen import plain_lines, summary
-from chain_impact.pictures.figures import FIGURE_SIZE
-from chain_impact.pictures.impact_marks import draw_impacts, stop_scale
-from chain_impact.pictures.motion import by_speed, rings
+from chain_impact.pictures.drawing.figures import FIGURE_SIZE
+from chain_impact.pictures.motion.impact_rings import by_speed, rings
+from chain_impact.pictures.over_time.impacts import draw_impacts, stop_scale
 from chain_impact.pictures.overview import fill
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.impacts import IMPACT_DTYPE
-from chain_impact.recording.joint_stops import (
-    ARC,
-    JointRange,
-    range_lines,
-    ranges_of,
-    touching_place,
-)
+from chain_impact.recording.joint_stops import ARC, JointRange, range_lines, ranges_of, touching_place
 from chain_impact.recording.stick_slip import JOINT_STOP
 from chain_impact.results.result import Result
 from tests.helpers.scenes.stops import UP, knee

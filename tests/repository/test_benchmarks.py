@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from scipy.io import savemat
 
 import chain_impact
-from chain_impact.pictures.style import STYLE
+from chain_impact.pictures.drawing.style import STYLE
 from tests.helpers.models.coulomb_impact import Strike, stiff_limit
 from tests.helpers.models.reference import exact_damping_factor
 

@@ -82,9 +82,12 @@ def test_a_reader_finds_the_capital_names_in_texts(room):
     [
         ('"""See OTHER_NAME."""\n', ["OTHER_NAME"]),
         ("x = 1  # at most LEAST\n", ["LEAST"]),
-        ("LEAST = 1\nx = 1  # at most LEAST [m], by SHORTEST\n# of pictures/arrow_scale.py\n", ["SHORTEST"]),
+        (
+            "LEAST = 1\nx = 1  # at most LEAST [m], by SHORTEST\n# of pictures/film/arrow_scale.py\n",
+            ["SHORTEST"],
+        ),
         ("LEAST = 1\nx = 1  # at most LEAST [m], by `arrow_scale.SHORTEST_ARROW`\n", []),
-        ("# SHORTEST_ARROW of an FMU (pictures/arrow_scale.py)\n", []),
+        ("# SHORTEST_ARROW of an FMU (pictures/film/arrow_scale.py)\n", []),
         ('"""The command: ``tool --name NAME``; NAME may be empty."""\n', []),
         ('"""The command: tool FIRST LAST WAY."""\n', []),
     ],

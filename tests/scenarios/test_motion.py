@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from chain_impact import Chain, SceneError, SceneWarning, SimulationError, simulate
 from chain_impact.fmu.references import reference
 from chain_impact.pages.recorded import data
-from chain_impact.pictures.film_figure import Film
+from chain_impact.pictures.film.film import Film
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.models import driven

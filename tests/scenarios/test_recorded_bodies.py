@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.pages.recorded import data
-from chain_impact.pictures.impact_marks import marks_of, point_groups
+from chain_impact.pictures.over_time.impacts import marks_of, point_groups
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label

@@ -1,6 +1,6 @@
 """The picture of a comparison."""
 
-# Tests: pictures/law_looks.py
+# Tests: pictures/drawing/law_looks.py
 
 import re
 
@@ -10,9 +10,9 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from chain_impact import CONTACT_LAWS, compare
-from chain_impact.pictures.law_looks import LAW_LOOKS
-from chain_impact.pictures.over_time import energy_curves
-from chain_impact.pictures.style import GREY, INK
+from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
+from chain_impact.pictures.drawing.style import GREY, INK
+from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare_plot import (
     COLOURED_LAWS,

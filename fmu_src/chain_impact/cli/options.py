@@ -19,7 +19,7 @@ from chain_impact.scene.similar_names import nearest, nearest_file
 from chain_impact.simulation.record_scene import with_settings
 
 if TYPE_CHECKING:
-    from chain_impact.pictures.sizes import Size
+    from chain_impact.pictures.drawing.sizes import Size
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:

@@ -43,7 +43,7 @@ from chain_impact.studies.accuracy import Differences
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.sizes import Size
+    from chain_impact.pictures.drawing.sizes import Size
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Canvas:
         write_picture(self.path, self.size, plot)
         if self.window:
             # imported here, because the import takes a second
-            from chain_impact.pictures.style import suit_figure
+            from chain_impact.pictures.drawing.style import suit_figure
 
             fill(self.window)
             suit_figure(self.window)

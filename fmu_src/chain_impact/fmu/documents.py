@@ -55,7 +55,7 @@ EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
     """Return the documents by their paths in an FMU of version 2 or 3 of FMI."""
     # imported here, because the import takes a second
-    from chain_impact.pictures.start import icon
+    from chain_impact.pictures.chain_at_start import icon
 
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
     if license_text is None:
@@ -73,7 +73,7 @@ def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
 
 def page(prepared: PreparedScene, fmi: int) -> str:
     """Return the documentation of an FMU as a page of HTML."""
-    from chain_impact.pictures.start import SIGNS, drawing
+    from chain_impact.pictures.chain_at_start import SIGNS, drawing
 
     scene, variables = prepared.scene, prepared.variables
 

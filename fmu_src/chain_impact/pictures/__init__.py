@@ -1,14 +1,14 @@
 """Pictures of a recording: functions that fill figures, and ``draw_figure``, which makes the figure."""
 
 from chain_impact.pictures.bars import Bars, axis_ends, bars_size, fill_bars, have_one_scale
-from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
-from chain_impact.pictures.figures import FIGURE_SIZE, NoRoomError, check_alone, draw_figure
+from chain_impact.pictures.drawing.figures import FIGURE_SIZE, NoRoomError, check_alone, draw_figure
+from chain_impact.pictures.drawing.sizes import MM
 from chain_impact.pictures.impact import IMPACT_SIZE, fill_impact, fill_loop_axes
-from chain_impact.pictures.motion import draw_chain
+from chain_impact.pictures.motion.poses import draw_chain
+from chain_impact.pictures.motion.walls import draw_walls
 from chain_impact.pictures.overview import fill, fill_axes, usual_size
-from chain_impact.pictures.room import draw_walls
-from chain_impact.pictures.sizes import MM
+from chain_impact.pictures.sensitivities import fill_sensitivities
 
 __all__ = [
     "FIGURE_SIZE",

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
-from chain_impact.pictures.figures import settle
-from chain_impact.pictures.style import (
+from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.style import (
     BLUE,
     INK,
     LEAST_TICKS,

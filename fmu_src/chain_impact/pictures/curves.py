@@ -12,15 +12,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.bands import hides, plot_curves
-from chain_impact.pictures.figures import PANEL_HEIGHT, settle
-from chain_impact.pictures.given import drawn_into, fit_into_figure
-from chain_impact.pictures.labels import Ink, Label, place_labels
-from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.message import hit, write_head
-from chain_impact.pictures.over_time import ENERGIES, energy_look, impact_lines, mark_impacts, name_time
-from chain_impact.pictures.rest import shade_rests, shown_time
-from chain_impact.pictures.style import (
+from chain_impact.pictures.drawing.distinct_curves import hides, plot_curves
+from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.style import (
     FULL,
     PALETTE,
     faint,
@@ -31,6 +27,11 @@ from chain_impact.pictures.style import (
     styled,
     write_foot,
 )
+from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
+from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
+from chain_impact.pictures.over_time.rests import shade_rests, shown_time
+from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
+from chain_impact.pictures.words.headline import hit, write_head
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import LOAD_UNITS, few, plural

@@ -9,14 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.figures import settle
-from chain_impact.pictures.given import drawn_into, fit_into_figure
-from chain_impact.pictures.labels import Ink, Label, place_labels
-from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.message import hit
-from chain_impact.pictures.one_impact import shown_contact
-from chain_impact.pictures.style import (
+from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
+from chain_impact.pictures.drawing.style import (
     BLUE,
     GREEN,
     INK,
@@ -28,6 +25,9 @@ from chain_impact.pictures.style import (
     load_unit,
     styled,
 )
+from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
+from chain_impact.pictures.over_time.single_impact import shown_contact
+from chain_impact.pictures.words.headline import hit
 from chain_impact.recording.course import Course
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording

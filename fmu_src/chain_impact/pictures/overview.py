@@ -10,22 +10,25 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from chain_impact.pictures.arrangement import axes_of, broadness, is_beside, is_over_time, size_for
-from chain_impact.pictures.figures import settle
-from chain_impact.pictures.given import drawn_into, fit_into_figure
-from chain_impact.pictures.impact_marks import draw_impacts, number_impacts, place_of_late_peaks
-from chain_impact.pictures.labels import Ink
-from chain_impact.pictures.legends import legend_beside
-from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.message import write_head
-from chain_impact.pictures.motion import draw_motion, number_rings
-from chain_impact.pictures.names import full_names
-from chain_impact.pictures.one_impact import draw_one_impact, is_alone, number_one_impact
-from chain_impact.pictures.over_time import draw_clock, draw_energy, draw_stick_slip, label_time
-from chain_impact.pictures.room import is_flat
-from chain_impact.pictures.sizes import Size
-from chain_impact.pictures.straight import draw_along_line, line_of_motion
-from chain_impact.pictures.style import broken, is_narrow, styled, write_foot
+from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.labels import Ink
+from chain_impact.pictures.drawing.legends import legend_beside
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
+from chain_impact.pictures.drawing.sizes import Size
+from chain_impact.pictures.drawing.style import broken, is_narrow, styled, write_foot
+from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
+from chain_impact.pictures.motion.along_line import draw_along_line, line_of_motion
+from chain_impact.pictures.motion.impact_rings import number_rings
+from chain_impact.pictures.motion.motion import draw_motion
+from chain_impact.pictures.motion.view import is_flat
+from chain_impact.pictures.over_time.dry_friction import draw_stick_slip
+from chain_impact.pictures.over_time.energies import draw_energy
+from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts, place_of_late_peaks
+from chain_impact.pictures.over_time.single_impact import draw_one_impact, is_alone, number_one_impact
+from chain_impact.pictures.over_time.time_axis import draw_clock, label_time
+from chain_impact.pictures.overview_layout import axes_of, broadness, is_beside, is_over_time, size_for
+from chain_impact.pictures.words.headline import write_head
+from chain_impact.pictures.words.point_names import full_names
 from chain_impact.recording.recording import Recording
 
 BESIDE_LEGEND = 1.1  # the room for a legend beside the motion, relative to the width of the legend

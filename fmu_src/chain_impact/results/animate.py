@@ -53,7 +53,7 @@ def write_animation(
         if kind == ".html":
             fresh.write_text(page(recording, speed or 1.0, impact_time), encoding="utf-8")
         else:
-            from chain_impact.pictures.film import write_film
+            from chain_impact.pictures.film.writing import write_film
 
             write_film(recording, fresh, speed=speed, impact_time=impact_time, size=size, progress=progress)
     progress(1.0)

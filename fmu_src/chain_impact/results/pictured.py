@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from chain_impact.pages.inline import InlinePage
-    from chain_impact.pictures.sizes import Size
+    from chain_impact.pictures.drawing.sizes import Size
 
 
 # a run with more evaluations of the equations of motion than this is not repeated with other values

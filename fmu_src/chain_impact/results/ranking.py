@@ -23,7 +23,7 @@ from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.sizes import Size
+    from chain_impact.pictures.drawing.sizes import Size
 
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """The parameters that change the unit, and so the meaning, of a stiffness."""

@@ -42,7 +42,7 @@ from chain_impact.system import written_whole
 if TYPE_CHECKING:
     import pandas
 
-    from chain_impact.pictures.sizes import Size
+    from chain_impact.pictures.drawing.sizes import Size
 
 
 STIFFER = (10.0, 100.0)

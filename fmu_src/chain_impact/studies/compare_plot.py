@@ -20,16 +20,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.bands import MOST_GREY, fill_band, merged_dashes
-from chain_impact.pictures.figures import check_alone, draw_figure, settle
-from chain_impact.pictures.given import drawn_into, fit_into_figure
-from chain_impact.pictures.law_looks import LAW_LOOKS, law_look
-from chain_impact.pictures.legends import legend_at_foot
-from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.over_time import name_time, offset_text, shown_energies
-from chain_impact.pictures.rest import shown_time
-from chain_impact.pictures.sizes import Size
-from chain_impact.pictures.style import (
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, merged_dashes
+from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
+from chain_impact.pictures.drawing.law_looks import LAW_LOOKS, law_look
+from chain_impact.pictures.drawing.legends import legend_at_foot
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
+from chain_impact.pictures.drawing.sizes import Size
+from chain_impact.pictures.drawing.style import (
     GREY,
     INK,
     force_text,
@@ -39,6 +36,10 @@ from chain_impact.pictures.style import (
     raised,
     styled,
 )
+from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
+from chain_impact.pictures.over_time.energies import offset_text, shown_energies
+from chain_impact.pictures.over_time.rests import shown_time
+from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.unit_text import of_power
 from chain_impact.studies.law_change import LOSSLESS, compared_impact

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_figure
-from chain_impact.pictures.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, headline
+from chain_impact.pictures.drawing.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, headline
 from tests.helpers.literature.measured import heard_impacts, measured
 from tests.helpers.models.beam import Bar, impulse
 

@@ -13,7 +13,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 
 from chain_impact import fit, load_scene, simulate
-from chain_impact.pictures.style import PEAK_COLOUR
+from chain_impact.pictures.drawing.style import PEAK_COLOUR
 from chain_impact.studies.fit.estimates import LawEstimates
 from chain_impact.studies.fit.plot import MOST_DOTS, MOST_IN_TITLE, running_means
 from chain_impact.studies.fit.report import heading, sigma_of

@@ -22,12 +22,11 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
 from chain_impact.pictures.curves import axis_unit
-from chain_impact.pictures.figures import draw_figure, settle
-from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.over_time import name_time
-from chain_impact.pictures.sizes import Size
-from chain_impact.pictures.style import (
+from chain_impact.pictures.drawing.figures import draw_figure, settle
+from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
+from chain_impact.pictures.drawing.sizes import Size
+from chain_impact.pictures.drawing.style import (
     GREY,
     INK,
     LINE,
@@ -41,6 +40,7 @@ from chain_impact.pictures.style import (
     raised,
     styled,
 )
+from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.recording.text import number, plural
 from chain_impact.results.result import Result
 from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.sizes import Size
+    from chain_impact.pictures.drawing.sizes import Size
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.bands import merged_dashes
-from chain_impact.pictures.law_looks import law_look
-from chain_impact.pictures.legends import legend_at_foot
-from chain_impact.pictures.style import BLACK, COUNT_STEPS, PALETTE, give_ticks, is_narrow
+from chain_impact.pictures.drawing.distinct_curves import merged_dashes
+from chain_impact.pictures.drawing.law_looks import law_look
+from chain_impact.pictures.drawing.legends import legend_at_foot
+from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks, is_narrow
 from chain_impact.recording.map_colours import spread
 from chain_impact.recording.text import number
 from chain_impact.studies.sweep.maps import (

@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 
-from chain_impact.pictures.dark import ON_COLOUR
-from chain_impact.pictures.legends import legend_at_foot
-from chain_impact.pictures.style import is_narrow, raised
+from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
+from chain_impact.pictures.drawing.legends import legend_at_foot
+from chain_impact.pictures.drawing.style import is_narrow, raised
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.recording.text import number
 from chain_impact.scene.unit_text import in_brackets, of_scene

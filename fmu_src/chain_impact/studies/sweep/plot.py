@@ -20,26 +20,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.figures import draw_figure, settle
-from chain_impact.pictures.sizes import Size, figure_size
-from chain_impact.pictures.style import (
-    COUNT_STEPS,
-    headline,
-    is_narrow,
-    raised,
-    styled,
-)
+from chain_impact.pictures.drawing.figures import draw_figure, settle
+from chain_impact.pictures.drawing.sizes import Size, figure_size
+from chain_impact.pictures.drawing.style import COUNT_STEPS, headline, is_narrow, raised, styled
 from chain_impact.recording.text import number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.sweep.curves import COLOURS, CROSS, draw_curves, told_apart
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS, draw_samples, drawn_parameters, influence
-from chain_impact.studies.sweep.maps import (
-    draw_maps,
-    own_value,
-    unit_of,
-)
+from chain_impact.studies.sweep.maps import draw_maps, own_value, unit_of
 from chain_impact.studies.sweep.quantities import Quantity, Results, constants, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation

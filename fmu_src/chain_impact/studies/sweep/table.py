@@ -26,7 +26,7 @@ from chain_impact.system import written_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.sizes import Size
+    from chain_impact.pictures.drawing.sizes import Size
 
 TABLES = (".csv", PARQUET)
 SHOWN_RUNS = 10  # a notebook shows the rows of the first SHOWN_RUNS runs, and the number of further runs

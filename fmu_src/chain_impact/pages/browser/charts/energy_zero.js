@@ -1,4 +1,4 @@
-// The zero of the potential energy in a chart, which `over_time.py` chooses in the same way for pictures.
+// The zero of the potential energy in a chart, which `over_time/energies.py` chooses in the same way for pictures.
 
 import { digits } from "../base/format.js";
 import { endsOf } from "../base/range.js";

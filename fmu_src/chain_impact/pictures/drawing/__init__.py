@@ -1,0 +1,1 @@
+"""Tools that draw: style, colours, sizes, labels, legends; they know no recording."""

@@ -1,0 +1,170 @@
+"""Curves that a reader can distinguish: dashes for coincident curves, bands for grey and fast curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.drawing.style import GREY
+
+MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
+SOFT = 0.45  # the opacity of a band, from 0 to 1
+# BIN: the width [points] of the parts into which the axes are divided. FAST_PART: a curve is fast if more
+# than this share of the parts have at least two turns of the curve each, which is a period. LEAST_TURN: a
+# turn counts if the value changes at least by this until the next turn, relative to the range of all curves
+# in the axes.
+BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
+# the largest distance of two curves that look like one curve, relative to the range of all compared curves
+SAME = 0.005
+# MERGED: two lines merge if their usual distance (``_apart``), relative to the range of all lines, is at most
+# this; PIECES: the number of points of a line at which the distance is measured; DASH: the length of a dash,
+# in line widths
+MERGED, PIECES, DASH = 0.008, 200, 3.0
+# the width [points] of the edges of the area for a fast curve, and the opacity of this area, from 0 to 1
+BAND_EDGE, CLEAR = 1.2, 0.2
+FAST = "pale area: range of a fast oscillation"
+
+
+def fill_band(
+    axes: Axes, along: np.ndarray, curves: np.ndarray | Sequence[np.ndarray], label: str | None = None
+) -> None:
+    """Fill the area between the least and the largest value of some curves in grey.
+
+    The area has gaps where all curves lack a value. ``along``: the positions on the horizontal axis, shape
+    (T,); ``curves``: values, each of shape (T,); ``label``: the text in the legend, None for no entry.
+    """
+    known = np.ma.masked_invalid(curves)
+    ends = known.min(axis=0).filled(np.nan), known.max(axis=0).filled(np.nan)
+    axes.fill_between(along, *ends, color=GREY, alpha=SOFT, linewidth=0.0, label=label)
+
+
+def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
+    """Draw curves; a fast curve (``is_fast``) is drawn as the range of its values (``envelope``).
+
+    The range is a pale area between lines at its least and its largest values. If there is a fast curve, an
+    entry of the legend explains the area.
+
+    Args:
+        axes: the axes to draw into.
+        along: the positions on the horizontal axis, shape (T,).
+        curves: values, shape (T,), and properties with matplotlib's names, for each curve.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    bins = max(1, int(axes.get_window_extent().width * 72.0 / figure.dpi / BIN))
+    ends = [(np.nanmin(values), np.nanmax(values)) for values, _ in curves if np.isfinite(values).any()]
+    least = LEAST_TURN * float(np.ptp(ends)) if ends else 0.0
+    fast = [k for k, (values, _) in enumerate(curves) if is_fast(along, values, bins, least)]
+    for k, (values, look) in enumerate(curves):
+        if k not in fast:
+            axes.plot(along, values, **look)
+            continue
+        at, low, high = envelope(along, values, bins)
+        axes.fill_between(at, low, high, color=look["color"], alpha=CLEAR, linewidth=0.0, zorder=1.8)
+        for edge, label in ((low, "_"), (high, look["label"])):
+            axes.plot(at, edge, **look | {"linewidth": BAND_EDGE, "label": label})
+    if fast:
+        axes.plot([], [], color=GREY, alpha=SOFT, linewidth=5.0, solid_capstyle="butt", label=FAST)
+
+
+def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
+    """Return for each curve the number of earlier curves with which it nearly coincides, and so hides them.
+
+    The caller draws such a curve with dashes, so that earlier curves are visible through the gaps. A curve
+    with missing values coincides with no curve.
+
+    Args:
+        curves: the curves, each of shape (T,).
+        same: the largest distance at which two curves coincide in a row, relative to the range of all curves.
+        share: the part of the rows, 0 to 1, in which curves must coincide.
+    """
+    every = [curve[np.isfinite(curve)] for curve in curves]
+    whole = np.concatenate(every) if every else np.zeros(0)
+    seen = same * float(np.ptp(whole)) if whole.size else 0.0
+    return [
+        sum(bool(np.quantile(np.abs(curve - other), share) <= seen) for other in curves[:k])
+        for k, curve in enumerate(curves)
+    ]
+
+
+def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
+    """Return for each line a style of dashes if it merges with the first line of a group, else None.
+
+    Lines merge if they nearly coincide (MERGED). The first line of a group, which the caller draws below the
+    other lines, has no dashes; a line that merges with no earlier group begins one. The dashes of the other
+    lines alternate: one dash of each, and then a gap through which the first line is visible.
+
+    Args:
+        lines: x and y of each line, each of shape (2, S), in the same axes.
+
+    Returns:
+        The styles, as matplotlib takes them.
+    """
+    if not lines:
+        return []
+    low, high = (np.array([end(line, axis=1) for line in lines]) for end in (np.min, np.max))
+    span = high.max(axis=0) - low.min(axis=0)
+    evenly = [_evenly(line / np.where(span > 0.0, span, 1.0)[:, None]) for line in lines]
+    groups: dict[int, list[int]] = {}
+    for k, line in enumerate(evenly):
+        first = next((j for j in groups if _apart(evenly[j], line) <= MERGED), k)
+        groups.setdefault(first, []).append(k)
+    dashes: list[Any] = [None] * len(lines)
+    for group in groups.values():
+        others = group[1:]
+        for place, k in enumerate(others):
+            dashes[k] = (-DASH * place, (DASH, DASH * len(others)))
+    return dashes
+
+
+def _evenly(line: np.ndarray) -> np.ndarray:
+    """Return PIECES points at equal distances along a line of shape (2, S), as an array (2, PIECES)."""
+    way = np.concatenate([[0.0], np.hypot(*np.diff(line)).cumsum()])
+    at = np.linspace(0.0, way[-1], PIECES)
+    return np.array([np.interp(at, way, part) for part in line])
+
+
+def _apart(first: np.ndarray, second: np.ndarray) -> float:
+    """Return the usual distance of two lines of evenly spaced points, each of shape (2, S).
+
+    Each line has a median of the distances of its points from the nearest point of the other line. The result
+    is the larger one of the two medians.
+    """
+    distances = np.hypot(*(first[:, :, None] - second[:, None, :]))
+    return float(max(np.median(distances.min(axis=along)) for along in (0, 1)))
+
+
+def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
+    """Return whether a curve turns so often that, drawn as a line, it would look like an area.
+
+    The axis is divided into ``bins`` equal parts. The result is True if more than FAST_PART of these parts
+    have at least two turns each. A turn counts only if the value changes by at least ``least`` from this turn
+    to the next turn; the last turn always counts. The result is False for a curve with missing values, or
+    with at most ``bins`` rows. ``along`` and ``values`` have the shape (T,).
+    """
+    if not np.isfinite(values).all() or len(along) <= bins:
+        return False
+    steps = np.diff(values)
+    turns = np.flatnonzero(steps[1:] * steps[:-1] < 0.0) + 1
+    large = np.abs(np.diff(values[turns], append=np.inf)) >= least
+    counts, _ = np.histogram(along[turns[large]], bins, (along[0], along[-1]))
+    return bool((counts > 1).mean() > FAST_PART)
+
+
+def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the range of a curve: the middles of parts of the axis, and the least and largest values there.
+
+    The axis is divided into ``bins`` equal parts. The least and the largest value of a part are those of the
+    rows in this part and in both parts beside it, so that the edges of the range do not follow the
+    oscillation. A part is left out if these three parts have no row.
+    """
+    edges = np.linspace(along[0], along[-1], bins + 1)
+    starts = np.searchsorted(along, edges)
+    around = [slice(starts[max(k - 1, 0)], max(starts[min(k + 2, bins)], 1)) for k in range(bins)]
+    low = np.array([values[part].min(initial=np.inf) for part in around])
+    high = np.array([values[part].max(initial=-np.inf) for part in around])
+    known = np.isfinite(low)
+    return (0.5 * (edges[1:] + edges[:-1]))[known], low[known], high[known]

@@ -1,0 +1,326 @@
+"""Figures of a given size for pictures, with a check that all panels have room and labels do not overlap."""
+
+from __future__ import annotations
+
+import math
+import os
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from functools import partial
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis, YAxis
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import PlaceHolderLayoutEngine
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Bbox
+
+from chain_impact.pictures.drawing.legends import fit_legends
+from chain_impact.pictures.drawing.line_breaks import in_lines
+from chain_impact.pictures.drawing.sizes import LEAST_SIZE, Size, figure_size
+from chain_impact.pictures.drawing.style import (
+    DPI,
+    FULL,
+    LEAST_TICKS,
+    WIDE,
+    StyledFigure,
+    filled_figure,
+    save,
+    styled,
+    suit_figure,
+)
+
+FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
+PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its legend and numbers
+LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
+# [inch] the least mean height of the axes with a label along y, if the user gives no height
+USUAL_AXES_HEIGHT = 1.0
+EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
+SETTLINGS = 3  # how often, at most, a figure is arranged: a label or legend that is broken changes the layout
+NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
+# a number at an axis is in view if it is beyond the end of the axis by at most this part of the axis' length
+LIMIT_ROUND_OFF = 1e-9
+# If a figure is too low, greater heights are tried: the height of the figure, rounded up to a multiple of
+# STEP [inch], plus 1 to HIGHER − 1 times STEP.
+STEP, HIGHER = 0.25, 40
+TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
+# the allowed distances between numbers on an axis x with few numbers, times any power of ten
+COARSE_STEPS = (1, 2, 4, 5, 10)
+
+# the label of an axis is broken into lines if it is longer than LONGER × the axis (``break_labels``)
+LONGER = 1.1
+Fill = Callable[[Figure], None]
+"""A function that draws a picture on an empty figure."""
+
+
+class NoRoomError(ValueError):
+    """Raised when a figure has no room for its contents.
+
+    Attributes:
+        least: a sufficient height for the refused width [inches]; None if only a wider figure has room.
+    """
+
+    def __init__(self, width: float, height: float, requirement: str, least: float | None = None) -> None:
+        """Make the message from the refused size [inches] and words for the required one; store ``least``."""
+        super().__init__(f"size = ({width:g}, {height:g}) must be {requirement}")
+        self.least = least
+
+
+def draw_figure(
+    fill: Fill,
+    path: str | os.PathLike[str] | None = None,
+    size: Size | None = None,
+    usual: tuple[float, float] = FIGURE_SIZE,
+) -> Figure | None:
+    """Draw a figure into a file, or return the figure.
+
+    Args:
+        fill: function that draws the contents on an empty figure.
+        path: the file to write; its suffix png, svg or pdf determines the format. With None, the figure is
+            returned.
+        size: width and height [inches]. The height None means the height that the contents need. If ``size``
+            itself is None, the size is ``usual``, and nothing checks whether the contents have room.
+        usual: default width and height [inches]; for a height of None, ``fitting`` starts from these.
+
+    Raises:
+        ValueError: when the given size is not possible, or has no room for the panels.
+        OSError: when the file cannot be written.
+    """
+    inches, filled, is_free = usual, fill, False
+    if size is not None:
+        width, height = figure_size(size)
+        if height is None:
+            tried = fitting(fill, width, usual)
+            if path is not None:
+                save(Path(path), lambda: tried)
+                return None
+            inches, is_free = (width, float(tried.get_figheight())), True
+        else:
+            inches, filled = (width, height), partial(fill_or_refuse, fill)
+    if path is not None:
+        save(Path(path), lambda: filled_figure(filled, inches))
+        return None
+    figure = StyledFigure(figsize=inches, free_height=is_free)
+    filled(figure)
+    suit_figure(figure)
+    return figure
+
+
+def check_alone(path: object, size: object) -> None:
+    """Refuse a file and a size for a picture in axes that a user gives, because these axes determine both.
+
+    Raises:
+        ValueError: when ``path`` or ``size`` is not None.
+    """
+    if path is not None or size is not None:
+        raise ValueError("ax: axes that are there have their size, and their figure writes the file")
+
+
+def fill_or_refuse(fill: Fill, figure: Figure) -> None:
+    """Draw on a figure, or refuse a figure with too little room for its contents.
+
+    The error names a sufficient height, or says that the figure must be wider.
+
+    Raises:
+        ValueError: when there is too little room.
+    """
+    if has_room(fill, figure):
+        return
+    width, height = map(float, figure.get_size_inches())
+    least = float(least_figure(fill, width, height).get_figheight())
+    raise NoRoomError(width, height, f"at least {least:g} high, or the picture must have fewer panels", least)
+
+
+def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
+    """Return a figure of a given width [inches] with the height that its contents need.
+
+    The first height that is tried is that of ``usual`` (width and height [inches]); for a width between WIDE
+    and the usual width, a lower one. If the first height is too low for the contents, the result is that of
+    ``least_figure``, which tries greater heights.
+
+    Raises:
+        ValueError: when no tried height is enough.
+    """
+    height = max(LEAST_SIZE, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
+    figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
+    lacks = lacking_height(fill, figure, USUAL_AXES_HEIGHT)
+    if lacks <= 0.0:
+        return figure
+    return least_figure(fill, width, height, USUAL_AXES_HEIGHT, lacks, free_height=True)
+
+
+def least_figure(
+    fill: Fill,
+    width: float,
+    height: float,
+    mean: float = 0.0,
+    lacks: float = math.inf,
+    *,
+    free_height: bool = False,
+) -> Figure:
+    """Return the lowest figure that has room for all panels; its height is found by bisection.
+
+    The possible heights are ``height`` [inches], which is too low, rounded up to a multiple of STEP, plus 1
+    to HIGHER − 1 times STEP. ``mean`` is as in ``has_room``. ``lacks`` is the result of ``lacking_height`` at
+    ``height``, inf if unknown. ``free_height`` is as in ``StyledFigure``.
+
+    Raises:
+        ValueError: when no possible height is enough.
+    """
+    heights = STEP * (math.ceil(height / STEP) + np.arange(1, HIGHER))
+    # all heights up to the index ``low`` are too low, and all from the index ``high`` on are enough
+    low, high, found = -1, len(heights), None
+    while high - low > 1:
+        # the next guess follows from the lack of height at the last guess, if this is known and not 0; else
+        # the next guess is the middle of the interval
+        is_known = lacks != 0.0 and math.isfinite(lacks)
+        guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
+        k = min(max(guess, low + 1), high - 1)
+        height = float(heights[k])
+        figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=free_height)
+        lacks = lacking_height(fill, figure, mean)
+        if lacks > 0.0:
+            low = k
+            continue
+        high, found = k, figure
+        if -STEP < lacks < 0.0:  # at the next lower height the figure would lack height
+            break
+    if found is None:
+        raise NoRoomError(width, height, "wider for the panels")
+    return found
+
+
+def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
+    """Draw on a figure; return whether axes are high enough, and no text is cut off or overlaps another.
+
+    Only axes with a label along y count; ``mean`` is the least mean of their heights [inches].
+    """
+    return lacking_height(fill, figure, mean) <= 0.0
+
+
+@styled()
+def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
+    """Draw on a figure; return the height [inches] that the figure lacks for its axes to be high enough.
+
+    A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
+    there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap. ``mean``
+    is as in ``has_room``.
+    """
+    with warnings.catch_warnings(), suppress(UserWarning):
+        warnings.filterwarnings("error", "constrained_layout not applied")
+        fill(figure)
+        if not isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
+            figure.draw_without_rendering()
+        sides = np.array([axes.bbox.height / figure.dpi for axes in figure.axes if axes.get_ylabel()])
+        lacks = len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0
+        if lacks > 0.0:
+            return float(lacks)
+        boxes = list(text_boxes(figure))
+        whole = Bbox.union([figure.bbox, *boxes])
+        is_within = (np.abs(whole.get_points() - figure.bbox.get_points()) <= NEARLY).all()
+        if is_within and not any(
+            first.padded(-NEARLY).overlaps(second) for first, second in combinations(boxes, 2)
+        ):
+            return float(lacks)
+    return math.inf
+
+
+def text_boxes(figure: Figure) -> Iterator[Bbox]:
+    """Yield the rectangles [pixels] of a figure's texts, and of the legends, labels and numbers of axes."""
+    texts, legends = list(figure.texts), [legend for axes in figure.axes if (legend := axes.get_legend())]
+    yield from (legend.get_window_extent() for legend in legends)
+    for axes in figure.axes:
+        texts += [axes.xaxis.label, axes.yaxis.label]
+        texts += [*numbers_in_view(axes.xaxis), *numbers_in_view(axes.yaxis)]
+    yield from (text.get_window_extent() for text in texts if text.get_text())
+
+
+def numbers_in_view(axis: Axis) -> list[Text]:
+    """Return the numbers at an axis between its ends; matplotlib also keeps numbers beyond the ends."""
+    along = int(isinstance(axis, YAxis))
+    low, high = sorted(axis.get_view_interval())
+    slack = LIMIT_ROUND_OFF * (high - low)
+    texts = filter(Text.get_text, axis.get_majorticklabels())
+    return [text for text in texts if low - slack <= text.get_position()[along] <= high + slack]
+
+
+def settle(figure: Figure, scaled: Axes | None = None) -> None:
+    """Arrange a figure: break legends above axes into rows, and labels longer than their axes into lines.
+
+    Numbers along x that would overlap are left out. The axes ``scaled`` get equal scales along x and y after
+    the layout. Equal scales can only make axes narrower or lower, so that no label loses room.
+    """
+    engine = figure.get_layout_engine()
+    fit_legends(figure)
+    for _ in range(SETTLINGS):
+        if scaled is not None:
+            scaled.set_aspect("auto")
+        if engine is not None:
+            engine.execute(figure)
+        if scaled is not None:
+            scaled.set_aspect("equal")
+            scaled.apply_aspect()
+        is_changed = break_labels(figure)
+        if not (fit_legends(figure) or is_changed):
+            return
+
+
+def meet(first: Bbox, second: Bbox) -> bool:
+    """Return whether two successive numbers of an x axis overlap, or are so close that they read as one.
+
+    ``first`` is the rectangle of the left number, ``second`` that of the right number, both in pixels.
+    """
+    return bool(first.x1 + TICK_SPACE * first.height > second.x0)
+
+
+def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
+    """Break labels that are longer than their axes, and give axes fewer numbers if these overlap.
+
+    A label below axes is also broken if it would reach beyond the figure's edges. ``wanted``: the axes, by
+    default all axes of the figure. Returns whether a label has changed.
+    """
+    before = labels_of(figure)
+    for axes in figure.axes if wanted is None else wanted:
+        label, inside = axes.yaxis.label, axes.get_window_extent()
+        if label.get_window_extent().height > LONGER * inside.height:
+            label.set_text(label.get_text().replace(" [", "\n["))
+        thin_ticks(axes)
+        label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
+        # the label is centred on its axes, and must not reach beyond the figure's edges
+        edge = EDGE * figure.dpi
+        longest = min(LONGER * inside.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle))
+        if label.get_window_extent().width > longest:
+            label.set_text(label.get_text().replace("\n", " "))
+            in_lines(label, longest, "; ")
+    return labels_of(figure) != before
+
+
+def thin_ticks(axes: Axes) -> None:
+    """Give axes fewer numbers along x if the numbers overlap; if still necessary, only those at both ends.
+
+    Only axes with ticks from a MaxNLocator, as by default, are changed.
+    """
+    if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator) or not numbers_meet(axes.xaxis):
+        return
+    axes.locator_params(axis="x", nbins=LEAST_TICKS, min_n_ticks=LEAST_TICKS, steps=COARSE_STEPS)
+    if numbers_meet(axes.xaxis):
+        texts = numbers_in_view(axes.xaxis)
+        first, *between, last = (text.get_text() for text in texts)
+        ticks = [float(text.get_position()[0]) for text in texts]
+        axes.set_xticks(ticks, [first, *[""] * len(between), last])
+
+
+def numbers_meet(axis: Axis) -> bool:
+    """Return whether two neighbouring numbers at an x axis overlap or nearly touch."""
+    boxes = [text.get_window_extent() for text in numbers_in_view(axis)]
+    return any(map(meet, boxes, boxes[1:]))
+
+
+def labels_of(figure: Figure) -> list[str]:
+    """Return the labels of all horizontal and vertical axes of a figure."""
+    return [axis.label.get_text() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]

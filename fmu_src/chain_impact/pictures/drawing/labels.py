@@ -1,0 +1,376 @@
+"""Labels next to positions in a picture; they cover no mark and no other label, but perhaps pale lines."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
+from chain_impact.pictures.drawing.style import FLAT, INK, SHADE, faint
+
+CLOSE = 4.0  # [points] the usual distance from a position to its label
+# The distances between a position and its label, relative to CLOSE, in the order in which they are tried.
+# NEARBY comes first: a label at such a distance has no leader, a line from its position to the label. Then
+# comes FAR, with a leader or, if leaders are not allowed, UNLED.
+NEARBY = (1.0, 1.2)
+UNLED = (1.3, 1.5, 1.8, 2.1)
+FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
+# DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: the order of
+# these directions, as steps away from the best direction, to both sides
+DIRECTIONS = 16
+TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
+COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
+# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED: [points] the
+# largest length of a leader on strong pixels; the two limits are tried in this order. OWN: [points] the first
+# part of a leader, which does not count for this limit, because the mark of the position is there.
+CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
+# [points] Without leaders, no strong pixel between a position and its label may be farther from the position
+# than this.
+OWN_LINE = 4.5
+# [pixels] a leader crosses a strong pixel or another leader if both are at most this far from each other
+CROSSING = 2
+BEYOND = 64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
+PAD = 1.0  # [points] the width of the border around a label that must be free, too
+APART = 5.0  # [points] the least space between two labels in a row, which would otherwise read as one label
+LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
+# matplotlib's order of drawing (zorder) for labels and their leaders: above links and points
+LABEL_LAYER = 6.0
+
+
+class Label(NamedTuple):
+    """A label for a position.
+
+    Attributes:
+        text: the text of the label.
+        position: the position, in data coordinates.
+        away: unit vector, in the plane of the page, of the best direction from the position to the label.
+        short: the text that is written if ``text`` has no room; "" for none.
+        look: properties of the text of this label alone, with matplotlib's names.
+    """
+
+    text: str
+    position: tuple[float, float]
+    away: tuple[float, float] = (0.0, 1.0)
+    short: str = ""
+    look: dict[str, Any] = {}  # noqa: RUF012 - no one changes it
+
+
+class Ink:
+    """The pixels of a figure that are drawn, and those that labels and leaders have taken.
+
+    Pixels with the colour of a ground (of the figure, of axes, beyond walls or of a rest) count as free.
+    """
+
+    def __init__(self, figure: Figure) -> None:
+        """Draw the figure, which also arranges its contents, and store its pixels."""
+        own = figure.canvas
+        canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
+        canvas.draw()
+        figure.set_canvas(own)
+        grounds = [*FLAT, figure.get_facecolor(), *(axes.get_facecolor() for axes in figure.axes)]
+        grounds += [faint(axes, SHADE) for axes in figure.axes]
+        parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
+        colours = parts.view(np.uint32)[..., 0]
+        self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
+        self._strong_counts = counted(self._strong)
+        # strong pixels and their neighbours, so that a leader does not pass through the white rim between a
+        # mark and a link
+        self._near_strong = widened(self._strong)
+        self._drawn = np.ones(colours.shape, bool)
+        for ground in {*map(_pixel, grounds)}:
+            self._drawn &= colours != ground
+        self._labels, self._leaders = np.zeros_like(self._drawn), np.zeros_like(self._drawn)
+        self._counts = counted(self._drawn)
+        self.apart = int(APART * figure.dpi / 72.0)
+
+    def pixels(self) -> list[np.ndarray]:
+        """Return copies of the arrays that change when a label is written; ``restore`` takes them."""
+        return [self._drawn.copy(), self._strong.copy(), self._labels.copy(), self._leaders.copy()]
+
+    def restore(self, pixels: list[np.ndarray]) -> None:
+        """Forget the labels that were written since ``pixels`` were copied."""
+        self._drawn, self._strong, self._labels, self._leaders = (part.copy() for part in pixels)
+
+    def were_free(self, low: np.ndarray, high: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
+        """Return whether each box had no drawn pixel before any label was written, shape (B,).
+
+        ``low`` and ``high`` are the lower left and upper right corners of the boxes in pixels, shape (B, 2).
+        With ``on_pale`` only strong pixels count as drawn.
+        """
+        (x0, y0), (x1, y1) = np.floor(low).astype(int).T, np.ceil(high).astype(int).T
+        counts = self._strong_counts if on_pale else self._counts
+        return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
+
+    def is_crossed(self, position: np.ndarray, end: np.ndarray, own: float) -> bool:
+        """Return whether a strong pixel is on the straight line from ``position`` to ``end`` [pixels].
+
+        The first ``own`` pixels of the line do not count.
+        """
+        _, beyond = _line_between(position, end, own)
+        return bool(self._strong[beyond].any())
+
+    def take(
+        self,
+        low: np.ndarray,
+        high: np.ndarray,
+        position: np.ndarray | None = None,
+        own: float = 0.0,
+        crossed: float = math.inf,
+        *,
+        on_pale: bool = False,
+    ) -> bool:
+        """Take a box for a label, with its leader, if both are free; return whether they were free.
+
+        ``low`` and ``high`` are the lower left and the upper right corner of the box in pixels. A free box
+        has no label and no drawn pixel. With ``on_pale`` only strong pixels count as drawn.
+
+        With ``position`` the label has a leader, the straight line from ``position`` to the middle of the
+        box. A free leader crosses no label. At most the part COVERED of its pixels are drawn pixels. Behind
+        its first ``own`` pixels, it crosses no other leader, and has at most ``crossed`` pixels at strong
+        pixels (CROSSING).
+        """
+        (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
+        box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
+        met = self._strong if on_pale else self._drawn
+        if labels.any() or met[y0:y1, x0:x1].any():
+            return False
+        if position is not None:
+            line, beyond = _line_between(position, 0.5 * (low + high), own)
+            if self._labels[line].any() or met[line].sum() > COVERED * len(line[0]):
+                return False
+            if self._leaders[beyond].any() or self._near_strong[beyond].sum() > crossed:
+                return False
+            self._drawn[line] = self._strong[line] = True
+            led = np.zeros_like(self._drawn)
+            led[line] = True
+            self._leaders |= widened(led)
+        box[:] = True
+        self._labels[y0:y1, max(x0 - self.apart, 0) : x1 + self.apart] = True
+        return True
+
+
+def _line_between(position: np.ndarray, end: np.ndarray, own: float) -> tuple[tuple[Any, ...], ...]:
+    """Return the pixels of a straight line as (rows, columns), and the same without the first ``own`` pixels.
+
+    The line goes from ``position`` to ``end``, each with x and y in pixels.
+    """
+    count = 2 + int(np.abs(end - position).max())
+    line = tuple(np.linspace(position, end, count).astype(int).T[::-1])
+    return line, tuple(along[int(own) :] for along in line)
+
+
+def widened(pixels: np.ndarray) -> np.ndarray:
+    """Return whether each pixel is at most CROSSING pixels, along x and along y, from a true pixel."""
+    wide = pixels.copy()
+    for axis in (0, 1):
+        here = wide.copy()
+        for way in range(1, CROSSING + 1):
+            ahead, behind = (slice(way, None), slice(None, -way))
+            for to, of in ((ahead, behind), (behind, ahead)):
+                at: tuple[slice, ...] = (to,) if axis == 0 else (slice(None), to)
+                by: tuple[slice, ...] = (of,) if axis == 0 else (slice(None), of)
+                wide[at] |= here[by]
+    return wide
+
+
+def counted(pixels: np.ndarray) -> np.ndarray:
+    """Return the number of true pixels below and to the left of each corner of a pixel.
+
+    The result has one row and one column more than ``pixels``. From the numbers at the four corners of a box
+    follows the number of true pixels in the box.
+    """
+    counts = np.zeros(np.add(pixels.shape, 1), np.int32)
+    pixels.cumsum(axis=0, dtype=np.int32, out=counts[1:, 1:])
+    counts.cumsum(axis=1, out=counts)
+    return counts
+
+
+def place_labels(
+    axes: Axes, labels: Sequence[Label], ink: Ink, *, lines: bool = False, **look: Any
+) -> list[Label]:
+    """Write labels, the most important first, where nothing else is drawn; return labels without room.
+
+    If some labels have no room and leaders are allowed, all labels are written again, those without room
+    first. If this second attempt leaves as many labels without room, all labels are written with their short
+    texts only. If the third attempt leaves as many without room, too, the first attempt counts.
+
+    Args:
+        axes: the axes of the labels; only with leaders, labels may stand beyond the right edge (BEYOND).
+        labels: the labels to write, the most important first.
+        ink: the used pixels of the figure, which afterwards include the labels.
+        lines: whether leaders are allowed: a label may then be far from its position, with a line to it, and
+            may cover pale lines.
+        look: properties of the text of all labels, with matplotlib's names.
+    """
+    steps = np.array(NEARBY + (FAR if lines else UNLED))
+    probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
+
+    @functools.cache
+    def half_size(words: str) -> np.ndarray:
+        """Return half of the width and of the height of a text [pixels]."""
+        probe.set_text(words)
+        return 0.5 * np.asarray(probe.get_window_extent().size)
+
+    def written(order: Sequence[int], *, short: bool = False) -> list[int]:
+        """Write the labels with the indices in ``order``, the first index first.
+
+        If ``short``, only the short texts are tried. Return the indices of the labels without room.
+        """
+        small = [labels[k].short or labels[k].text for k in order]
+        homes = np.array(
+            [_home(axes, labels[k], half_size(words)) for k, words in zip(order, small, strict=True)]
+        )
+        left = []
+        for n, (k, words) in enumerate(zip(order, small, strict=True)):
+            wanted = (words,) if short or words == labels[k].text else (labels[k].text, words)
+            sizes = {text: half_size(text) for whole in wanted for text in (whole, folded(whole))}
+            others = np.delete(marks, k, axis=0)
+            if not _place(axes, labels[k], homes[n + 1 :], others, sizes, ink=ink, steps=steps, **look):
+                left.append(k)
+        return left
+
+    def clear() -> None:
+        for text in {*axes.texts} - before:
+            text.remove()
+        ink.restore(free)
+
+    marks = axes.transData.transform(np.reshape([label.position for label in labels], (-1, 2)))
+    before, free, order = {*axes.texts}, ink.pixels(), range(len(labels))
+    left = written(order)
+    if left and lines:
+        again = [*left, *(k for k in order if k not in left)]
+        for short in (False, True):
+            clear()
+            fewer = written(again, short=short)
+            if len(fewer) < len(left):
+                left = fewer
+                break
+        else:
+            clear()
+            written(order)
+    probe.remove()
+    return [labels[k] for k in sorted(left)]
+
+
+def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
+    """Return the box of a label at its best position: lower left and upper right corner, (2, 2) [pixels].
+
+    ``half``: half of the width and of the height of the label's text [pixels].
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    middle = axes.transData.transform(label.position) + np.array(label.away) * (
+        CLOSE * figure.dpi / 72.0 + half
+    )
+    return np.array([middle - half, middle + half])
+
+
+def _place(
+    axes: Axes,
+    label: Label,
+    homes: np.ndarray,
+    others: np.ndarray,
+    sizes: dict[str, np.ndarray],
+    *,
+    ink: Ink,
+    steps: np.ndarray,
+    **look: Any,
+) -> bool:
+    """Write the first text that has a free position; return whether a text was written.
+
+    For each limit in CROSSED, the texts are tried where nothing is drawn and then, if leaders are allowed,
+    with an outline, where only pale lines are drawn. Each text is tried first at positions that leave the
+    best positions of later labels free, then at all positions.
+
+    Args:
+        axes: the axes inside which the text stays; with leaders, the text may be beyond their right edge.
+        label: the label, with its position and the best direction from this position to the text.
+        homes: the best boxes of the labels that are written later: two corners of each, shape (H, 2, 2).
+        others: the positions of the other labels, shape (O, 2) [pixels]. Without leaders, the middle of the
+            text must be nearer to the label's position than to any of these.
+        sizes: text → half of its width and height [pixels]; the texts are tried in the order of the dict.
+        ink: the used pixels of the figure.
+        steps: the distances from the position that are tried, in this order, relative to CLOSE.
+        look: properties of the text, with matplotlib's names.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    point, inside = figure.dpi / 72.0, axes.get_window_extent()
+    may_lead = FAR[-1] in steps
+    beyond = min(inside.x1 + BEYOND * point, figure.bbox.x1 - CLOSE * point) if may_lead else inside.x1
+    highest = np.array([max(inside.x1, beyond), inside.y1])
+    at = np.asarray(axes.transData.transform(label.position))
+    style: dict[str, Any] = {
+        "textcoords": "offset points",
+        "ha": "center",
+        "va": "center",
+        "ma": "center",
+        "in_layout": False,
+    }
+    grounds = (False, True) if may_lead else (False,)
+    apart = np.array([ink.apart, 0.0])
+    outline: Any = {
+        True: {"path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]},
+        False: {},
+    }
+    tries = product(CROSSED, grounds, sizes, (homes, homes[:0]))
+    for crossed, on_pale, words, spared in tries:
+        half = sizes[words]
+        ways = directions(label.away) * (steps[:, None, None] * CLOSE * point + half)
+        low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
+        is_inside = ((low >= inside.min) & (high <= highest)).all(axis=-1)
+        is_inside &= (high[..., 0] <= inside.x1) | (low[..., 0] >= inside.x1)
+        for home in spared:
+            is_inside &= ~((low < home[1] + apart) & (home[0] - apart < high)).all(axis=-1)
+        tried = np.argwhere(is_inside)
+        free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
+        # Limits > 0 concern leaders only; positions without a leader were already tried with the limit 0.
+        if crossed:
+            free &= np.isin(steps[tried[:, 0]], FAR)
+        for step, turn in tried[free].tolist():
+            is_led = may_lead and steps[step] in FAR
+            led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if is_led else {}
+            box, start = (low[step, turn], high[step, turn]), at if led else None
+            middle = 0.5 * (box[0] + box[1])
+            if not may_lead:
+                is_nearer = np.hypot(*(others - middle).T) < np.hypot(*(at - middle))
+                if is_nearer.any() or ink.is_crossed(at, middle, OWN_LINE * point):
+                    continue
+            if ink.take(*box, start, OWN * point, crossed * point, on_pale=on_pale):
+                offset = (ways[step, turn] / point).tolist()
+                axes.annotate(
+                    words, label.position, offset, **led, **outline[on_pale], **style | look | label.look
+                )
+                return True
+    return False
+
+
+def folded(words: str) -> str:
+    """Return a label's text in two lines if possible: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
+    if " + " in words:
+        return words.replace(" + ", "\n+ ")
+    parts = words.split(", ")
+    first = len(parts) - len(parts) // 2
+    return ",\n".join(", ".join(part) for part in (parts[:first], parts[first:]) if part)
+
+
+def directions(away: tuple[float, float]) -> np.ndarray:
+    """Return DIRECTIONS unit vectors, those nearest to ``away`` first, shape (DIRECTIONS, 2)."""
+    angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / DIRECTIONS * np.array(TURNS)
+    return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+def _pixel(colour: Any) -> int:
+    """Return a colour as the number that an opaque pixel with this colour has in ``Ink``."""
+    parts = [round(255.0 * part) for part in to_rgba(colour, 1.0)]
+    return int(np.array(parts, np.uint8).view(np.uint32)[0])

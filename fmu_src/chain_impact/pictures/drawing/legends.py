@@ -1,0 +1,158 @@
+"""Legends above or beside axes, or at the foot of a figure, with as few rows as fit into the width."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.offsetbox import HPacker, PackerBase, VPacker
+
+from chain_impact.pictures.drawing.line_breaks import HALVINGS, in_lines
+from chain_impact.pictures.drawing.style import LEFT, foot_of, is_narrow, reserve
+
+LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
+ABOVE_AXES: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+BESIDE_AXES: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+# the space between two entries in a row of a legend, and between two rows, relative to the font size
+ENTRY_GAP, ROW_GAP = 0.8, 0.2
+LOOKS = ("color", "facecolor", "linestyle", "marker")  # by which two entries with one label differ
+MARK = "above"  # the matplotlib identifier (gid) of a legend above its axes, by which the legend is found
+
+
+def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
+    """Put a legend with one row above axes; ``fit_legends`` later breaks the row into rows that fit.
+
+    ``handles`` are the artists that get an entry; by default all artists of the axes with a label. Without
+    such artists there is no legend.
+    """
+    if handles is None:
+        handles, _ = axes.get_legend_handles_labels()
+    _put(axes, [(handle, str(handle.get_label())) for handle in handles])
+
+
+def legend_beside(axes: Axes) -> Any:
+    """Put a legend with one column at the right of axes, outside of the layout, and return the legend."""
+    legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **BESIDE_AXES)
+    legend.set_in_layout(False)
+    return legend
+
+
+def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
+    """Put a legend for all axes at the foot of a figure, above other texts there, in as few rows as fit.
+
+    ``handles`` are the artists that get an entry, at least one; ``options`` are keywords of matplotlib's
+    ``legend``.
+    """
+    low, room = foot_of(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
+    legend = figure.legend(
+        handles=list(handles), ncols=1, loc="lower center", bbox_to_anchor=(0.5, low), **options
+    )
+    texts = legend.get_texts()
+    beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
+    for text in texts:
+        in_lines(text, room - beside)
+    _fill_rows(legend, room)
+    reserve(figure, 0.0, low + legend.get_window_extent().height / figure.bbox.height)
+
+
+def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
+    """Break each legend above its axes into rows, as few as fit into the width of the axes.
+
+    In a narrow figure, an entry that the legend of earlier axes has, too, with the same look, is removed, and
+    so is a legend without entries. ``wanted`` are the axes whose legends are broken, in order; by default all
+    axes of the figure. Returns whether a legend has changed its size or was removed.
+    """
+    is_changed = False
+    known: set[tuple[str, ...]] = set()
+    for axes in figure.axes if wanted is None else wanted:
+        legend: Any = axes.get_legend()
+        if legend is None or legend.get_gid() != MARK:
+            continue
+        before = legend.get_window_extent().size
+        labels = [text.get_text() for text in legend.get_texts()]
+        entries = list(zip(legend.legend_handles, labels, strict=True))
+        kept = [(handle, label) for handle, label in entries if (label, *_look(handle)) not in known]
+        if is_narrow(figure):
+            known.update((label, *_look(handle)) for handle, label in kept)
+        if len(kept) < len(entries):
+            legend.remove()
+            _put(axes, kept)
+        if kept:
+            axes.apply_aspect()
+            legend = axes.get_legend()
+            _fill_rows(legend, axes.get_window_extent().width)
+        is_changed |= not kept or not np.allclose(legend.get_window_extent().size, before)
+    return is_changed
+
+
+def _look(handle: Any) -> list[str]:
+    """Return the colours, the line and the mark of an entry of a legend as texts, as far as it has them."""
+    getters = (getattr(handle, f"get_{name}", None) for name in LOOKS)
+    return [str(getter()) for getter in getters if getter is not None]
+
+
+def _put(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
+    """Put a legend with one row above axes; ``entries`` has the artist and the label of each entry.
+
+    Without entries there is no legend.
+    """
+    if entries:
+        handles, labels = zip(*entries, strict=True)
+        axes.legend(handles, labels, ncols=len(entries), **LOOK, **ABOVE_AXES).set_gid(MARK)
+
+
+def _fill_rows(legend: Any, room: float) -> None:
+    """Arrange the entries of a legend in rows of similar lengths that fit into ``room``, a width [pixels].
+
+    The entries of different rows are not aligned in columns, because one long entry would leave gaps in all
+    rows.
+    """
+    whole = legend.get_children()[0].get_children()[-1]
+    figure, entries = legend.get_figure(root=True), _entries(whole)
+    em = legend.get_texts()[0].get_fontsize()
+    widths, space = [entry.get_window_extent().width for entry in entries], ENTRY_GAP * em * figure.dpi / 72.0
+    room -= legend.get_window_extent().width - whole.get_window_extent().width
+    rows = _rows(widths, space, room)
+    low, high = max(widths), room
+    for _ in range(HALVINGS if len(rows) > 1 else 0):
+        middle = 0.5 * (low + high)
+        tried = _rows(widths, space, middle)
+        rows, low, high = (tried, low, middle) if len(tried) == len(rows) else (rows, middle, high)
+    lines: list[Any] = [
+        HPacker(sep=ENTRY_GAP * em, align="baseline", children=[entries[k] for k in row]) for row in rows
+    ]
+    block = VPacker(sep=ROW_GAP * em, children=lines)
+    block.set_figure(figure)
+    whole.get_children()[:] = [block]
+
+
+def _entries(box: Any) -> list[Any]:
+    """Return the boxes of the entries of a legend in order, from a box that contains them at any depth.
+
+    The box of an entry has a handle and a text.
+    """
+    parts = box.get_children()
+    if not all(isinstance(part, PackerBase) for part in parts):
+        return [box]
+    return [entry for part in parts for entry in _entries(part)]
+
+
+def _rows(widths: Sequence[float], space: float, room: float) -> list[list[int]]:
+    """Return the indices of the entries in each row of a legend; a row has as many entries as fit.
+
+    ``widths``: the width of each entry; ``space``: the space between two entries; ``room``: the width of a
+    row; all are in pixels. An entry that is wider than ``room`` has a row of its own.
+    """
+    rows: list[list[int]] = []
+    filled = np.inf
+    for k, width in enumerate(widths):
+        if filled + space + width <= room:
+            rows[-1].append(k)
+            filled += space + width
+        else:
+            rows.append([k])
+            filled = width
+    return rows

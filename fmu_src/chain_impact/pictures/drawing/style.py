@@ -1,0 +1,341 @@
+"""The style of all pictures: fonts, colours that colour-blind readers can distinguish, headline and foot."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.text import Text
+from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLocator
+
+from chain_impact.pictures.drawing.dark_ground import PLUM, TIME, UMBER, Ground
+from chain_impact.pictures.drawing.line_breaks import COMMA, in_lines
+from chain_impact.recording.text import LOAD_UNITS, prefixed
+from chain_impact.system import written_whole
+
+BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
+BROWN, VIOLET = "#7a4b2a", "#7a3fa8"
+PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force
+PEAK_LINE = "peak"  # the matplotlib identifier (gid) of the text in PEAK_COLOUR below a headline
+LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
+PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
+"""The colours of curves.
+
+The first four are from Okabe and Ito, Color Universal Design (2008); the other colours there, except black,
+are too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from
+the first four.
+"""
+GREY, PALE, INK = "0.72", "0.9", "0.25"
+"""Greys: GREY of curves in the background, PALE of a grid's lines, INK of text and outlines."""
+OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
+"""The colours of the ground beyond walls, and where the chain may be only at some times."""
+FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
+"""The colours of the ground on which labels may stand: where the chain may be, and the two above."""
+# Parts of the text's colour in mixtures with the ground (``faint``). SHADE: for a time in which nothing
+# moves; LINE: for the line at an impact.
+SHADE, LINE = 0.05, 0.1
+# the colour map viridis without its end, which is too pale on white
+TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
+
+STYLE: Any = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "figure.constrained_layout.w_pad": 0.075,  # [inch] the space to the left and to the right of axes
+    "figure.titlesize": 11,
+    "figure.titleweight": "bold",
+    "grid.color": PALE,
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": "small",
+    "legend.borderaxespad": 0.2,
+    "xtick.labelsize": "small",
+    "ytick.labelsize": "small",
+    "pdf.fonttype": 42,  # 42 means TrueType fonts; many journals refuse Type 3 fonts, matplotlib's default
+    "ps.fonttype": 42,
+    "svg.fonttype": "none",  # with "none", text stays text, and does not become outlines
+    # without hinting the width of text does not depend on the resolution, so one layout fits all resolutions
+    "text.hinting": "none",
+}
+"""Settings of matplotlib for every picture; a setting that a user or a style sheet has changed stays."""
+COLOURS: Any = {
+    name: "white" if name.endswith("facecolor") else "black"
+    for name in (
+        *("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"),
+        *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
+    )
+}
+"""Settings with which every picture is drawn: black on white, whatever the user's style is.
+
+If the user's style is dark, ``suit_figure`` changes the colours afterwards.
+"""
+DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
+"""The groups of matplotlib's settings, such as ``font``, whose values a figure stores until it is drawn."""
+DPI = 160
+# [inch] FULL: the usual width of a figure; WIDE: the least width for two columns of axes
+FULL, WIDE = 10.0, 6.0
+LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
+# [inch] GAP: space below the headline, and below the conditions; LINE_GAP: between the lines in colours
+GAP, LINE_GAP = 0.09, 0.02
+MOST_HEAD = 0.33  # conditions are left out if they and the headline are higher than this part of the figure
+# The largest height of all texts at the foot, relative to the height of the figure. FREE_FOOT: if the
+# contents determine the height of the figure; MOST_FOOT: otherwise.
+MOST_FOOT, FREE_FOOT = 0.15, 0.25
+LEAST_LOAD = 0.1  # a value below this in a unit of LOAD_UNITS gets a prefix, such as mN
+LEAST_TICKS = 3  # the least number of ticks on an axis
+TICK_STEPS = (1, 2, 2.5, 5, 10)  # the allowed distances between ticks, times any power of ten
+# the allowed distances between ticks on an axis of counts, times any power of ten
+COUNT_STEPS = (1, 2, 5, 10)
+
+
+@contextmanager
+def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
+    """Draw in the style of all pictures; the function is a context manager and a decorator.
+
+    A setting in STYLE applies unless the user has changed this setting. The settings in ``colours`` apply in
+    any case; with empty ``colours``, the colours of the user's style stay.
+    """
+    kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
+    with mpl.rc_context(kept | colours):
+        yield
+
+
+class StyledFigure(Figure):
+    """An empty figure for a picture.
+
+    A notebook shows the figure exactly once, whatever backend of matplotlib is in use.
+    """
+
+    def __init__(self, *, free_height: bool = False, **options: Any) -> None:
+        """Make a figure that arranges its contents.
+
+        Args:
+            free_height: whether the contents determine the height of the figure.
+            options: keywords of a matplotlib figure.
+        """
+        self.free_height = free_height
+        with styled():
+            super().__init__(**{"layout": "constrained"} | options)
+            new_canvas: Any = FigureCanvasAgg  # matplotlib has no type information for the canvas
+            # this canvas keeps its renderer; matplotlib's usual canvas makes one for each text, which is slow
+            new_canvas(self)
+            self.settings = {
+                key: value for key, value in mpl.rcParams.items() if key.partition(".")[0] in DRAWING
+            }
+
+    def draw(self, renderer: Any) -> None:
+        """Draw with the settings (DRAWING) with which the figure was made: they determine the layout."""
+        with mpl.rc_context(self.settings):
+            super().draw(renderer)
+
+    def savefig(self, *args: Any, **options: Any) -> None:
+        """Write a file with the settings (DRAWING) with which the figure was made, such as fonts."""
+        with mpl.rc_context(self.settings):
+            super().savefig(*args, **options)
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture as PNG; IPython calls this only if no backend of matplotlib shows figures."""
+        file = BytesIO()
+        self.savefig(file, format="png", dpi="figure")
+        return file.getvalue()
+
+
+def suit_figure(figure: Figure) -> None:
+    """Change the colours of a figure from those for a white ground, if the style in use is dark."""
+    ground = Ground.of_style()
+    if ground is None:
+        return
+    ground.suit(figure.findobj())
+    figure.set_facecolor(ground.ground)
+    if isinstance(figure, StyledFigure):
+        figure.settings |= {name: mpl.rcParams[name] for name in COLOURS} | {"savefig.facecolor": "auto"}
+
+
+def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
+    """Return a mixture of the colour of the text, with the part ``fraction``, and the axes' ground.
+
+    Both are the colours in use, so the mixture suits dark styles, too.
+    """
+    ground, text = (np.array(to_rgb(colour)) for colour in (axes.get_facecolor(), mpl.rcParams["text.color"]))
+    red, green, blue = (ground + fraction * (text - ground)).tolist()
+    return red, green, blue
+
+
+def is_full(axes: Axes) -> bool:
+    """Return whether axes belong to a figure of at least the usual width FULL, or to no figure."""
+    figure = axes.get_figure(root=True)
+    return figure is None or figure.get_figwidth() >= FULL
+
+
+def is_narrow(figure: Figure) -> bool:
+    """Return whether a figure is too narrow for two columns of axes (WIDE)."""
+    return bool(figure.get_figwidth() < WIDE)
+
+
+def give_ticks(*axes: Axes) -> None:
+    """Give each linear axis x or y that has matplotlib's own ticks at least LEAST_TICKS ticks."""
+    for panel in axes:
+        for axis in (panel.xaxis, panel.yaxis):
+            if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
+                axis.set_major_locator(MaxNLocator("auto", steps=list(TICK_STEPS), min_n_ticks=LEAST_TICKS))
+
+
+def scale_numbers(axis: Axis, factor: float) -> None:
+    """Write the values at the ticks of an axis times ``factor``; the caller writes the unit for this."""
+    if factor != 1.0:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.10g}".replace("-", "−")))
+
+
+def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[str, str]) -> None:
+    """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
+
+    ``lines`` are pairs of a text and its colour; they stand between message and conditions.
+
+    All texts are broken at the edge of the figure; the font has the same size in all figures. In a narrow
+    figure the conditions stand at the foot. Conditions without room (MOST_HEAD, ``write_foot``) are left out.
+    """
+    width, height = figure.get_size_inches()
+    placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
+    title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
+    in_lines(title, (width - 2.0 * LEFT) * figure.dpi, COMMA, 0)
+    top = TOP + title.get_window_extent().height / figure.dpi + GAP
+    for text, colour in lines:
+        look: dict[str, Any] = {"fontsize": "small", "color": colour, "va": "top"}
+        line = figure.text(s=broken(figure, text), y=1.0 - (top - 0.5 * GAP) / height, **placement, **look)
+        line.set_gid(PEAK_LINE if colour == PEAK_COLOUR else None)
+        top += line.get_window_extent().height / figure.dpi + LINE_GAP
+    if conditions and is_narrow(figure):
+        write_foot(figure, conditions)
+    elif conditions:
+        text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "top"}
+        lines_below = figure.text(
+            s=broken(figure, conditions), y=1.0 - top / height, **placement, **text_style
+        )
+        room = lines_below.get_window_extent().height / figure.dpi + GAP
+        if top + room <= MOST_HEAD * height:
+            top += room
+        else:
+            lines_below.remove()
+    reserve(figure, top / height, 0.0)
+
+
+def tells_peak(figure: Figure | None) -> bool:
+    """Return whether a figure has a text in PEAK_COLOUR below its headline, on the largest force."""
+    return figure is not None and any(text.get_gid() == PEAK_LINE for text in figure.texts)
+
+
+def broken(figure: Figure, text: str, more: int = 1) -> str:
+    """Return a text in lines that fit between the margins of a figure in a small font.
+
+    ``more`` is as in ``in_lines``.
+    """
+    probe = figure.text(0.0, 0.0, text, fontsize="small")
+    in_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more=more)
+    probe.remove()
+    return str(probe.get_text())
+
+
+def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
+    """Write a text at the foot of a figure, above earlier texts there; return matplotlib's object for it.
+
+    A text without room is left out, and None is returned. All texts at the foot together take at most the
+    fraction ``most`` of the figure's height; by default FREE_FOOT if the contents of the figure determine
+    this height, else MOST_FOOT.
+    """
+    if most is None:
+        most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
+    (width, height), low = figure.get_size_inches(), foot_of(figure)
+    text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
+    foot = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **text_style)
+    for more in (1, 0):
+        foot.set_text(broken(figure, text, more))
+        room = (foot.get_window_extent().height / figure.dpi + GAP) / height
+        if low + room <= most:
+            reserve(figure, 0.0, low + room)
+            return foot
+    foot.remove()
+    return None
+
+
+def foot_of(figure: Figure) -> float:
+    """Return the height that is reserved for texts at the foot, relative to the height of the figure."""
+    engine = figure.get_layout_engine()
+    return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
+
+
+def reserve(figure: Figure, top: float, bottom: float) -> None:
+    """Keep the fractions ``top`` and ``bottom`` of a figure's height free, if its layout is constrained."""
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        left, low, width, height = engine.get()["rect"]
+        high = min(low + height, 1.0 - top)
+        low = max(low, bottom)
+        engine.set(rect=(left, low, width, high - low))
+
+
+def words_of(figure: Figure) -> dict[str, str]:
+    """Return the metadata of a picture's file: the headline, and all other texts except numbers at ticks."""
+    title = figure.get_suptitle()
+    texts = [text.get_text().replace("\n", " ") for text in figure.texts if text.get_text() != title]
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        texts += [axes.get_title(), axes.get_xlabel(), axes.get_ylabel()]
+        texts += [text.get_text() for text in (*axes.texts, *(legend.get_texts() if legend else ()))]
+    return {"Title": title, "Description": "\n".join(filter(None, texts)).replace("\u00a0", " ")}
+
+
+def filled_figure(fill: Callable[[Figure], None], size: tuple[float, float] | None = None) -> Figure:
+    """Return a new figure that ``fill`` has drawn on, with the resolution of files.
+
+    ``size``: width and height [inches]; None for matplotlib's default size.
+    """
+    figure = StyledFigure(figsize=size, dpi=DPI)
+    fill(figure)
+    return figure
+
+
+def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
+    """Write the figure that ``make`` returns into a file, in colours that suit the style in use.
+
+    The suffix of the path determines the kind of the file.
+
+    Raises:
+        OSError: when the file cannot be written.
+    """
+    with written_whole(Path(path)) as fresh:
+        figure = make()
+        suit_figure(figure)
+        metadata = words_of(figure) if Path(path).suffix == ".png" else None
+        figure.savefig(fresh, dpi="figure", metadata=metadata)
+
+
+def load_unit(largest: float, unit: str) -> tuple[float, str]:
+    """Return factor and unit as ``prefixed``; a unit of LOAD_UNITS stays for LEAST_LOAD ≤ ``largest`` < 1."""
+    is_load = unit.replace("·", ".") in LOAD_UNITS
+    return (1.0, unit) if is_load and LEAST_LOAD <= largest < 1.0 else prefixed(largest, unit)
+
+
+def force_text(value: float, unit: str) -> str:
+    """Return a value > 0 as text in the unit of ``load_unit``, with three significant digits: "12.3 kN"."""
+    if value < 1.0 and load_unit(value, unit)[1] == unit:
+        return f"{value:.3g} {unit}"
+    return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
+
+
+def raised(text: str) -> str:
+    """Return a text for matplotlib in which exponents after ``^`` are raised: N/m$^{1.5}$ for N/m^1.5."""
+    return re.sub(r"\^([\d.]+|[a-z]+)", r"$^{\1}$", text)

@@ -1,0 +1,125 @@
+"""The numbers at the arrows of a film, placed so that they cover no body, wall, arrow or other number.
+
+A number covers the trace of the tip only if there is no room elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
+from chain_impact.pictures.drawing.labels import directions
+
+# [points] the distances from the head of an arrow to its number, in the order in which they are tried
+DISTANCES = (5.0, 12.0, 20.0, 30.0)
+NUMBER_MARGIN = 3.0  # [points] the width of the border around a number that must be free, too
+SAMPLE = 3.0  # [points] the distance between the points of a drawn line that a number must not cover
+
+
+class Number(NamedTuple):
+    """A number that is to be written at the head of an arrow, or at the mark of a moment.
+
+    Attributes:
+        size: the force [N] or moment [N·m]; large numbers are written first.
+        words: the text, a number with its unit.
+        position: the head of the arrow, or the mark [m].
+        away: unit vector of the best direction from ``position`` to the number.
+        colour: the colour of the text.
+    """
+
+    size: float
+    words: str
+    position: np.ndarray
+    away: np.ndarray
+    colour: str
+
+
+def write_numbers(
+    axes: Axes, wanted: Sequence[Number], lines: Sequence[np.ndarray], pale: np.ndarray
+) -> Iterator[Text]:
+    """Write numbers where they cover nothing, the largest first, and yield the texts that were written.
+
+    A number without room is not written.
+
+    Args:
+        axes: the axes to write into.
+        wanted: the numbers to write.
+        lines: the lines that a number must not cover, each of shape (P, 2) [m]. A closed line is the outline
+            of a body; the middle of a number must not be in the body, either.
+        pale: a line of shape (P, 2) [m]. A number covers this line only if there is no room elsewhere.
+    """
+    if not wanted:
+        return
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    point, room = figure.dpi / 72.0, axes.get_window_extent()
+    drawn = [np.asarray(axes.transData.transform(line)) for line in lines if len(line)]
+    dots = np.concatenate([sampled(line, SAMPLE * point) for line in drawn])
+    kept = (np.concatenate([dots, sampled(axes.transData.transform(pale), SAMPLE * point)]), dots)
+    bodies = [Path(line) for line in drawn if len(line) > 2 and (line[0] == line[-1]).all()]  # noqa: PLR2004
+    taken: list[Bbox] = []
+    text_style: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
+    for number in sorted(wanted, key=lambda number: -number.size):
+        outline = [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]
+        text = axes.text(
+            number.position[0],
+            number.position[1],
+            number.words,
+            color=number.colour,
+            path_effects=outline,
+            **text_style,
+        )
+        half, at = 0.5 * np.asarray(text.get_window_extent().size), axes.transData.transform(number.position)
+        for avoided, distance in product(kept, DISTANCES):
+            middles = at + directions((float(number.away[0]), float(number.away[1]))) * (
+                distance * point + half
+            )
+            boxes = [Bbox([middle - half, middle + half]).padded(NUMBER_MARGIN * point) for middle in middles]
+            free = [box for box in boxes if is_free(box, room, avoided, bodies, taken)]
+            if free:
+                taken.append(free[0])
+                x, y = axes.transData.inverted().transform(middle_of(free[0])).tolist()
+                text.set_position((x, y))
+                yield text
+                break
+        else:
+            text.remove()
+
+
+def is_free(box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], taken: Sequence[Bbox]) -> bool:
+    """Return whether a box for a number is within ``room`` and free of other things; all are in pixels.
+
+    The box is free if it covers none of ``dots``, shape (D, 2), if its middle is outside of all ``bodies``,
+    and if it overlaps none of the boxes ``taken``.
+    """
+    (low, high), (least, most) = box.get_points(), room.get_points()
+    if (low < least).any() or (high > most).any() or any(map(box.overlaps, taken)):
+        return False
+    if ((dots > low) & (dots < high)).all(axis=1).any():
+        return False
+    return not any(body.contains_point(middle_of(box)) for body in bodies)
+
+
+def middle_of(box: Bbox) -> tuple[float, float]:
+    """Return the middle of a box, x and y."""
+    x, y = box.get_points().mean(axis=0).tolist()
+    return x, y
+
+
+def sampled(line: np.ndarray, step: float) -> np.ndarray:
+    """Return points at equal distances along a line, shape (S, 2); the distance is at most ``step``.
+
+    ``line`` has the corners of the line, shape (P, 2).
+    """
+    passed = np.append(0.0, np.hypot(*np.diff(line, axis=0).T).cumsum())
+    places = np.linspace(0.0, passed[-1], 2 + int(passed[-1] / step))
+    return np.stack([np.interp(places, passed, along) for along in line.T], axis=-1)

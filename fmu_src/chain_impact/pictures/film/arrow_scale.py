@@ -1,0 +1,86 @@
+"""The lengths of the arrows of forces in a film, and the ruler that explains these lengths.
+
+The weight of a link and the peak of an impact can differ by a factor of a thousand, and both must be visible:
+the length is proportional to the cube root of the force, with a least length.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import EngFormatter
+
+from chain_impact.pictures.drawing.style import force_text
+from chain_impact.pictures.film.scale_bar import placed_below
+from chain_impact.recording.view import DECADES, LONGEST_ARROW
+
+SHORTEST_ARROW = 0.02  # the length of the shortest arrow, relative to the smaller side of the view
+# FIRST_MARK: the least distance of a mark from the left end of the ruler; MARK_GAP: the least distance of two
+# marks; both relative to the length of the ruler
+FIRST_MARK, MARK_GAP = 0.1, 0.3
+NUMBER_SPACE = 0.5  # the least space between two numbers of the ruler, relative to their height
+SCALE_NAME = "force (cube root)"
+TICK = 3.0  # [points] half of the length of a mark on the ruler
+
+
+class ArrowScale:
+    """The function from forces [N] to lengths [m] of arrows, by the cube root of the force (``length``)."""
+
+    def __init__(self, peak: float, side: float) -> None:
+        """Store the largest force [N], and the smaller side of the view [m]."""
+        self.peak, self.side = peak, side
+
+    def length(self, force: float) -> float:
+        """Return the length of the arrow of a force [N], at least SHORTEST_ARROW times the side [m]."""
+        # the length is LONGEST_ARROW · side · ∛(F / F_max) for the force F
+        return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
+
+    def shows(self, force: float) -> bool:
+        """Return whether the arrow of a force [N] is longer than the least length (SHORTEST_ARROW)."""
+        return self.length(force) > SHORTEST_ARROW * self.side
+
+    def marks(self) -> list[tuple[float, str]]:
+        """Return the distance from the ruler's left end [m], and the text, of each mark from right to left.
+
+        The first mark is the largest force, at the right end. The other marks are at most DECADES powers of
+        ten [N], from the largest one up to the largest force downwards. A power of ten is left out if it is
+        nearer to the left end than FIRST_MARK, or nearer to the mark at its right than MARK_GAP, both times
+        the length of the ruler.
+        """
+        highest, whole = math.floor(math.log10(self.peak)), LONGEST_ARROW * self.side
+        marks, free = [(whole, force_text(self.peak, "N"))], whole
+        for force in 10.0 ** (highest - np.arange(DECADES)):
+            at = self.length(float(force))
+            if at < FIRST_MARK * whole:
+                break
+            if at <= free - MARK_GAP * whole:
+                marks.append((at, EngFormatter("N", places=0)(float(force))))
+                free = at
+        return marks
+
+    def draw(self, axes: Axes, y: float, colour: str) -> None:
+        """Draw the ruler with its marks and name, from the left edge of axes on.
+
+        A mark whose number would touch the number at its right is left out. ``y`` is the height of the ruler
+        above the figure's lower edge, relative to the figure's height.
+        """
+        _, place, text_look = placed_below(axes, colour)
+        left, _ = axes.get_xlim()
+        marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
+        marks |= {"transform": place, "clip_on": False}
+        end = left + LONGEST_ARROW * self.side
+        axes.plot([left, end], [y, y], **marks)
+        axes.annotate(SCALE_NAME, (end, y), (4.0, 0.0), ha="left", **text_look)
+        free = math.inf
+        for at, text in self.marks():
+            below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
+            label = axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), **below)
+            box = label.get_window_extent()
+            if box.x1 > free:  # in a small film, this number would touch its right neighbour
+                label.remove()
+                continue
+            axes.plot([left + at], [y], "|", **marks)
+            free = box.x0 - NUMBER_SPACE * box.height

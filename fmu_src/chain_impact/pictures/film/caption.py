@@ -1,0 +1,79 @@
+"""The caption of a film: words for the impact that the film shows, and for how hard this impact is."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.words.headline import hardness, hit
+from chain_impact.pictures.words.point_names import brief_hit, short_names
+from chain_impact.recording.contact_times import contact_ends
+from chain_impact.recording.pacing import RAMP, impact_ends, slow_spans
+from chain_impact.recording.recording import Recording
+
+CAPTION_FRAMES = 40  # number of frames for which a caption stays after the end of its contact; 2 s in a gif
+CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
+
+CAPTION_GAP = 2.0  # [points] the least space below the caption
+
+
+class Caption:
+    """The caption of a film, a text of two lines."""
+
+    def __init__(
+        self, figure: Figure, place: tuple[float, float], recording: Recording, times: np.ndarray
+    ) -> None:
+        """Make the text, which is empty at first.
+
+        Args:
+            figure: the figure of the film.
+            place: the left edge of the text and the middle of its height, relative to the figure's size.
+            recording: the recording to show.
+            times: the time of the recording that each frame shows [s]; empty for a film without captions.
+        """
+        self.figure, self.recording, self.times = figure, recording, times
+        self.starts, self.ends = caption_starts(recording), contact_ends(recording)
+        self.told = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
+        self.text = figure.text(*place, "\n", fontsize=8, animated=True, va="center")
+        self.lowest = self.text.get_window_extent().y0 - CAPTION_GAP * figure.dpi / 72.0  # [pixels]
+        self.text.set_text("")
+
+    def show(self, frame: int) -> None:
+        """Write the caption for frame ``frame``, from 0, with the longest words that have room.
+
+        The caption tells the latest impact whose caption has begun (``caption_starts``). It is empty before
+        the first caption begins, and more than CAPTION_FRAMES frames after the end of the latest impact.
+        """
+        if not len(self.times):
+            return
+        recording, impacts = self.recording, self.recording.impacts
+        number = int(np.searchsorted(self.starts, self.times[frame], side="right"))
+        if number and self.ends[number - 1] < self.times[max(frame - CAPTION_FRAMES, 0)]:
+            number = 0
+        if number == self.told:
+            return
+        self.told, texts = number, [""]
+        if number:
+            count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
+            whole, brief = short_names(recording, hit(recording, impact)), brief_hit(recording, impact)
+            hard = hardness(recording, number - 1)
+            texts = [f"{text}\n{hard}" for text in (f"{count}: {whole}", f"{count}: {brief}", brief)]
+        for text in texts:
+            self.text.set_text(text)
+            if self.text.get_window_extent().x1 <= CAPTION_END * self.figure.bbox.x1:
+                break
+
+
+def caption_starts(recording: Recording) -> np.ndarray:
+    """Return the times [s] at which the captions of the impacts begin, shape (I,).
+
+    The caption of an impact in slow motion begins RAMP before the onset, or in the middle between the latest
+    end of earlier impacts and the onset, if this is later. Any other caption begins at the onset.
+    """
+    onsets = recording.impacts["onset"]
+    ends = np.maximum.accumulate(
+        np.append(-np.inf, impact_ends(recording.impacts, float(recording.time[-1])))
+    )
+    early = np.minimum(onsets, np.maximum(onsets - RAMP, 0.5 * (onsets + ends[:-1])))
+    is_slow = np.isin(onsets, [onset for onset, _ in slow_spans(recording)])
+    return np.asarray(np.where(is_slow, early, onsets))

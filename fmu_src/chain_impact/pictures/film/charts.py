@@ -1,0 +1,120 @@
+"""The charts beside the motion in a film: the energies over time and, below them, the largest forces.
+
+The axis of time is that of the screen: times in slow motion take more of it, so that the course of an impact
+is seen.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from chain_impact.pictures.drawing.distinct_curves import plot_curves
+from chain_impact.pictures.drawing.style import INK, LOAD, give_ticks, load_unit
+from chain_impact.pictures.over_time.energies import energy_curves
+from chain_impact.pictures.over_time.time_axis import mark_impacts
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import SLIDER_STOP, WALL
+
+FORCE = "#d9480f"  # the colour of wall forces in a film
+CHARTS = (0.69, 0.12, 0.29, 0.6)
+"""The room for the charts: left, bottom, width and height, relative to the size of the figure."""
+# Lengths relative to the axis of time. EVEN: positions that differ by less look equal; TICK_GAP: the least
+# distance of two numbers; AT_END: a number that is beyond the end by at most this is at the end.
+EVEN, TICK_GAP, AT_END = 0.01, 0.13, 1e-9
+# heights of the chart of forces and of the space above this chart, relative to the height of the figure
+STRIP, ABOVE_STRIP = 0.13, 0.075
+
+
+def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: float) -> list[Line2D]:
+    """Draw the charts; return the vertical line at a frame's time in each chart, that of energies first.
+
+    ``times`` has the time of the recording that each of the F frames shows [s], ascending, shape (F,).
+    Without forces at walls or in joints there is no chart of forces. The legend of the energies must end
+    below ``top``, a height above the foot of the figure [pixels].
+    """
+    left, low, width, high = CHARTS
+    forces = largest_forces(recording)
+    lift = STRIP + ABOVE_STRIP if forces else 0.0
+    panels = [figure.add_axes((left, low + lift, width, high - lift))]
+    if forces:
+        panels.append(figure.add_axes((left, low, width, STRIP)))
+        _draw_forces(panels[1], recording, forces)
+        panels[0].tick_params(labelbottom=False)
+    _draw_energies(panels[0], recording, top)
+    for axes in panels:
+        mark_impacts(axes, recording)
+        axes.set_xlim(*recording.time[[0, -1]])
+        is_stretched = stretch(axes, times)
+    panels[-1].set_xlabel("time [s], stretched in slow motion" if is_stretched else "time [s]")
+    return [axes.axvline(times[0], color=INK, linewidth=1.0, animated=True) for axes in panels]
+
+
+def stretch(axes: Axes, times: np.ndarray) -> bool:
+    """Stretch an axis of time in slow motion, so that the cursor moves evenly; return whether this was done.
+
+    The numbers are times of the recording. ``times`` is as in ``draw_charts``. An axis stays as it is if the
+    frames do not show the whole axis, or if the cursor moves nearly evenly on it (EVEN).
+    """
+    frames, ends = np.linspace(0.0, 1.0, len(times)), axes.get_xlim()
+    give_ticks(axes)
+    is_whole = np.allclose(times[[0, -1]], ends, rtol=0.0, atol=AT_END * np.ptp(ends))
+    if not is_whole or np.abs(frames - np.interp(times, ends, (0.0, 1.0))).max() < EVEN:
+        return False
+    ticks = axes.get_xticks()
+    ticks = ticks[np.abs(ticks - ticks.clip(*ends)) <= AT_END * np.ptp(ends)]
+    at = np.interp(ticks, times, frames)
+    axes.set_xscale(
+        "function", functions=(lambda t: np.interp(t, times, frames), lambda k: np.interp(k, frames, times))
+    )
+    kept: list[int] = []
+    for k in range(len(ticks)):
+        if not kept or at[k] - at[kept[-1]] >= TICK_GAP:
+            kept.append(k)
+    axes.set_xticks(ticks[kept], [f"{tick:.10g}" for tick in ticks[kept]])
+    axes.set_xlim(*ends)
+    return True
+
+
+def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
+    """Return "wall" → largest normal force at walls, "joint" → largest force in joints; both (T,) [N].
+
+    Stops of a slider count as walls, stops of joints do not. A name whose forces are unknown or always 0 is
+    left out.
+    """
+    at_walls = [touch.force for touch in recording.touches if touch.kind in (WALL, SLIDER_STOP)]
+    known = {
+        "wall": [force for force in at_walls if force is not None],
+        "joint": [np.hypot(*force.T) for force in recording.loads.values()],
+    }
+    largest = {name: np.max(forces, axis=0) for name, forces in known.items() if forces}
+    return {name: force for name, force in largest.items() if force.any()}
+
+
+def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> None:
+    peak = max(float(force.max()) for force in forces.values())
+    factor, unit = load_unit(peak, "N")
+    for name, force in forces.items():
+        axes.plot(recording.time, factor * force, color={"wall": FORCE, "joint": LOAD}[name], linewidth=1.2)
+    axes.set_title(f"largest force [{unit}]", loc="left", fontsize=8, pad=2.0)
+    axes.set_ylim(bottom=0.0)
+    give_ticks(axes)
+
+
+def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
+    curves = [curve for curve in energy_curves(recording) if curve[0].any()]
+    plot_curves(axes, recording.detailed_energies[0], curves)
+    axes.set_ylabel("energy [J]", fontsize=8)
+    position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
+    for columns in (3, 2):
+        key = axes.legend(**position, ncols=columns, fontsize=8, handlelength=1.0, columnspacing=1.0)
+        if key.get_window_extent().x1 <= axes.figure.bbox.x1:
+            break
+    # the axes become lower for a legend of many rows, so that the legend does not touch the caption
+    box = axes.get_position()
+    above = (key.get_window_extent().y1 - top) / axes.figure.bbox.height
+    axes.set_position((box.x0, box.y0, box.width, box.height - max(0.0, above)))

@@ -1,0 +1,342 @@
+"""The figure on which a film's frames are drawn: chain, trace, walls, arrows of forces, clock, charts.
+
+A small figure, or one for a recording without energies, has no charts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon
+
+from chain_impact.pictures.drawing.dark_ground import Ground
+from chain_impact.pictures.drawing.style import INK, LOAD, OUTSIDE_COLOUR, PALE, STYLE, force_text
+from chain_impact.pictures.film.arrow_numbers import Number, write_numbers
+from chain_impact.pictures.film.arrow_scale import ArrowScale
+from chain_impact.pictures.film.caption import Caption
+from chain_impact.pictures.film.charts import FORCE, draw_charts, largest_forces
+from chain_impact.pictures.film.scale_bar import draw_scale_bar
+from chain_impact.pictures.film.tip_trace import trace_of
+from chain_impact.pictures.motion.bodies import body_look, draw_rail
+from chain_impact.pictures.motion.walls import draw_pin, draw_room, moves
+from chain_impact.pictures.over_time.energies import ENERGIES
+from chain_impact.recording.joint_stops import range_lines, touching_place
+from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import FRICTION, JOINT_STOP
+from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
+from chain_impact.scene.bodies import placed
+
+MUTED, CHAIN, TIP = "#566076", "#2b4a9f", "#c2255c"
+FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
+"""All colours of a film, except white and the shades between the colours and white."""
+FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
+FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
+"""Settings of matplotlib for a film."""
+ROOM = (7.0, 3.9375)  # [inch] the least width and height of a figure with charts
+# position and size of the axes: left, bottom, width and height, relative to the size of the figure
+SCENE = (0.02, 0.09, 0.6, 0.79)
+# positions of the texts: left edge and middle of the height, relative to the size of the figure
+CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.832)
+SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
+"""The axes and texts on a figure that has no room for charts, in the form of SCENE, CLOCK and RATE."""
+# half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
+# the view
+HALF_BAR = 0.035
+SCALE = 0.055  # the position of the rulers, above the foot of the figure, relative to the figure's height
+TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
+
+
+class Film:
+    """The figure on which the frames of a film are drawn, one after the other (``show``)."""
+
+    def __init__(
+        self, figure: Figure, recording: Recording, times: np.ndarray, ground: Ground | None = None
+    ) -> None:
+        """Draw the parts that do not move.
+
+        Args:
+            figure: an empty figure.
+            recording: the recording to show.
+            times: the time of the recording that each of the F frames shows [s], shape (F,).
+            ground: the colours of the style in use, if it is dark.
+        """
+        self.recording, self.times, self.ground = recording, times, ground
+        self.points = np.stack(
+            [self._over_frames(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
+        )
+        self.loads = {joint: self._over_frames(force) for joint, force in recording.loads.items()}
+        self.rows = np.searchsorted(recording.time, times, side="right") - 1
+        self.touches, self.moving = recording.touches, list[Any]()
+        self.numbers, self.arrows = list[Number](), list[np.ndarray]()
+        wide = bool((figure.get_size_inches() > 0.99 * np.array(ROOM)).all())
+        scene, clock, rate = (SCENE, CLOCK, RATE) if wide else (SMALL_SCENE, SMALL_CLOCK, SMALL_RATE)
+        self.tells_energies = wide and bool(recording.energies)
+        self.scene = figure.add_axes(scene)
+        figure.text(
+            SCENE[0], 0.94, recording.name, fontsize=13 if wide else 10, fontweight="bold", va="center"
+        )
+        moving: dict[str, Any] = {"animated": True, "va": "center"}
+        self.clock = figure.text(*clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
+        self.rate = figure.text(*rate, "", fontsize=10, **moving)
+        self.caption = Caption(figure, CAPTION, recording, times if self.tells_energies else times[:0])
+        radius = radius_of(recording)
+        self._draw_ground(radius)
+        self.cursors = (
+            draw_charts(figure, recording, times, self.caption.lowest) if self.tells_energies else []
+        )
+        still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
+        self.trace_times, self.path = trace_of(recording, self.side)
+        faint: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.7 if ground else 0.35}
+        self.rings, self.spots = self._rings()
+        (self.trace,) = self.scene.plot([], [], color=TIP, **faint, **still)
+        self.tail = LineCollection([], colors=TIP, animated=True)
+        self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
+        for lines in (self.tail, self.ranges):
+            self.scene.add_collection(lines, autolim=False)
+        disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
+        touching = recording.touching if radius > 0.0 else {}
+        self.discs = {point: Circle((0, 0), own, **disc) for point, own in touching.items()}
+        body: dict[str, Any] = {**body_look(CHAIN), "animated": True}
+        self.bodies = {link: Polygon(corners, **body) for link, corners in recording.outlines.items()}
+        base = {**body, "facecolor": to_rgb(PALE)}
+        self.carriage = [(Polygon(np.zeros((4, 2)), **base), recording.rail)] if recording.rail else []
+        self.patches = [*self.discs.values(), *self.bodies.values(), *(patch for patch, _ in self.carriage)]
+        for patch in self.patches:
+            self.scene.add_patch(patch)
+        (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
+        mark: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
+        self.sites, self.joints, self.tip = (
+            self.scene.plot([], [], color=colour, markeredgecolor=edge, markersize=size, **mark)[0]
+            for colour, edge, size in ((CHAIN, CHAIN, 4), ("white", CHAIN, 5), (TIP, "white", 7))
+        )
+        peaks = recording.impacts["peak_force"][~recording.at_stops]
+        seen = [force.max() for force in largest_forces(recording).values()]
+        peak = max([np.nanmax(peaks, initial=0.0), *seen])
+        self.scale = ArrowScale(peak, self.side)
+        if peak > 0.0:
+            self.scale.draw(self.scene, SCALE, MUTED)
+        if self.loads:
+            self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
+        self._suit(figure)
+
+    def _suit(self, figure: Figure) -> None:
+        """Give the figure the colours for a dark ground, if the style in use is dark."""
+        if self.ground:
+            self.ground.suit(figure.findobj())
+            figure.set_facecolor(self.ground.ground)
+
+    def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
+        """Return vectors at the times of the frames, shape (F, 2), from ``vectors`` in each row, (T, 2)."""
+        return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
+
+    def _rings(self) -> tuple[Line2D, np.ndarray]:
+        """Return an empty line of rings, and the places of all impacts, shape (I, 2) [m], for ``show``."""
+        look: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markersize": 6.5, "animated": True}
+        (rings,) = self.scene.plot([], [], linestyle="", markeredgecolor=INK, **look)
+        return rings, np.reshape([self.recording.spot(impact) for impact in self.recording.impacts], (-1, 2))
+
+    def _draw_key(self, figure: Figure, right: float) -> None:
+        """Draw the legend of the arrows; its right end is at the part ``right`` of the figure's width."""
+        arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
+        kinds = {"wall forces": FORCE, "joint forces": LOAD}
+        position: dict[str, Any] = {
+            "loc": "center right",
+            "bbox_to_anchor": (right, 0.94),
+            "borderaxespad": 0.0,
+        }
+        handles = [Line2D([], [], color=colour, label=name, **arrow) for name, colour in kinds.items()]
+        figure.legend(handles=handles, ncols=2, fontsize=8, handlelength=1.4, columnspacing=1.0, **position)
+
+    def _draw_ground(self, radius: float) -> None:
+        pinned = self.recording.pinned
+        view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
+        self.side = float(min(np.ptp(view, axis=0)))
+        # the axes have equal scales along x and y, so they also show room beside, above or below the view
+        room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
+        seen = room * (size / room).max()
+        low = view[0] - anchor * (seen - size)
+        self.scene.set(xticks=[], yticks=[])
+        self.scene.spines[:].set_visible(False)
+        self.view = low + np.array([np.zeros(2), seen])
+        self.pin = pin_mark(self.recording.all_points) if pinned else []
+        self.room_moves = bool(self.recording.moved_walls) or (pinned and moves(self.recording.points[:, 0]))
+        drawn = draw_rail(self.scene, self.recording)
+        self.rail = [line for lines in drawn for line in lines.get_segments()]
+        self.room = self._draw_room(0)
+        for artist in self.room if self.room_moves else ():
+            artist.set_animated(True)
+        draw_scale_bar(self.scene, SCALE, MUTED)
+
+    def _draw_room(self, frame: int) -> list[Artist]:
+        walls = list(self.recording.walls_at(float(self.times[frame])).values())
+        way = self.points[frame, 0] - self.recording.points[0, 0]
+        pin = draw_pin(self.scene, [line + way for line in self.pin])
+        return [*draw_room(self.scene, self.view, walls), *pin]
+
+    def _moved_room(self, frame: int) -> list[Artist]:
+        """Draw walls and the base's mark anew for a frame; return the artists; [] if none of them moves."""
+        if not self.room_moves:
+            return []
+        for artist in self.room:
+            artist.remove()
+        self.room = self._draw_room(frame)
+        if self.ground:
+            self.ground.suit(self.room)
+        return self.room
+
+    def show(self, frame: int, rate: float) -> Iterable[Artist]:
+        """Move the chain to its pose in a frame; return the artists to draw, in order.
+
+        Args:
+            frame: the index of the frame, from 0.
+            rate: simulated seconds per second on the screen.
+        """
+        time, places = self.times[frame], self.points[frame]
+        points = places[: self.recording.link_count + 1]
+        passed = np.searchsorted(self.trace_times, time, side="right")
+        self.trace.set_data(*np.append(self.path[:passed], points[-1:], axis=0).T)
+        self._show_tail(time)
+        self.rings.set_data(*self.spots[self.recording.impacts["onset"] <= time].T)
+        for point, disc in self.discs.items():
+            disc.set_center(tuple(places[point]))
+        for link, body in self.bodies.items():
+            body.set_xy(placed(self.recording.outlines[link], points[link - 1], points[link]))
+        for carriage, rail in self.carriage:
+            carriage.set_xy(rail.carriage(points[0]))
+        self.sites.set_data(*places[len(points) :].T)
+        self.chain.set_data(*points.T)
+        self.joints.set_data(*points[:-1].T)
+        self.tip.set_data(*points[-1:].T)
+        self.clock.set_text(f"{time:.5f} s")
+        self.rate.set_text(rate_text(rate))
+        self.caption.show(frame)
+        self.rate.set_color(self._suited(INK if rate < SLOW_RATE else MUTED))
+        self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
+        yield from self._moved_room(frame)
+        yield from (self.trace, self.tail, self.rings, *self.patches, self.ranges)
+        yield from (self.chain, self.sites, self.joints, self.tip)
+        yield from self._forces(frame)
+        yield from (self.clock, self.rate, self.caption.text)
+        for cursor in self.cursors:
+            cursor.set_xdata([time, time])
+            yield cursor
+
+    def _show_tail(self, time: float) -> None:
+        moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
+        tip = np.stack([np.interp(moments, self.trace_times, along) for along in self.path.T], axis=-1)
+        self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
+        self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
+        self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
+
+    def _forces(self, frame: int) -> Iterator[Artist]:
+        """Draw and yield the forces in a frame.
+
+        These are arrows of forces with a bar at a contact that sticks, marks of moments at stops and of
+        joints and sliders that stick, and the numbers of forces and moments.
+        """
+        for artist in self.moving:
+            artist.remove()
+        self.moving.clear()
+        self.numbers.clear()
+        self.arrows.clear()
+        self.plane = self.recording.sides_at(float(self.times[frame]))
+        for touch in self.touches:
+            force = 0.0 if touch.force is None else self._value_at(touch.force, frame)
+            sticks = touch.sticking is not None and touch.sticking[self.rows[frame]] > 0.0
+            if touch.wall in self.plane and force > 0.0:
+                along = 0.0 if touch.friction is None else self._value_at(touch.friction, frame)
+                self._add_contact(self.points[frame, touch.point], touch.wall, (force, along), sticks)
+            elif touch.kind == FRICTION and sticks:
+                self._add_line(
+                    self.points[frame, max(touch.point - 1, 0)], "o", markeredgecolor=CHAIN, markersize=7
+                )
+            elif touch.kind == JOINT_STOP and force > 0.0:
+                mark, (dx, dy) = touching_place(self.points[frame], touch.point)
+                self._add_line(mark, "o", markersize=9)
+                across = np.array([dy, -dx])
+                self.numbers.append(Number(force, force_text(force, "N·m"), mark, across, FORCE))
+        self._add_loads(frame)
+        drawn = np.asarray(self.trace.get_xydata())
+        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame), drawn)
+        if self.ground:
+            self.ground.suit(self.moving)
+        yield from self.moving
+
+    def _suited(self, colour: str) -> Any:
+        """Return the colour that replaces ``colour`` if the ground is dark; else ``colour`` itself."""
+        return self.ground.suited(colour) if self.ground else colour
+
+    def _add_loads(self, frame: int) -> None:
+        """Add an arrow for the force in each joint in a frame; the largest force gets its value if this fits.
+
+        A force that is too small for ``ArrowScale.shows`` has neither arrow nor value.
+        """
+        forces = {joint: force[frame] for joint, force in self.loads.items()}
+        largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
+        for joint, force in forces.items():
+            whole = float(np.hypot(*force))
+            if whole > 0.0 and self.scale.shows(whole):
+                joint_position = self.points[frame, joint - 1]
+                self._add_arrow(joint_position, force / whole, whole, LOAD, with_size=joint == largest)
+
+    def _value_at(self, column: np.ndarray, frame: int) -> float:
+        return float(np.interp(self.times[frame], self.recording.time, column))
+
+    def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
+        """Add the arrow of the contact force on a point; if the contact sticks, also a bar along the wall.
+
+        Args:
+            point: position of the point [m].
+            wall: name of the wall.
+            force: the normal and the tangential part of the force [N], along the wall's normal and tangent.
+            sticks: whether the contact sticks.
+        """
+        plane = self.plane[wall]
+        normal = np.array(plane.normal)
+        tangent = np.array([normal[1], -normal[0]])
+        foot, whole = point - plane.clearance(*point) * normal, float(np.hypot(*force))
+        if sticks:
+            bar = np.stack([foot - HALF_BAR * self.side * tangent, foot + HALF_BAR * self.side * tangent])
+            self._add_line(bar.T, linewidth=5.0, solid_capstyle="butt")
+        self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / whole, whole, FORCE)
+
+    def _add_arrow(
+        self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, with_size: bool = True
+    ) -> None:
+        """Add the arrow of a force.
+
+        Args:
+            foot: the start of the arrow [m].
+            direction: unit vector of the force.
+            whole: the size of the force [N].
+            colour: the colour of the arrow.
+            with_size: whether the size is also written at the arrow's head.
+        """
+        head = foot + self.scale.length(whole) * direction
+        style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
+        arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
+        self.moving.append(self.scene.add_patch(arrow))
+        self.arrows.append(np.stack([foot, head]))
+        if with_size:
+            self.numbers.append(Number(whole, force_text(whole, "N"), head, direction, colour))
+
+    def _add_line(self, points: np.ndarray, *marker: str, **style: Any) -> None:
+        self.moving += self.scene.plot(*points, *marker, color=FORCE, **style)
+
+    def _outlines(self, frame: int) -> list[np.ndarray]:
+        """Return the lines that numbers in a frame must not cover: chain, bodies, walls, rail and arrows."""
+        bodies = [*self.bodies.values(), *(patch for patch, _ in self.carriage)]
+        outlines = [np.asarray(body.get_xy()) for body in bodies]
+        for disc in self.discs.values():
+            outlines.append(np.asarray(disc.get_patch_transform().transform(disc.get_path().vertices)))
+        walls = [np.asarray(line.get_xydata()) for line in self.room if isinstance(line, Line2D)]
+        chain = self.points[frame, : self.recording.link_count + 1]
+        return [chain, *outlines, *walls, *self.rail, *self.arrows]

@@ -1,0 +1,138 @@
+"""Rings where impacts happened, with the numbers of the impacts, and squares where something sticks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, tells_peak
+from chain_impact.pictures.motion.joint_forces import name_loads
+from chain_impact.pictures.words.headline import marked_peaks
+from chain_impact.pictures.words.impact_numbers import (
+    LISTED_OF_MANY,
+    MOST_IN_LABEL,
+    listed_or_counted,
+    numbers_text,
+)
+from chain_impact.recording.joint_stops import touching_place
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import JOINT
+
+RING_SIZE = 6.5  # [points] the diameter of the ring at an impact
+PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
+SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a slider sticks
+# [1] distance within which impacts at the same wall or stop share a ring, relative to the view's larger side
+RING_DISTANCE = 0.03
+
+
+def by_speed(recording: Recording) -> np.ndarray:
+    """Return the rows of the impacts in the order of ``recording.end_speeds``, the fastest first."""
+    return np.argsort(-recording.end_speeds, kind="stable")
+
+
+def draw_rings(axes: Axes, recording: Recording) -> None:
+    """Draw a ring at each place where a point hit a wall, or where a joint or slider hit a stop."""
+    places = rings(axes, recording)
+    plot_rings(axes, recording, {row: spot for spot, rows in places.items() for row in rows}, RING_SIZE)
+
+
+def plot_rings(
+    axes: Axes, recording: Recording, spots: Mapping[int, tuple[float, float]], size: float
+) -> None:
+    """Draw a ring at the place of each impact; the ring of an impact in ``marked_peaks`` has PEAK_COLOUR.
+
+    The first impact in ``marked_peaks`` has no entry in the legend if a line below the headline tells it
+    (``tells_peak``).
+
+    ``spots``: row of an impact → position in the axes; ``size``: the diameter of a ring [points].
+    """
+    look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none", "linestyle": ""}
+    most = [peak for peak in marked_peaks(recording) if peak.row in spots]
+    if places := list(dict.fromkeys(spots.values())):
+        label = "impacts" if len(places) > len(most) else "_"
+        axes.plot(*np.transpose(places), **look, color=INK, zorder=5, label=label)
+    named = most[:1] if tells_peak(axes.get_figure(root=True)) else []
+    for peak in most:
+        name = "_" if peak in named else peak.words
+        bold = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": name}
+        axes.plot(*spots[peak.row], **look | bold)
+
+
+def draw_sticking(axes: Axes, recording: Recording) -> None:
+    """Draw a square at each contact, joint or slider that sticks at the end of the recording."""
+    last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
+    positions = []
+    for phase in last[last["mode"] == STICKS]:
+        joint = phase["wall"] == JOINT
+        position = points[max(phase["point"] - 1, 0) if joint else phase["point"]]
+        if not joint and recording.walls:
+            wall = recording.wall_of(phase)
+            position = position - wall.clearance(*position) * np.array(wall.normal)
+        positions.append(position)
+    if positions:
+        mark_style: dict[str, Any] = {"marker": "s", "markersize": SQUARE_SIZE, "linestyle": "", "color": INK}
+        axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks at the end")
+
+
+def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
+    """Write the numbers of the impacts beside their rings, beyond the walls, where ``ink`` is free.
+
+    The fastest impacts come first; the largest forces in joints (``name_loads``) come last. Returns a text
+    with the numbers without room, or with the count of these numbers; "" if all numbers have room.
+    """
+    hits_at, labels = rings(axes, recording), []
+    for spot, hits in hits_at.items():
+        numbers = [hit + 1 for hit in hits]
+        position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
+        whole = numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY)
+        labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
+    left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
+    name_loads(axes, recording, ink)
+    missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
+    return listed_or_counted([hit + 1 for hits in missing for hit in hits], len(recording.impacts))
+
+
+def _label_place(
+    recording: Recording, impact: np.void, spot: tuple[float, float]
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the position for an impact's label, and the unit vector from this position to the label.
+
+    The position is ``spot``, the place of the impact's ring, and the vector points into the wall. At a stop
+    of a joint, the vector is across the link. At a stop of a slider, the position is the end of the stop's
+    mark, and the vector is along this mark.
+    """
+    if recording.is_stop(impact["wall"]):
+        x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
+        return spot, (float(y), float(-x))
+    nx, ny = recording.wall_of(impact).normal
+    if recording.toucher(impact) != "slider":
+        return spot, (-nx, -ny)
+    across = (-ny, nx) if nx >= 0.0 else (ny, -nx)
+    assert recording.rail is not None
+    reach = recording.rail.half
+    return (spot[0] + reach * across[0], spot[1] + reach * across[1]), across
+
+
+def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
+    """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
+
+    A ring is at the ``spot`` of its fastest impact. A slower impact at the same wall or stop belongs to this
+    ring if the distance of its spot from the ring is less than RING_DISTANCE × the larger side of the view.
+    """
+    spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    hits_at: dict[tuple[float, float], list[int]] = {}
+    walls = recording.impacts["wall"]
+    for row in by_speed(recording).tolist():
+        x, y = recording.spot(recording.impacts[row]).tolist()
+        near = (
+            spot
+            for spot, hits in hits_at.items()
+            if walls[hits[0]] == walls[row] and np.hypot(spot[0] - x, spot[1] - y) < spacing
+        )
+        hits_at.setdefault(next(near, (x, y)), []).append(row)
+    return hits_at

@@ -1,0 +1,92 @@
+"""The largest force in each joint, in the picture of a motion.
+
+Each force is an arrow at the position that the joint had at the time of the force. The values of the
+MOST_VALUES largest forces stand beside their joints, as far as there is room.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.style import LOAD, force_text
+from chain_impact.pictures.motion.view import View, view_of
+from chain_impact.recording.joint_peaks import joint_peaks
+from chain_impact.recording.recording import Recording
+
+# the length of the arrow for the largest force in a joint, relative to the smaller side of the view
+LONGEST_LOAD = 0.3
+# if an arrow would leave the view, all arrows become shorter; but the arrow for the largest force keeps at
+# least the part SHORTEST_LOAD of LONGEST_LOAD, so an arrow near the edge may still leave the view
+SHORTEST_LOAD = 0.4
+# POSE_WIDTH: [points] the width of the chain in the pose of the arrows; POSE_LAYER: matplotlib's order of
+# drawing (zorder) for this chain, above all other poses
+POSE_WIDTH, POSE_LAYER = 1.6, 4.5
+MOST_VALUES = 3  # the largest number of joints whose forces are written
+
+
+def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
+    """Draw the largest force in each joint as an arrow, where the joint was at that time.
+
+    Direction and position of an arrow are those in the row nearest to the time of the largest force in the
+    joint; the length shows the largest force, which may lie between rows. The pose of the chain at the time
+    of the largest of all these forces has the colour of the arrows. If an arrow would leave the view, all
+    arrows become shorter, as far as SHORTEST_LOAD allows. A recording without loads has no arrows.
+    """
+    arrows, loads = [], joint_peaks(recording)
+    for peak in loads:
+        if peak.joint in recording.loads:
+            row = recording.row_at(peak.time)
+            force = recording.loads[peak.joint][row]
+            if size := np.hypot(*force):
+                arrows.append((*recording.points[row, peak.joint - 1], *(peak.force / size * force)))
+    if arrows:
+        # ``POSE_LAYER`` is above the layer of the pose at the end, which could cover the pose drawn here
+        pose = recording.pose_at(loads[0].time)
+        axes.plot(*pose.T, ".-", color=LOAD, linewidth=POSE_WIDTH, zorder=POSE_LAYER)
+        x, y, along, up = np.transpose(arrows)
+        most = np.hypot(along, up).max()
+        longest = LONGEST_LOAD * min(np.ptp(view_of(recording).corners, axis=0))
+        ways = longest / most * np.stack([along, up], axis=-1)
+        longest *= max(SHORTEST_LOAD, part_in_view(np.stack([x, y], axis=-1), ways, view.corners))
+        axes.quiver(
+            *(x, y, along, up),
+            angles="xy",
+            scale_units="xy",
+            scale=most / longest,
+            color=LOAD,
+            zorder=6,
+            clip_on=False,
+            in_layout=False,
+        )
+        key_style: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
+        axes.plot([], [], **key_style, label=f"joint forces\n≤ {force_text(most, 'N')}")
+
+
+def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
+    """Return the largest factor, at most 1, on the lengths of arrows with which all arrows end in a view.
+
+    ``places`` has the feet of the arrows, ``ways`` the vectors from the feet to the heads, both of shape
+    (A, 2) [m]; ``corners`` are the lower left and the upper right corner of the view, shape (2, 2) [m].
+    """
+    room = np.where(ways > 0.0, corners[1], corners[0]) - places
+    parts = np.divide(room, ways, out=np.ones_like(ways), where=ways != 0.0)
+    return float(parts.min(initial=1.0))
+
+
+def name_loads(axes: Axes, recording: Recording, ink: Ink) -> None:
+    """Write the MOST_VALUES largest peak forces near their joints at these peaks, where ``ink`` has room."""
+    peaks = [peak for peak in joint_peaks(recording)[:MOST_VALUES] if peak.force > 0.0]
+    values = [force_text(peak.force, "N") for peak in peaks]
+    labels = [
+        Label(
+            f"joint {peak.joint}: {value}",
+            tuple(recording.pose_at(peak.time)[peak.joint - 1].tolist()),
+            short=value,
+        )
+        for peak, value in zip(peaks, values, strict=True)
+    ]
+    place_labels(axes, labels, ink, lines=True, fontsize="small", color=LOAD)

@@ -1,0 +1,136 @@
+"""The panel of the motion: a few strong poses, the paths of points, faint poses, and the impacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+
+from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.style import INK, TIME_COLOURS, give_ticks, scale_numbers
+from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
+from chain_impact.pictures.motion.impact_rings import by_speed, draw_rings, draw_sticking
+from chain_impact.pictures.motion.joint_forces import draw_loads
+from chain_impact.pictures.motion.moving_walls import draw_moving
+from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_times
+from chain_impact.pictures.motion.view import BAND, is_flat, seen_size, view_of
+from chain_impact.pictures.motion.walls import draw_walls
+from chain_impact.pictures.over_time.rests import shown_time
+from chain_impact.recording.joint_stops import range_lines
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.rest import ends_at_rest, rest_word
+from chain_impact.recording.text import prefixed
+from chain_impact.recording.view import ball_of
+
+PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, as a tip may slide
+MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
+# PATH_WIDTH: [points] the usual width of the line along the tip's path; DENSE: a line that would cover more
+# than this part of the area around the path is narrower; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES:
+# the largest number of points on a path from which ``density`` computes
+PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20000
+# with more paths of points than this, each path is the fainter the more paths there are
+MOST_CLEAR_PATHS = 6
+BALL_LINE = 0.3  # the width of the line from a ball's centre to the link's other end, relative to other links
+SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
+
+
+def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
+    """Draw the motion in the plane: walls, paths, faint poses, and strong poses at start, end and impacts.
+
+    ``shape`` is the height of the axes divided by their width, if known; ``shape`` and ``band`` are as for
+    ``view_of``.
+    """
+    view = view_of(recording, shape, band)
+    draw_walls(axes, recording, view)
+    shade = colour_of_time(recording)
+    draw_faint(axes, recording)
+    draw_paths(axes, recording, shade)
+    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED_POINTS else ""}
+    thick, ball = 1.0, ball_of(recording)
+    if ball is not None:  # a mark shows the ball's centre, a thin line the link
+        thick, marks = BALL_LINE, marks | {"markevery": [ball]}
+    strong = strong_times(recording)
+    draw_moving(axes, recording, view, shade, strong)
+    draw_rail(axes, recording)
+    for time in strong:
+        draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
+        draw_chain(
+            axes, recording.pose_at(time), color=shade(time), linewidth=1.6 * thick, markersize=3.5, **marks
+        )
+    rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
+    for row, name in ((0, "start"), (-1, f"end{rests}")):
+        colour = shade(recording.time[row])
+        style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
+        # a wider copy of the chain at the start is visible as a rim around the chain at the end
+        if row == 0 and is_covered(recording):
+            rim = {"linewidth": (3.0 + RIM_WIDTH) * thick, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
+            draw_chain(axes, recording.points[row], **style | rim)
+        draw_bodies(axes, recording, row, colour, linewidth=1.2)
+        draw_chain(axes, recording.points[row], **style)
+    if recording.stops:
+        hit = next((row for row in by_speed(recording).tolist() if recording.at_stops[row]), None)
+        pose = recording.points[-1] if hit is None else recording.pose_at(recording.impacts["onset"][hit])
+        lines = list(range_lines(pose, recording.stops))
+        axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
+    draw_rings(axes, recording)
+    draw_sticking(axes, recording)
+    draw_loads(axes, recording, view)
+    flat = is_flat(recording)
+    axes.set_aspect("auto" if flat else "equal")
+    give_ticks(axes)
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    if flat:
+        largest = float(np.abs(axes.get_ylim()).max())
+        factor, unit = prefixed(largest, "m") if largest < SHORT_LENGTH else (1.0, "m")
+        scale_numbers(axes.yaxis, factor)
+        box = axes.get_window_extent()
+        zoom = box.height / box.width * np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
+        axes.set_ylabel(f"y\u00a0[{unit}], enlarged {zoom:#.2g} times".replace(". times", " times"))
+    legend_above(axes)
+
+
+def colour_of_time(recording: Recording) -> Any:
+    """Return a function: time [s] → colour in TIME_COLOURS, over the shown time; constant beyond it."""
+    shown = shown_time(recording)
+    norm = Normalize(shown.start, shown.end if shown.end > shown.start else shown.start + 1.0, clip=True)
+    return lambda time: TIME_COLOURS(norm(time))
+
+
+def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
+    """Draw the paths of points; the path of the tip, or of a ball's centre, has the colours of time.
+
+    The other end of a ball's link has no path. ``shade`` is the function from a time [s] to its colour.
+    """
+    *others, tip = recording.points.transpose(1, 0, 2)
+    ball, name = ball_of(recording), "tip"
+    if ball is not None:
+        others, tip, name = [], recording.points[:, ball], "path"
+    others += [*recording.sites.transpose(1, 0, 2)]
+    alpha = 0.45 * min(1.0, MOST_CLEAR_PATHS / (len(others) + 1))
+    axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha))
+    if len(tip) == 1:
+        return
+    middles = 0.5 * (recording.time[1:] + recording.time[:-1])
+    pieces = np.stack([tip[:-1], tip[1:]], axis=1)
+    width = PATH_WIDTH * min(1.0, (DENSE / density(tip, seen_size(recording))) ** 2)
+    path = LineCollection(list(pieces), colors=shade(middles), linewidths=width, capstyle="round", label=name)
+    path.set_zorder(PATH_LAYER)
+    axes.add_collection(path)
+
+
+def density(path: np.ndarray, size: float) -> float:
+    """Return which part of the area around a path is covered by a line along the path, from 0 to 1.
+
+    The line consists of the squares with the side LINE_CELL that the path meets, the area of those with the
+    side AREA_CELL; both sides are relative to ``size`` [m]. ``path`` has the shape (T, 2) [m].
+    """
+    way = np.append(0.0, np.hypot(*np.diff(path, axis=0).T).cumsum())
+    count = min(MOST_SAMPLES, 2 + int(2.0 * way[-1] / (LINE_CELL * size)))
+    places = np.stack([np.interp(np.linspace(0.0, way[-1], count), way, along) for along in path.T], axis=-1)
+    areas = [
+        len(np.unique(np.floor(places / (cell * size)), axis=0)) * cell**2 for cell in (LINE_CELL, AREA_CELL)
+    ]
+    return areas[0] / areas[1]

@@ -1,0 +1,89 @@
+"""Poses of the chain in the picture of a motion: a few strong ones, and faint ones in between."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+
+from chain_impact.pictures.drawing.style import INK
+from chain_impact.pictures.motion.impact_rings import by_speed
+from chain_impact.pictures.motion.view import seen_size
+from chain_impact.recording.recording import Recording
+
+# the largest number of strong poses between start and end (``strong_times``)
+MOST_STRONG_POSES = 6
+CANDIDATES = 60  # largest number of impacts, the fastest ones, among whose poses strong poses are chosen
+FAINT_POSES = 40  # the largest number of faint poses, from rows with equally spaced indices
+# The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
+# STRONG_APART of strong ones. The pose at the fastest impact is always kept.
+FAINT_APART, STRONG_APART = 0.03, 0.1
+# RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end covers it;
+# COVERED_WITHIN: this is so if every point ends nearer to its start than this, relative to the size of the
+# motion
+RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
+
+
+def is_covered(recording: Recording) -> bool:
+    """Return whether the chain at the end would cover the chain at the start (COVERED_WITHIN)."""
+    ways = recording.points[-1] - recording.points[0]
+    return bool(np.hypot(*ways.T).max() < COVERED_WITHIN * seen_size(recording))
+
+
+def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
+    """Draw the chain in one pose.
+
+    Args:
+        axes: the axes to draw into.
+        points: positions of the points 0…N, shape (N+1, 2) [m].
+        look: properties of the line, with matplotlib's names: color, linewidth, markersize, label, …
+
+    Returns:
+        The line; `set_data(*points.T)` moves the line to another pose.
+    """
+    style: dict[str, Any] = {"marker": "o", "markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
+    style |= {"solid_joinstyle": "round", "solid_capstyle": "round"}
+    (line,) = axes.plot(*np.transpose(points), **(style | look))
+    return line
+
+
+def strong_times(recording: Recording) -> list[float]:
+    """Return the times [s] of the strong poses between start and end, in order.
+
+    These are the onsets of at most MOST_STRONG_POSES of the CANDIDATES fastest impacts. The fastest impact is
+    one of them. Slower impacts follow, the faster ones first, if their pose differs (``apart``) from the
+    poses at start, at end, and at all impacts that are chosen before.
+    """
+    onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
+    if not onsets:
+        return []
+    ends = [recording.points[0], recording.points[-1]]
+    poses = np.array([recording.pose_at(onsets[0]), *ends, *map(recording.pose_at, onsets[1:])])
+    kept = apart(poses, STRONG_APART * seen_size(recording), always=3)
+    times = [onsets[0], *(onsets[k - 2] for k in kept[3:])]
+    return sorted(times[:MOST_STRONG_POSES])
+
+
+def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
+    """Return the indices of the poses to keep, each of which differs from all earlier poses that are kept.
+
+    ``poses`` has the positions of the points in each pose, shape (P, N+1, 2) [m]. Two poses differ if the
+    mean distance of their points is at least ``least`` [m]. The first ``always`` poses are kept in any case.
+    """
+    kept: list[int] = []
+    for k, pose in enumerate(poses):
+        ways = np.hypot(*np.moveaxis(poses[kept] - pose, -1, 0)).mean(axis=-1)
+        if k < always or ways.min() >= least:
+            kept.append(k)
+    return kept
+
+
+def draw_faint(axes: Axes, recording: Recording) -> None:
+    """Draw the chain faintly in rows with equally spaced indices, without poses that look alike."""
+    rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
+    poses = recording.points[rows]
+    poses = poses[apart(poses, FAINT_APART * seen_size(recording))]
+    axes.add_collection(LineCollection(list(poses), colors=INK, linewidths=0.6, alpha=0.13))

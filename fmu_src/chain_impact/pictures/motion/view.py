@@ -1,0 +1,143 @@
+"""The part of the plane that the picture of a motion shows: the motion and the walls near it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import open_shares, places_of, seen, size_of
+from chain_impact.scene.half_planes import HalfPlane
+
+# VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall by
+# default. Both are relative to the longer side of the view without margins. √2 BAND must be less than NEAR of
+# recording/view.py: then the margins alone do not reach a wall that is left out because it is farther away
+# than NEAR. A view that is larger, because of near walls or a wider band, may reach such a wall; ``view_of``
+# then adds this wall.
+VIEW_MARGIN, BAND = 0.04, 0.14
+# the view is not extended to a position of a moving wall that is farther from the motion than this, relative
+# to the size of the motion
+FARTHEST = 1.0
+# FLATTEST: a motion that ``is_flat`` has a height below FLATTEST × width, and a scale of its own along y;
+# FLAT_MARGIN: the margin above and below such a motion, relative to the height
+FLATTEST, FLAT_MARGIN = 0.03, 0.25
+# the least ratio of the shorter to the longer side of a view without a given shape, unless the motion is flat
+SLIMMEST = 0.3
+GROWN = np.array([1.1, 1.2])  # the largest factors on width and height with which the view grows to fill axes
+# a wall counts as parallel to the x axis or the y axis if a |component| of its unit normal exceeds this
+STRAIGHT = 0.99
+# the left, right, lowest and highest point of a disc: x and y relative to its centre, in units of its radius
+DISC_ENDS = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
+
+
+class View(NamedTuple):
+    """The part of the plane that a picture of a motion shows.
+
+    Attributes:
+        corners: lower left and upper right corner, shape (2, 2) [m].
+        walls: the names of the walls in view.
+    """
+
+    corners: np.ndarray
+    walls: list[str]
+
+
+def is_flat(recording: Recording) -> bool:
+    """Return whether a motion would look like a line in a picture with equal scales along x and y (FLATTEST).
+
+    A motion with a pinned base, a slider, outlines of links, no height, or a single row is never flat.
+    """
+    if recording.pinned or recording.rail or recording.outlines:
+        return False
+    places = drawn_places(recording)
+    width, height = np.ptp(places, axis=(0, 1))
+    return bool(len(places) > 1 and 0.0 < height < FLATTEST * width)
+
+
+def seen_size(recording: Recording) -> float:
+    """Return the size [m] with which distances between poses are compared.
+
+    The size of a motion that ``is_flat`` is the height of its points, because y is drawn enlarged; the size
+    of any other motion is ``size_of``.
+    """
+    return float(np.ptp(recording.points[..., 1])) if is_flat(recording) else size_of(recording)
+
+
+def view_of(recording: Recording, shape: float | None = None, band: float = BAND) -> View:
+    """Return the view of a motion in the plane: the motion, with a margin, and the walls near it.
+
+    A wall that is never near the motion is left out. Of any other wall, the view contains the position at the
+    start and both extreme positions, except positions farther away than FARTHEST. ``shape`` is the wanted
+    height of the view divided by its width. The view has another shape if it would otherwise grow by more
+    than GROWN, or if walls on both sides leave no room to extend it. ``band`` is how far the view reaches
+    beyond a wall, relative to the longer side of the view without margins.
+    """
+    places = {
+        (name, end): wall
+        for end, walls in enumerate((recording.walls, *wall_extremes(recording)))
+        for name, wall in walls.items()
+        if end == 0 or name in recording.moved_walls
+    }
+    everywhere, drawn = dict(places), drawn_places(recording)
+    view, near = seen(drawn, places, pinned=recording.pinned)
+    if recording.moved_walls:
+        names = {name for name, _ in near}
+        places = {at: wall for at, wall in places.items() if at[0] in names}
+        view, near = seen(drawn, places, near=FARTHEST, pinned=recording.pinned)
+    width = np.ptp(view, axis=0).max()
+    margin = np.full((2, 2), VIEW_MARGIN * width)
+    for wall in near.values():
+        bands = band * width * np.array([wall.normal, np.negative(wall.normal)])
+        margin = np.maximum(margin, bands)
+    view = view + margin * [[-1.0], [1.0]]
+    sides = np.ptp(view, axis=0)
+    least = np.full(2, SLIMMEST * sides.max())
+    wanted = least if shape is None else np.array([sides[1] / shape, shape * sides[0]])
+    wanted = np.minimum(wanted, GROWN * np.maximum(sides, least))
+    before, is_open = open_shares(near.values())
+    more = np.maximum(0.0, np.where(is_open, wanted, np.minimum(wanted, least)) - sides)
+    view = view + more * np.stack([-before, 1.0 - before])
+    met = dict(near)
+    for at, wall in everywhere.items():
+        normal = np.array(wall.normal)
+        # [m] how far the view reaches beyond the wall; negative if the wall is outside of the view
+        beyond = -wall.clearance(*np.where(normal > 0.0, *view))
+        if at not in near and beyond > 0.0:
+            met[at] = wall
+            along = int(np.abs(normal).argmax())
+            # Only the enlarged view reaches this wall. If the wall is parallel to an edge of the view, the
+            # view is cut to end at most ``band`` × ``width`` beyond the wall.
+            if abs(normal[along]) > STRAIGHT:
+                inwards = max(0.0, beyond - band * width)
+                view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * inwards
+    if is_flat(recording):
+        low, high = drawn[..., 1].min(), drawn[..., 1].max()
+        view[:, 1] = low - FLAT_MARGIN * (high - low), high + FLAT_MARGIN * (high - low)
+    return View(view, list(dict.fromkeys(name for name, _ in met)))
+
+
+def drawn_places(recording: Recording) -> np.ndarray:
+    """Return the positions of points, corners of a carriage, and DISC_ENDS of discs, shape (T, M, 2) [m]."""
+    places, points = places_of(recording), recording.all_points
+    rims = [
+        points[:, [point]] + radius * DISC_ENDS
+        for point, radius in recording.touching.items()
+        if radius > 0.0 and point < points.shape[1]
+    ]
+    return np.concatenate([places, *rims], axis=1)
+
+
+def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
+    """Yield two dicts: name → wall, at the two extreme positions of the moving walls.
+
+    In the first dict, each moving wall leaves the chain the most room; in the second, it leaves the least
+    room. Both dicts also have the walls that do not move.
+    """
+    for extreme in (np.min, np.max):
+        walls = dict(recording.walls)
+        for name, moved in recording.moved_walls.items():
+            walls[name] = replace(walls[name], offset=walls[name].offset + float(extreme(moved)))
+        yield walls

@@ -1,0 +1,100 @@
+"""The walls in the picture of a motion, with their free sides, and the mark of a pinned base."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.patches import Polygon
+
+from chain_impact.pictures.drawing.style import AT_TIMES_COLOUR, INK, OUTSIDE_COLOUR
+from chain_impact.pictures.motion.view import View, view_of, wall_extremes
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import free_room, pin_mark
+from chain_impact.scene.half_planes import HalfPlane
+
+# a corner of the room in view lies on a wall if its distance from the wall, relative to the size of the view,
+# is less than this number
+ON_WALL = 1e-9
+
+
+def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
+    """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
+
+    ``view`` is by default the result of ``view_of``. The lines of moving walls, and a moving base, are drawn
+    by ``draw_moving``. The ground is white where the chain may be at all times, and AT_TIMES_COLOUR where the
+    chain may be only at some times.
+    """
+    corners, near = view or view_of(recording)
+    moving = moving_walls(recording, near)
+    at_most, at_least = ([walls[name] for name in near] for walls in wall_extremes(recording))
+    if moving:
+        axes.add_patch(Polygon(_corners(at_most, corners), facecolor=AT_TIMES_COLOUR, zorder=0.4))
+    still = [wall for name, wall in zip(near, at_least, strict=True) if name not in moving]
+    draw_room(axes, corners, at_least, still)
+    if recording.pinned and not moves(recording.points[:, 0]):
+        draw_pin(axes, pin_mark(recording.all_points))
+
+
+def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
+    """Return the walls in ``names`` that move in the recording."""
+    return [name for name in names if moves(recording.moved_walls.get(name, np.zeros(1)))]
+
+
+def moves(places: np.ndarray) -> bool:
+    """Return whether ``places``, positions over time of shape (T, …), change."""
+    return bool((places != places[0]).any())
+
+
+def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
+    """Return the corners of the part of a view on the free side of all ``walls``, shape (C, 2) [m]."""
+    return np.reshape(free_room(walls, view), (-1, 2))
+
+
+def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
+    """Draw the ground mark of a pinned base, the ``lines`` of ``pin_mark``; return the artists."""
+    line_style: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
+    if not lines:
+        return []
+    mark = LineCollection(lines, **line_style)
+    axes.add_collection(mark, autolim=False)
+    return [mark]
+
+
+def draw_room(
+    axes: Axes, view: np.ndarray, near: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
+) -> list[Artist]:
+    """Draw the room between some walls in white, the area beyond in grey, and lines of walls; set the limits.
+
+    Args:
+        axes: the axes to draw into.
+        view: lower left and upper right corner of the axes' view, shape (2, 2) [m].
+        near: the walls that bound the room.
+        lines: the walls in ``near`` that get a line; by default all.
+
+    Returns:
+        The artists.
+    """
+    axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
+    room = Polygon(_corners(near, view), facecolor="white", zorder=0.5)
+    axes.add_patch(room)
+    drawn: list[Artist] = [room]
+    for wall in near if lines is None else lines:
+        if len(ends := wall_line(wall, near, view)):
+            drawn += axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2)
+    axes.set(xlim=view[:, 0], ylim=view[:, 1])
+    return drawn
+
+
+def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
+    """Return the two ends of the part of a wall that bounds the room between ``walls`` in a view [m].
+
+    The shape is (2, 2), or (0, 2) if no part of the wall bounds this room. ``wall`` is one of ``walls``.
+    """
+    corners = _corners(walls, view)
+    gaps = corners @ np.array(wall.normal) - wall.offset
+    return np.asarray(corners[abs(gaps) < ON_WALL * np.ptp(view)])

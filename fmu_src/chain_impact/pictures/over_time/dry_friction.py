@@ -1,0 +1,71 @@
+"""The panel with the phases of dry friction, in which contacts, joints and sliders stick or slide."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.style import GREY, INK
+from chain_impact.pictures.over_time.rests import shade_rests, shown_time
+from chain_impact.pictures.words.point_names import short_names
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import element_label
+
+# the height of a bar that shows sticking, and of a name above its bars, relative to the distance of two rows
+PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
+MOST_ROWS = 8  # at most so many contacts, joints and sliders together have phases of dry friction drawn
+# sliding that lasts at most this part of the run's duration is too short to be explained in a legend
+SHORT = 0.002
+
+
+def draw_stick_slip(axes: Axes, recording: Recording) -> None:
+    """Draw phases of dry friction: a bar while a contact, joint or slider sticks, a line while it slides.
+
+    Each contact, joint or slider has a row; only the first MOST_ROWS of ``rubbing_places`` are drawn.
+    """
+    phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
+    for phase, length in zip(phases, phase_lengths(recording), strict=True):
+        if (location := element_label(phase, recording.wall_names, recording.point_names)) in shown:
+            row, sticks = shown.index(location), phase["mode"] == STICKS
+            colour, height = (INK, PHASE_HEIGHT) if sticks else (GREY, 0.3 * PHASE_HEIGHT)
+            axes.barh(row, length, height, left=phase["start"], color=colour)
+    # a name stands above its bars, so that a long name takes no width from the panels
+    rows = [row + NAME_HEIGHT for row in range(len(shown))]
+    names = [short_names(recording, location) for location in shown]
+    axes.set_yticks(rows, names, fontsize="small", ha="left", va="center")
+    axes.set_ylim(-0.4, len(shown) - 0.25)
+    axes.tick_params(axis="y", length=0, pad=-1.0)
+    axes.spines["left"].set_visible(False)
+    held = phases["mode"] == STICKS
+    handles: list[Any] = [Patch(color=INK, label="sticks")] if held.any() else []
+    # a contact slides for an instant before it sticks; phases that cannot be seen get no entry in the legend
+    long = phase_lengths(recording) > SHORT * (recording.time[-1] - recording.time[0])
+    if (long & ~held).any() or not handles:
+        handles.append(Line2D([], [], color=GREY, linewidth=2.0, label="slides"))
+    legend_above(axes, handles)
+    shade_rests(axes, shown_time(recording))
+
+
+def phase_lengths(recording: Recording) -> np.ndarray:
+    """Return the duration of each phase of dry friction up to the end of the recording, shape (F,) [s]."""
+    phases = recording.stick_slip
+    ends = np.where(np.isnan(phases["end"]), recording.time[-1], phases["end"])
+    return np.asarray(ends - phases["start"])
+
+
+def rubbing_places(recording: Recording) -> list[str]:
+    """Return words for each contact, joint or slider with phases of dry friction.
+
+    The order is by the sum of the durations of all phases, of sticking and of sliding, the largest sum first.
+    """
+    total: dict[str, float] = {}
+    for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
+        location = element_label(phase, recording.wall_names, recording.point_names)
+        total[location] = total.get(location, 0.0) + float(length)
+    return sorted(total, key=lambda location: -total[location])

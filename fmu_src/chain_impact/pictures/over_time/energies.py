@@ -1,0 +1,156 @@
+"""The panel of the energies over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.drawing.dark_ground import OCHRE
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, hides, plot_curves
+from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
+from chain_impact.pictures.over_time.time_axis import mark_impacts, over_all_time
+from chain_impact.recording.recording import Recording
+
+# The curve of an energy is dashed if, in at least the part MOSTLY of all rows, it differs from an earlier
+# curve by at most ALIKE, relative to the range of all curves. The curve of the total energy does not count.
+ALIKE, MOSTLY = 0.03, 0.8
+# the zero of the potential energy is moved if the range of all energies (``range_of``) is then smaller than
+# this, relative to the range with the usual zero
+CLOSER = 0.8
+ENERGY_PARTS = {"friction": BROWN}
+"""Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``."""
+PART_LABEL = "{} loss"  # the label of an energy in ENERGY_PARTS; {}: the name of this energy
+ENERGIES = {
+    "kinetic": GREEN,
+    "potential": OCHRE,
+    "elastic": BLUE,
+    "total": BLACK,
+    "dissipated": VIOLET,
+    **ENERGY_PARTS,
+    "supplied": PURPLE,
+}
+"""Name of an energy → its colour in all pictures."""
+# the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
+VISIBLE_ELASTIC = 0.01
+# Energies whose |values| are all less than this, relative to the largest |value| of any energy, look like one
+# line at 0; more than MOST_GREY such energies are drawn as a band.
+TINY = 0.05
+
+
+def draw_energy(axes: Axes, recording: Recording) -> None:
+    """Draw the energies over time, with lines at impacts; small energies (``tiny_curves``) as a band."""
+    mark_impacts(axes, recording)
+    time, curves = recording.detailed_energies[0], energy_curves(recording)
+    tiny = tiny_curves(curves)
+    plot_curves(axes, time, [curve for k, curve in enumerate(curves) if k not in tiny])
+    if tiny:
+        values = [curves[k][0] for k in tiny]
+        names = ", ".join(curves[k][1]["label"] for k in tiny)
+        fill_band(axes, time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
+    axes.set_ylabel("energy [J]")
+    over_all_time(axes, recording)
+    legend_above(axes)
+
+
+def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]]]:
+    """Return a curve for each energy to draw: values, shape (T,), and properties with matplotlib's names.
+
+    The values are those of ``recording.detailed_energies``, but ``without_gap`` may have added a number [J]
+    to the potential and the total energy. If so, the labels of these two energies tell the number. The curve
+    of the total energy is wide and behind other curves. Another curve is dashed if it would hide an earlier
+    curve, or if its energy is in ENERGY_PARTS.
+    """
+    shown, offset = shown_energies(recording)
+    if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):
+        del shown["elastic"]
+    others = [name for name in shown if name != "total"]
+    hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
+    is_dashed = {name: name in ENERGY_PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
+    return [
+        (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
+        for name, energy in shown.items()
+    ]
+
+
+def shown_energies(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
+    """Return the energies of a picture, and the number [J] added to the potential and total energies.
+
+    The number is that of ``without_gap``. Elastic energy, supplied energy, and energies in ENERGY_PARTS are
+    left out if they are always 0. Each energy has the shape (T,) [J].
+    """
+    time, energies = recording.detailed_energies
+    known = {name: energies.get(name, np.zeros(len(time))) for name in ENERGIES}
+    rare = ("elastic", "supplied", *ENERGY_PARTS)
+    return without_gap({name: energy for name, energy in known.items() if energy.any() or name not in rare})
+
+
+def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int]:
+    """Return the indices of the energy curves that are so small (TINY) that they look like one line at 0.
+
+    If there are at most MOST_GREY such curves, the list is empty. Energies in ENERGY_PARTS do not count as
+    small.
+    """
+    sizes = [float(np.abs(values).max(initial=0.0)) for values, _ in curves]
+    parts = {PART_LABEL.format(name) for name in ENERGY_PARTS}
+    is_part = [look["label"] in parts for _, look in curves]
+    tiny = [k for k, size in enumerate(sizes) if size < TINY * max(sizes) and not is_part[k]]
+    return tiny if len(tiny) > MOST_GREY else []
+
+
+def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:
+    """Return energies for a picture, and the number [J] that is added to the potential and total energies.
+
+    The zero of the potential energy is arbitrary, so the curve of this energy may lie far from other curves.
+    If the gap would take much of the axis (CLOSER), the number moves the least potential energy near 0; the
+    number has two significant digits. Otherwise the number is 0, and no energy changes.
+    """
+    potential = energies.get("potential", np.zeros(1))
+    least = float(potential.min())
+    if least == 0.0 or not math.isfinite(least):
+        return energies, 0.0
+    step = 10.0 ** (math.floor(math.log10(abs(least))) - 1)
+    offset = math.ceil(round(-least / step, 6)) * step
+    shifted = {
+        name: energy + offset if name in ("potential", "total") else energy
+        for name, energy in energies.items()
+    }
+    return (shifted, offset) if range_of(shifted) < CLOSER * range_of(energies) else (energies, 0.0)
+
+
+def range_of(energies: dict[str, np.ndarray]) -> float:
+    """Return the size [J] of the range that contains all energies and 0."""
+    ends = (end(energy) for energy in energies.values() for end in (np.min, np.max))
+    return float(np.ptp([0.0, *ends]))
+
+
+def offset_text(offset: float) -> str:
+    """Return the number ``offset`` [J], which is added to an energy, as text: "+ 22 J", "− 22 J"."""
+    return f"{'+' if offset > 0.0 else '−'} {abs(offset):.10g} J"
+
+
+def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
+    """Return the properties of the curve of the energy ``name``, with matplotlib's names.
+
+    ``offset`` is the number [J] from ``without_gap``, which the labels of potential and total energy tell
+    unless it is 0.
+    """
+    is_total, label = name == "total", name
+    if offset and name in ("potential", "total"):
+        label = f"{name} {offset_text(offset)}"
+    return {
+        "color": ENERGIES[name],
+        "label": label,
+        "linewidth": 1 + is_total,
+        "zorder": 2.0 - 0.1 * is_total,
+    }
+
+
+def part_look(name: str, offset: float = 0.0) -> dict[str, Any]:
+    """Return ``energy_look``, but with dashes and PART_LABEL for an energy in ENERGY_PARTS."""
+    part = {"label": PART_LABEL.format(name), "linestyle": "--"} if name in ENERGY_PARTS else {}
+    return energy_look(name, offset) | part

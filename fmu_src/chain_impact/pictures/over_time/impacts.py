@@ -1,0 +1,310 @@
+"""The panel that shows how hard the impacts are, over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import count
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from matplotlib.transforms import ScaledTranslation
+
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
+from chain_impact.pictures.over_time.time_axis import over_all_time
+from chain_impact.pictures.words.headline import marked_peaks, strengths
+from chain_impact.pictures.words.impact_numbers import (
+    LISTED_OF_MANY,
+    MOST_IN_LABEL,
+    listed_or_counted,
+    numbers_text,
+)
+from chain_impact.pictures.words.point_names import short_names, what_touches
+from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import speed_unit
+
+# the largest number of different looks of marks, each for a point or a joint at its stops, or for all others
+MOST_OWN_MARKS = 5
+# Impacts have equal distances in time if there are more than REGULAR impacts, and if the largest and the
+# smallest distance of successive impacts differ by at most EQUAL times the mean distance.
+REGULAR, EQUAL = 5, 0.2
+NUMBERED = 60  # only the first NUMBERED impacts in the order of writing get numbers
+# the upper end of the axis, relative to the largest value; the excess is room for numbers
+HEADROOM = 1.3
+# [points] the size of the mark of an impact, and the increase for each group with marks that cover this mark
+IMPACT_DOT, COVERED_RIM = 4.5, 3.0
+# the width and height of a cell in which all marks of impacts count as one mark, relative to the run's
+# duration and to the largest height of a mark
+ONE_MARK = 0.005
+# [points] the widths of the line at an impact and of the line that shows a contact, the size of the mark at
+# the first contact in a row, and the height of such a row
+STEM, CONTACT, CONTACT_MARK, ROW = 0.8, 2.0, 3.5, 4.5
+STEM_KEY = 8.0  # [points] the height of the line at an impact in the legend
+SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
+HOLLOW: dict[str, Any] = {"color": INK, "markerfacecolor": "white", "markeredgewidth": 0.8}
+# Marks of points, and of joints at their stops. The marks differ in form, not in colour, because colours
+# stand for energies and for time; full and hollow marks alternate, so that a reader can distinguish them.
+POINT_MARKS = tuple(
+    look | {"marker": form} for form, look in zip("os^vD", (SOLID, HOLLOW) * 2 + (SOLID,), strict=True)
+)
+STOP_MARKS = tuple(
+    look | {"marker": form} for form, look in zip("DdXPh", (HOLLOW, SOLID) * 2 + (HOLLOW,), strict=True)
+)
+OTHERS_MARK: dict[str, Any] = SOLID | {"marker": "o", "color": GREY}
+MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P": 1.1}
+"""Form of a mark → factor on its size, so that all forms look equally large."""
+
+
+def draw_impacts(axes: Axes, recording: Recording) -> None:
+    """Draw how hard each impact is over time: its peak force or impulse or, if none is known, its speed.
+
+    A vertical stem has the mark on top, at the time of the peak force (``impacts_at_peaks``). The look of
+    a mark tells the point, or the joint at a stop (``point_groups``). The impacts in ``marked_peaks`` have
+    the colour PEAK_COLOUR.
+
+    Contacts that are long enough to be visible are thick, pale lines below the marks. Each kind of mark has a
+    row of these lines, and the axis of time is below all rows. If there are impacts both at walls and at
+    stops of joints, the values at stops have an axis on the right.
+    """
+    stopped, onsets, scale = recording.at_stops, recording.impacts["onset"], stop_scale(recording)
+    times, tops = marks_of(recording)
+    ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
+    groups, lanes = point_groups(recording, tops), 0
+    sizes = mark_sizes(recording, times, tops, [hits for *_, hits in groups])
+    strongest = {peak.row for peak in marked_peaks(recording)}
+    lines = np.stack([times, np.zeros(len(tops)), times, tops], axis=1).reshape(-1, 2, 2)
+    for name, mark, hits in groups:
+        colour = mark["color"]
+        stems = [(PEAK_COLOUR, 2.0 * STEM) if row in strongest else (colour, STEM) for row in hits]
+        colours, widths = zip(*stems, strict=True)
+        axes.add_collection(LineCollection([*lines[hits]], colors=colours, linewidths=widths))
+        look = mark | {"linestyle": "", "clip_on": False}
+        form = MARK_SCALES.get(mark["marker"], 1.0)
+        axes.plot(times[hits], tops[hits], **look, markersize=form * IMPACT_DOT, label=name)
+        for size in np.unique(sizes[hits][sizes[hits] > IMPACT_DOT]):
+            wide = hits[sizes[hits] == size]
+            axes.plot(times[wide], tops[wide], **look, markersize=form * size, label="_", zorder=1.9)
+        for row in strongest & {*hits.tolist()}:
+            bold = {"color": PEAK_COLOUR, "markersize": form * IMPACT_DOT, "label": "_", "zorder": 2.1}
+            axes.plot(times[row], tops[row], **look | bold)
+        goes_on = hits[ends[hits] - onsets[hits] > SEEN_CONTACT * span]
+        if len(goes_on):
+            draw_contacts(axes, onsets[goes_on], ends[goes_on], lanes, mark)
+            lanes += 1
+    axes.spines["bottom"].set_position(("outward", lanes * ROW))
+    at_stops, at_walls = bool(stopped.any()), not stopped.all() or not len(stopped)
+    axes.set_ylabel(scaled_name(axes.yaxis, *measure(recording, is_stop=not at_walls)))
+    axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
+    if at_stops and at_walls:
+        functions: Any = (lambda v: v / scale, lambda v: v * scale)
+        right = axes.secondary_yaxis("right", functions=functions)
+        _, unit, values = measure(recording, is_stop=True)
+        right.set_ylabel(scaled_name(right.yaxis, "at stops", unit, values))
+        axes.spines["right"].set_visible(True)
+    if len(times):
+        handles, _ = axes.get_legend_handles_labels()
+        if (ends - onsets > SEEN_CONTACT * span).any():
+            handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
+        figure = axes.get_figure(root=True)
+        if (told := place_of_late_peaks(recording)) and figure is not None and not is_narrow(figure):
+            stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
+            handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=told, **stem))
+        legend_above(axes, handles)
+    else:
+        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
+    over_all_time(axes, recording)
+
+
+def place_of_late_peaks(recording: Recording) -> str:
+    """Return words for the times at which marks stand; "" if they all stand at the onsets.
+
+    A narrow figure has the words at the foot, because they would take a row of the legend.
+    """
+    late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
+    words, *_ = measure(recording, is_stop=bool(recording.at_stops[late].all()))
+    return f"impacts, at the time of their {words}" if late.any() else ""
+
+
+def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, mark: dict[str, Any]) -> None:
+    """Draw contacts with a common mark, from ``starts`` to ``ends`` [s], as lines in a row below axes.
+
+    ``lane`` is the number of the row, from 0 at the axes. ``mark`` has the properties of the mark, which
+    stands at the first start, with matplotlib's names.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    depth = (0.5 + lane) * ROW / 72.0  # [inch] the distance of the row's middle below the axes' lower edge
+    lowered = axes.get_xaxis_transform() + ScaledTranslation(0.0, -depth, figure.dpi_scale_trans)
+    look: dict[str, Any] = {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered}
+    lines = axes.hlines(np.zeros(len(starts)), starts, ends, color=mark["color"], **look)
+    mark |= {"linestyle": "", "markersize": CONTACT_MARK, "transform": lowered, "label": "_"}
+    (first,) = axes.plot(starts[:1], [0.0], **mark)
+    # the lines are cut off only at the left and right edge of the axes
+    sides = Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes)
+    for artist in (lines, first):
+        artist.set_clip_path(sides)
+        artist.set_in_layout(False)
+
+
+def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
+    """Return what marks at walls or, if ``is_stop``, at stops of joints show: words, unit, values (I,).
+
+    The values are those of ``strengths`` or, if none of these is known, impact speeds. An impact at a stop of
+    a joint has the value 0 unless ``is_stop``, and any other impact has the value 0 if ``is_stop``.
+    """
+    words, unit, values = strengths(recording, is_stop=is_stop)
+    if not values.any():
+        speeds = recording.impacts["impact_speed"] * (recording.at_stops == is_stop)
+        words, unit, values = "impact speed", speed_unit(is_stop), speeds
+    return words, unit, values
+
+
+def scaled_name(axis: Axis, words: str, unit: str, values: np.ndarray) -> str:
+    """Give the numbers of an axis a unit whose prefix suits ``values``; return ``words`` with this unit."""
+    factor, unit = load_unit(values.max(initial=0.0), unit)
+    scale_numbers(axis, factor)
+    return f"{words} [{unit}]"
+
+
+def stop_scale(recording: Recording) -> float:
+    """Return the factor from values at stops of joints to heights in the panel, whose axis is that of walls.
+
+    With this factor, the largest value at walls and the largest one at stops of joints have the same height.
+    The factor is 1 if one of these values is 0 or missing.
+    """
+    at_walls, at_stops = (
+        measure(recording, is_stop=is_stop)[-1].max(initial=0.0) for is_stop in (False, True)
+    )
+    return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
+
+
+def marks_of(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Return the position of each impact's mark in the panel: times [s] and heights, each of shape (I,).
+
+    The time is that of the largest force, or else the onset (``impacts_at_peaks``). The height, in the unit
+    of the left axis, is the value by ``measure`` or, at stops of joints, this value times ``stop_scale``.
+    """
+    at_walls, at_stops = (measure(recording, is_stop=is_stop)[-1] for is_stop in (False, True))
+    return impacts_at_peaks(recording)["onset"], at_walls + stop_scale(recording) * at_stops
+
+
+def hardest(tops: np.ndarray) -> np.ndarray:
+    """Return the rows of the impacts in the order of the heights of their marks ``tops``, highest first."""
+    return np.argsort(-tops, kind="stable")
+
+
+def common_marks(
+    recording: Recording, times: np.ndarray, tops: np.ndarray
+) -> dict[tuple[int, int], list[int]]:
+    """Return the impacts with nearly coincident marks: cell (ONE_MARK) → rows of ``impacts``, ascending.
+
+    ``times`` and ``tops`` are the result of ``marks_of``.
+    """
+    scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
+    width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
+    marks: dict[tuple[int, int], list[int]] = {}
+    for row, (time, top) in enumerate(zip(times.tolist(), tops.tolist(), strict=True)):
+        marks.setdefault((round(time / width), round(top / height)), []).append(row)
+    return marks
+
+
+def mark_sizes(
+    recording: Recording, times: np.ndarray, tops: np.ndarray, groups: Sequence[np.ndarray]
+) -> np.ndarray:
+    """Return the size of each impact's mark, shape (I,) [points].
+
+    If marks of several groups coincide, a mark of a group that is drawn later covers the marks of earlier
+    groups. The more groups cover a mark, the larger the mark is, so that its rim is visible. ``groups`` has
+    the rows of the impacts in each group, in the order of drawing; ``times`` and ``tops`` are the result of
+    ``marks_of``.
+    """
+    sizes, looks = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
+    for look, hits in enumerate(groups):
+        looks[hits] = look
+    for rows in common_marks(recording, times, tops).values():
+        present = np.unique(looks[rows])
+        covering = len(present) - np.searchsorted(present, looks[rows], side="right")
+        sizes[rows] += COVERED_RIM * covering
+    return sizes
+
+
+def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict[str, Any], np.ndarray]]:
+    """Return the groups of impacts with a common mark: name, mark, and rows of the impacts.
+
+    If at most MOST_OWN_MARKS points, and joints at their stops, are hit, each of these has a group. Otherwise
+    MOST_OWN_MARKS − 1, those with the hardest impacts, have a group each, and all others share a grey one,
+    which is first. The mark is given by properties with matplotlib's names. ``tops``: see ``marks_of``.
+    """
+    impacts = recording.impacts
+    names = [short_names(recording, what_touches(recording, row)) for row in impacts]
+    members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
+    hit = list(dict.fromkeys(members[row] for row in hardest(tops)))
+    marked = sorted(hit if len(hit) <= MOST_OWN_MARKS else hit[: MOST_OWN_MARKS - 1])
+    marks = {is_stop: iter(known) for is_stop, known in ((False, POINT_MARKS), (True, STOP_MARKS))}
+    groups = [
+        (member[-1], next(marks[member[0]]), np.array([other == member for other in members]))
+        for member in marked
+    ]
+    others = np.array([member not in marked for member in members], bool)
+    groups = [("others", OTHERS_MARK, others), *groups] if others.any() else groups
+    return [(name, dict(mark), np.flatnonzero(hits)) for name, mark, hits in groups]
+
+
+def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
+    """Write the number of each impact at its mark, where ``ink`` is free, the hardest impact first.
+
+    Impacts whose marks coincide share a label. If an impact in ``marked_peaks`` has a label of its own, this
+    label also has the force, moment or impulse, if there is room. If ``numbered_step`` is a number k > 1,
+    only every k-th impact has a number, and the numbers are written in the order of time.
+
+    Returns words for the impacts without a number; "" without such impacts.
+    """
+    times, high = marks_of(recording)
+    tops = list(zip(times.tolist(), high.tolist(), strict=True))
+    order, step = hardest(high), numbered_step(axes, recording)
+    if step > 1:
+        order = np.arange(step - 1, len(tops), step)
+    common = {row: rows for rows in common_marks(recording, times, high).values() for row in rows}
+    strongest = {peak.row: peak.value for peak in marked_peaks(recording)}
+    wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
+    numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]
+    texts = (numbers_text(each, MOST_IN_LABEL, LISTED_OF_MANY) for each in numbers)
+    labels = [
+        Label(f"{text}: {strongest[row]}", tops[row], short=text, look={"color": PEAK_COLOUR})
+        if row in strongest and text == str(row + 1)
+        else Label(text, tops[row])
+        for text, row in zip(texts, wanted, strict=True)
+    ]
+    left = place_labels(axes, labels, ink, fontsize="small")
+    if step > 1 and not left:
+        return f"all but every {step}{'nd' if step == 2 else 'th'}"  # noqa: PLR2004 - 2nd
+    named = {hit for label, each in zip(labels, numbers, strict=True) if label not in left for hit in each}
+    missing = [number for number in range(1, len(tops) + 1) if number not in named]
+    return listed_or_counted(missing, len(tops))
+
+
+def numbered_step(axes: Axes, recording: Recording) -> int:
+    """Return the number k with which every k-th impact gets a number; 1 if all impacts get a number.
+
+    k is 1, 2 or 5 times a power of ten. It exceeds 1 only if the impacts have equal distances in time
+    (REGULAR, EQUAL) that are too short for all numbers.
+    """
+    onsets = recording.impacts["onset"]
+    gaps = np.diff(onsets)
+    if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():
+        return 1
+    # a text of the width that a number needs: the longest number, and two spaces
+    probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")
+    width = probe.get_window_extent().width
+    probe.remove()
+    ends = axes.transData.transform([(onsets[0], 0.0), (onsets[-1], 0.0)])[:, 0]
+    gap = float(np.ptp(ends)) / len(gaps)
+    steps: Iterator[int] = (step * 10**power for power in count() for step in (1, 2, 5))
+    return next(step for step in steps if step * gap >= width or step >= len(gaps))

@@ -1,0 +1,55 @@
+"""The spans of time in which a motion is at rest, shaded in pictures, and the time that pictures show."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.drawing.style import SHADE, faint
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.rest import rest_word, rests
+
+CUT_REST = 0.4  # rests at start and end are cut if together they take at least this part of the whole time
+# The shown times of cut rests, relative to the time between these rests: BEFORE of the rest at the start,
+# AFTER of the rest at the end.
+BEFORE, AFTER = 0.1, 0.25
+
+
+class Shown(NamedTuple):
+    """The time that a picture shows.
+
+    Attributes:
+        start: the start of the axis [s].
+        end: the end of the axis [s].
+        rests: start and end [s] of each rest.
+        note: words on the rests, and on the ends of the run that are cut off, for the label of the axis, as
+            "shaded: at rest; the run ends at 10 s"; "" without a rest.
+    """
+
+    start: float
+    end: float
+    rests: list[tuple[float, float]]
+    note: str
+
+
+def shown_time(recording: Recording) -> Shown:
+    """Return the time that a picture shows, without most of long rests at start and end (CUT_REST)."""
+    resting = rests(recording)
+    first, last = (float(recording.time[row]) for row in (0, -1))
+    start, end = first, last
+    before = resting[0][1] - first if resting and resting[0][0] == first else 0.0
+    after = last - resting[-1][0] if resting and resting[-1][1] == last else 0.0
+    moving = last - first - before - after
+    if moving > 0.0 and before + after >= CUT_REST * (last - first):
+        start, end = max(first, first + before - BEFORE * moving), min(last, last - after + AFTER * moving)
+    words = f"shaded: {rest_word(recording)}" if resting else ""
+    cuts = [f"starts at {first:g} s"] * (start > first) + [f"ends at {last:g} s"] * (end < last)
+    words += f"; the run {' and '.join(cuts)}" if cuts else ""
+    return Shown(start, end, resting, words)
+
+
+def shade_rests(axes: Axes, shown: Shown) -> None:
+    """Shade the time of each rest in axes over time [s]."""
+    for low, high in shown.rests:
+        axes.axvspan(low, high, color=faint(axes, SHADE), linewidth=0.0, zorder=-1)

@@ -1,0 +1,127 @@
+"""The panel with the force of one impact over time, its peak, and the duration of the contact."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, force_text, give_ticks, load_unit
+from chain_impact.pictures.over_time.impacts import HEADROOM
+from chain_impact.pictures.words.headline import peaks
+from chain_impact.recording.contact_times import course_in_run
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import prefixed
+from chain_impact.variables.impact_units import unit_at
+
+PEAK = 0.95  # a force counts as at its peak from PEAK × its largest value on
+# a long contact is shown for at least AFTER_PEAK × the time from its onset until its force is at its peak
+AFTER_PEAK = 4.0
+# A contact is long if it lasts more than MUCH_LONGER × the time that ``shown_contact`` finds for its impact;
+# only this time is then shown.
+MUCH_LONGER = 2.0
+# If a run cannot be repeated, the force of a contact is drawn from the recording's rows within the contact,
+# if there are at least LEAST_ROWS such rows.
+LEAST_ROWS = 20
+OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
+
+
+def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float:
+    """Return the time after the onset [s] for which a contact is shown; 0 for an impulse.
+
+    This is the duration of the contact or, if the contact is long (MUCH_LONGER), the time of its impact: the
+    longer one of LONGEST_IMPACT × penetration / impact speed and AFTER_PEAK × the time until the peak force.
+
+    ``impact`` is a row of ``impacts``; ``time`` [s] and ``force`` are those of the contact, shape (S,).
+    """
+    if not len(time):
+        return 0.0
+    lasting = float(np.ptp(time))
+    speed = max(impact["impact_speed"], SLOWEST)
+    peak = float(time[np.argmax(force >= PEAK * force.max())] - time[0])
+    near = max(LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, AFTER_PEAK * peak)
+    return near if lasting > MUCH_LONGER * near else lasting
+
+
+def is_alone(recording: Recording) -> bool:
+    """Return whether a recording has a single impact, and the force over time of this impact is known."""
+    return len(recording.impacts) == 1 and course_of_hardest(recording) is not None
+
+
+def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray] | None:
+    """Return row, times [s] and forces of the hardest impact; times and forces have the shape (S,).
+
+    The hardest impact is that with the largest force at a wall or at a stop of a slider or, without such a
+    force, with the largest moment at a stop of a joint [N·m]. Times and forces come from a repeated run or,
+    if the run cannot be repeated, from at least LEAST_ROWS rows. The result is None if the forces are not
+    known, or if there are only impulses.
+    """
+    hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.words), None)
+    if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
+        return None
+    row, impact = hardest.row, recording.impacts[hardest.row]
+    if (course := course_in_run(recording, row)) is not None:
+        return (row, course.time, course.force) if len(course.time) else None
+    end = recording.time[-1] if lasts(impact) else impact["end"]
+    inside = (recording.time >= impact["onset"]) & (recording.time <= end)
+    place = int(impact["point"]), recording.wall_names[impact["wall"]]
+    forces = (touch.force for touch in recording.touches if (touch.point, touch.wall) == place)
+    force = next(forces, None)
+    if force is None or np.count_nonzero(inside) < LEAST_ROWS:
+        return None
+    return row, recording.time[inside], force[inside]
+
+
+def draw_one_impact(axes: Axes, recording: Recording) -> None:
+    """Draw the force, or moment at a stop of a joint, of the hardest impact over the time after the onset.
+
+    The label of the horizontal axis tells how long the impact lasts.
+    """
+    found = course_of_hardest(recording)
+    if found is None:
+        axes.text(0.5, 0.5, "no force over time is known", transform=axes.transAxes, ha="center", color=INK)
+        return
+    row, time, force = found
+    impact = recording.impacts[row]
+    factor, unit = prefixed(shown_contact(impact, time, force), "s")
+    along, up, force_unit = curve_of(recording, found)
+    axes.fill_between(along, up, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0)
+    axes.plot(along, up, color=PEAK_COLOUR, linewidth=1.4)
+    shown = factor * shown_contact(impact, time, force)
+    axes.set(xlim=(-0.03 * shown, 1.03 * shown), ylim=(0.0, HEADROOM * float(up.max())))
+    duration = float(impact["end"] - impact["onset"])
+    lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
+    axes.set_xlabel(f"impact {row + 1}: time after the onset [{unit}]; {lasting}")
+    axes.set_ylabel(f"{'moment' if recording.is_stop(impact['wall']) else 'force'} [{force_unit}]")
+    give_ticks(axes)
+
+
+def curve_of(
+    recording: Recording, course: tuple[int, np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Return times after the onset and forces in the units of the axes, and the unit of the forces.
+
+    ``course`` is a result of ``course_of_hardest``.
+    """
+    row, time, force = course
+    impact = recording.impacts[row]
+    factor, _ = prefixed(shown_contact(impact, time, force), "s")
+    scale, unit = load_unit(float(force.max()), unit_at("peak_force", stop=recording.is_stop(impact["wall"])))
+    return factor * (time - impact["onset"]), scale * force, unit
+
+
+def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> str:
+    """Write the peak force or moment at the curve of ``draw_one_impact``.
+
+    The result is "": no number of an impact lacks room (``overview.NUMBERS``).
+    """
+    if found := course_of_hardest(recording):
+        along, up, _ = curve_of(recording, found)
+        top, peak = int(up.argmax()), recording.impacts["peak_force"][found[0]]
+        unit = unit_at("peak_force", stop=recording.is_stop(recording.impacts["wall"][found[0]]))
+        place = float(along[top]), float(up[top])
+        label = Label(force_text(float(peak), unit), place, look={"color": PEAK_COLOUR})
+        place_labels(axes, [label], ink, lines=True, fontsize="small")
+    return ""

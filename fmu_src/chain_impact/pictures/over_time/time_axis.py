@@ -1,0 +1,84 @@
+"""Axes of time: name, limits and numbers, the bar with the colours of time, and lines at impacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.transforms import Bbox
+
+from chain_impact.pictures.drawing.style import LINE, TIME_COLOURS, faint, give_ticks, is_full, scale_numbers
+from chain_impact.pictures.over_time.rests import shade_rests, shown_time
+from chain_impact.pictures.words.headline import time_unit
+from chain_impact.recording.recording import Recording
+
+CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
+TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
+
+
+def draw_clock(axes: Axes, recording: Recording) -> None:
+    """Draw a bar with the colour of each time in the panel of the motion, above the label of the time."""
+    shown = shown_time(recording)
+    start, end = shown.start, max(shown.end, shown.start + 1e-9)
+    axes.set_axes_locator(_slim)
+    axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
+    label_time(axes, recording, "the same colours as in the motion" if is_full(axes) else "")
+    axes.set_yticks([])
+    axes.spines[:].set_visible(False)
+    axes.tick_params(bottom=False, labelbottom=False)  # the panel above already has the numbers of this axis
+    give_ticks(axes)
+
+
+def _slim(axes: Any, _: Any) -> Bbox:
+    """Return the box of the axes of ``draw_clock``: upper edge and width stay, the height is CLOCK_HEIGHT."""
+    figure, place = axes.get_figure(root=True), axes.get_position(original=True)
+    assert figure is not None
+    return Bbox([[place.x0, place.y1 - CLOCK_HEIGHT / figure.get_figheight()], [place.x1, place.y1]])
+
+
+def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
+    """Give the x axis the label and the limits of the shown time.
+
+    The label also has words on a rest that is shaded or cut off; without a rest, the label has the ``note``.
+    """
+    shown = shown_time(recording)
+    margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
+    axes.set(
+        xlabel="; ".join(filter(None, (name_time(axes, shown.end), shown.note or note))),
+        xlim=(shown.start - margin, shown.end + margin),
+    )
+
+
+def name_time(axes: Axes, end: float) -> str:
+    """Return the name of an x axis of time up to ``end`` [s], with the unit that the numbers get here."""
+    factor, unit = time_unit(end)
+    scale_numbers(axes.xaxis, factor)
+    return f"time [{unit}]"
+
+
+def over_all_time(axes: Axes, recording: Recording) -> None:
+    """Shade the times in which nothing moves, and give ``axes`` enough numbers along x and y."""
+    shade_rests(axes, shown_time(recording))
+    give_ticks(axes)
+
+
+def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
+    """Draw a vertical line at the onset of each impact.
+
+    ``start`` is the time [s] at the position 0 of the axis; ``factor`` is the factor from seconds to the unit
+    of the axis.
+    """
+    onsets = factor * (recording.impacts["onset"] - start)
+    axes.vlines(
+        onsets, 0.0, 1.0, faint(axes, LINE), linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform()
+    )
+
+
+def impact_lines(recording: Recording, start: float, end: float, more: str = "") -> str:
+    """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" without such lines.
+
+    The words end with ``more``.
+    """
+    onsets = recording.impacts["onset"]
+    return f"grey: impacts{more}" if ((onsets >= start) & (onsets <= end)).any() else ""

@@ -1,0 +1,194 @@
+"""The arrangement of the panels of a picture: the motion is beside or above the panels over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.drawing.figures import FIGURE_SIZE
+from chain_impact.pictures.drawing.sizes import Size, figure_size
+from chain_impact.pictures.drawing.style import FULL, WIDE
+from chain_impact.pictures.motion.along_line import line_of_motion
+from chain_impact.pictures.motion.view import view_of
+from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
+from chain_impact.recording.recording import Recording
+
+# Ratios of width to height of the motion. SLIM, BROAD: the least and the largest ratio that the panel of
+# motion has beside other panels. BROADEST_BESIDE: a motion with a larger ratio has the whole width of the
+# figure, above the other panels. BROADEST_HIGH: on a narrow figure, the panel of a motion with a larger ratio
+# is lower than ABOVE_TIME allows.
+SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
+BROADEST_FLAT = 3.5  # the largest ratio of width to height that the panel of motion has
+# the height of the panel of motion beside other panels, relative to the width of the figure, for a wide and a
+# narrow figure
+WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
+# RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
+# contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
+# room for the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion
+# above other panels, on a figure with a width of COLUMN [inch] or less; on a wider figure below WIDE, this
+# height grows with the width. All but COLUMN are relative to the height of the panel of energies.
+RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 2.0, 3.5
+# If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
+# height of the panel of energies.
+HIGH_ROWS, LOW_ROW = 2, 0.24
+# If a recording has at most FEW_IMPACTS impacts, the height of their panel is LOW_IMPACTS, relative to the
+# height of the panel of energies.
+FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
+# the largest height of the panel of motion, relative to the width of the figure, if the user gives no height;
+# for a panel above the other panels of a narrow figure, ABOVE_TIME is the limit
+HIGHEST = 0.4
+# Lengths in inches.
+# LOWEST: the least height of the panel of motion beside other panels.
+# ENERGY_HEIGHT: the height of a panel of energies.
+# TEXTS: the height of the legend and the numbers of a panel over time.
+# HEADS: the height of the headline plus the height of the labels below all panels.
+# LABELS: the height of the legend and the labels of a motion.
+# MARGINS: the width of the numbers and labels at the left and right of the motion.
+# LEAST_BESIDE: the least width of panels over time beside the motion, with their numbers and labels.
+LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 1.15, 0.45, 1.0, 0.6, 0.9, 3.2
+
+
+def is_over_time(recording: Recording, name: str) -> bool:
+    """Return whether the panel ``name`` has the axis of time that panels share.
+
+    A motion in the plane has no axis of time, and a single impact ("impact") has an axis of its own.
+    """
+    return name != "impact" and is_in_column(recording, name)
+
+
+def is_in_column(recording: Recording, name: str) -> bool:
+    """Return whether the panel ``name`` stands among the panels over time: all but a motion in the plane."""
+    return name != "motion" or line_of_motion(recording) is not None
+
+
+def broadness(recording: Recording) -> float:
+    """Return the ratio of width to height of the motion with its walls, but at most BROADEST_FLAT.
+
+    A motion with a larger ratio is drawn with a larger scale along y than along x.
+    """
+    width, height = np.ptp(view_of(recording).corners, axis=0)
+    return float(min(width / height, BROADEST_FLAT))
+
+
+def motion_share(ratio: float, width: float) -> float:
+    """Return the width of the panel of motion beside other panels, relative to the width of the figure.
+
+    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
+    """
+    height = NARROW_HEIGHT if width < WIDE else WIDE_HEIGHT
+    # with a ratio from SLIM to BROAD, the panel has the shape of the motion and its walls
+    return height * min(max(ratio, SLIM), BROAD)
+
+
+def is_beside(ratio: float, width: float) -> bool:
+    """Return whether the motion stands beside the panels over time, in a figure of a ``width`` [inches].
+
+    ``ratio`` is the motion's width over its height.
+    """
+    return ratio <= BROADEST_BESIDE and (1.0 - motion_share(ratio, width)) * width >= LEAST_BESIDE
+
+
+def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
+    """Return the heights of the panels over time, relative to the height of the panel of energies.
+
+    If a motion in the plane is shown beside or above these panels, the height of the axis that shows the
+    colours of time comes last. ``shown`` has the names of all panels.
+    """
+    timed = [name for name in shown if is_in_column(recording, name)]
+    known = {"motion": ALONG_LINE, "friction": RUBBING}
+    if len(recording.impacts) <= FEW_IMPACTS:
+        known["impacts"] = LOW_IMPACTS
+    if "friction" in timed:
+        count = len(rubbing_places(recording)[:MOST_ROWS])
+        known["friction"] += (RUBBING_ROW if count <= HIGH_ROWS else LOW_ROW) * count
+    has_colours = timed and len(timed) < len(shown)
+    return [known.get(name, 1.0) for name in timed] + ([CLOCK_SHARE] if has_colours else [])
+
+
+def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> tuple[float, float]:
+    """Return the width and the usual height of a figure [inches] with the panels in ``shown``.
+
+    The width is that of ``size`` or, without ``size``, the usual one. But the result is FIGURE_SIZE, whatever
+    ``size`` is, for a motion in the plane alone, for panels without a motion, and for a narrow figure with a
+    motion in the plane above the other panels.
+    """
+    width = figure_size(size)[0] if size else FULL
+    timed = [name for name in shown if is_in_column(recording, name)]
+    ratio = broadness(recording)
+    if not timed or "motion" not in shown:
+        return FIGURE_SIZE
+    over_time = ENERGY_HEIGHT * sum(heights_of(recording, shown)) + TEXTS * len(timed)
+    if "motion" in timed:
+        return width, HEADS + over_time
+    if is_beside(ratio, width):
+        motion = (motion_share(ratio, width) * width - MARGINS) / ratio
+        return width, HEADS + max(over_time, min(max(motion, LOWEST), HIGHEST * width) + TEXTS)
+    if width < WIDE:
+        return FIGURE_SIZE
+    return width, HEADS + LABELS + _whole_height(ratio, width) + over_time
+
+
+def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
+    """Return the axes of a figure: name of a panel → axes.
+
+    If a motion in the plane is shown with panels over time, "time" has the axes of the colours of time, below
+    these panels.
+    """
+    timed = [name for name in shown if is_in_column(recording, name)]
+    width, has_motion = figure.get_figwidth(), len(timed) < len(shown)
+    ratio = broadness(recording) if has_motion else 1.0
+    heights = heights_of(recording, shown)
+    names = [*timed, *(["time"] if timed and has_motion else [])]
+    if has_motion and timed and is_beside(ratio, width):
+        share = motion_share(ratio, width)
+        columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
+        motion = figure.add_subplot(columns[0], label="motion")
+        # the panels over time have a grid of their own, so that their margin does not depend on the motion
+        grid: Any = columns[1].subgridspec(len(heights), 1, height_ratios=heights)
+        return {"motion": motion} | _timed_axes(figure, grid, names)
+    above = [_height_above(ratio, width)] if has_motion else []
+    # all panels share a grid, so that their left edges are aligned
+    grid = figure.add_gridspec(len(above) + len(heights), 1, height_ratios=[*above, *heights])
+    axes = {}
+    if has_motion:
+        axes["motion"] = figure.add_subplot(grid[0], label="motion")
+        axes["motion"].set_anchor("W")
+    return axes | _timed_axes(figure, grid, names)
+
+
+def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
+    """Return new axes in the last cells of a grid, in the order of ``names``: name of a panel → axes.
+
+    All but those of a single impact share the axis of time. Among the axes of the figure, "time" is made
+    first, and a single impact last.
+    """
+    axes: dict[str, Axes] = {}
+    for name in sorted(names, key=lambda name: (name != "time", name == "impact")):
+        cell, own = grid[names.index(name) - len(names), 0], name == "impact"
+        shared = None if own else next((axes[other] for other in axes if other != "impact"), None)
+        axes[name] = figure.add_subplot(cell, sharex=shared, label=name)
+    return axes
+
+
+def _height_above(ratio: float, width: float) -> float:
+    """Return the height of the panel of a motion above other panels, relative to a panel of energies.
+
+    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
+    """
+    if width < WIDE:
+        grown = max(1.0, width / COLUMN)
+        return ABOVE_TIME * grown * min(math.sqrt(grown), BROADEST_HIGH / ratio)
+    return _whole_height(ratio, width) / ENERGY_HEIGHT
+
+
+def _whole_height(ratio: float, width: float) -> float:
+    """Return the height [inches] of the panel of a motion that takes the whole width of a figure.
+
+    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
+    """
+    return min((width - MARGINS) / ratio, HIGHEST * width)

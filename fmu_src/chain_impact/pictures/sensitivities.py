@@ -1,0 +1,334 @@
+"""The figure with derivatives: the changes of outputs and impacts that a change of each parameter causes.
+
+A panel for each output has curves over time; a table has the changes of each impact's peak force or impulse.
+
+A curve shows the derivative of an output with respect to a parameter, times a small change of this parameter
+(``Sensitivities.step``). So the curves of all parameters share an axis, in the unit of the output.
+
+The curves and the row of a parameter end where the change of any drawn output, by this parameter, exceeds the
+range of the output in the run (``span_of``), because a change to first order says nothing after this time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band
+from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.style import (
+    GREY,
+    INK,
+    OUTSIDE_COLOUR,
+    PALETTE,
+    give_ticks,
+    headline,
+    is_narrow,
+    styled,
+)
+from chain_impact.pictures.over_time.energies import range_of
+from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
+from chain_impact.pictures.sensitivity_table import draw_impact_changes
+from chain_impact.pictures.words.headline import conditions, time_unit
+from chain_impact.recording.contact_times import SEEN_CONTACT
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.sensitivity import Sensitivities, differs
+from chain_impact.recording.text import LOAD_UNITS, WHOLE, number, plural, prefixed
+from chain_impact.scene.names import AXES
+from chain_impact.scene.unit_text import in_brackets, with_unit
+
+# a change up to this, relative to the range of the output, counts as round-off
+NO_CHANGE = 1e-12
+ROUND_OFF = 1e-9  # [1] a range of an output up to this, relative to the largest |value|, counts as round-off
+# the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
+LARGEST_EFFECTS = 4
+TO_FIRST_ORDER = "changes to first order"
+ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
+LOW_TABLE = 0.6  # if the panels form one column: the height of the table below, relative to that of a panel
+PREFIXED = (*LOAD_UNITS, "m", "m/s", "s", "rad", "rad/s")  # the units that get a prefix, as in mm
+JUMP = ", where changes jump as they shift in time"
+Looks = list[dict[str, Any]]
+
+
+@styled()
+def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
+    """Draw the changes of outputs and impacts by each parameter on an empty figure.
+
+    ``outputs`` are names as in ``Sensitivities.drawn``.
+    """
+    sensitivities = recording.sensitivities
+    assert sensitivities is not None
+    names = sensitivities.drawn(outputs)
+    parts = np.stack([shares(recording, sensitivities, name) for name in names])
+    relative = parts.max(axis=0)
+    known = holds(relative)
+    found, first_order = finding(recording, sensitivities, names, parts)
+    told = [first_order, "" if known.all() else ENDED]
+    headline(figure, found, conditions(recording, *told))
+    looks = looks_of(sensitivities, relative)
+    across = 1 if is_narrow(figure) else 2
+    panels, table = panels_of(figure, len(names), across)
+    for axes, name in zip(panels, names, strict=True):
+        draw_changes(axes, recording, sensitivities, name, looks, known=known)
+        mark_impacts(axes, recording)
+        mark_unknown(axes, recording, sensitivities)
+        give_ticks(axes)
+    start, end = recording.time[[0, -1]].tolist()
+    for axes in panels[:-across]:
+        axes.tick_params(labelbottom=False)
+    for axes in panels[-across:]:
+        words = name_time(axes, end), impact_lines(recording, start, end, JUMP)
+        axes.set_xlabel("; ".join(filter(None, words)))
+    draw_impact_changes(table, recording, sensitivities, looks, known)
+    legend_above(panels[0])
+    figure.supxlabel(
+        "\n".join(sensitivities.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True
+    )
+    settle(figure)
+
+
+def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes]:
+    """Return ``count`` axes with a common axis of time, and then the axes of the table of impacts.
+
+    ``across`` is the number of axes in a row; the table takes the rest of the last row.
+    """
+    rows, panels = -(-(count + 1) // across), list[Axes]()
+    heights = [1.0] * (rows - 1) + [LOW_TABLE if across == 1 else 1.0]
+    grid = figure.add_gridspec(rows, across, height_ratios=heights)
+    for place in range(count):
+        first = panels[0] if panels else None
+        panels.append(figure.add_subplot(grid[divmod(place, across)], sharex=first))
+    return panels, figure.add_subplot(grid[count // across, count % across :])
+
+
+def calm(recording: Recording) -> np.ndarray:
+    """Return whether each row is outside of all impacts that end in the run, shape (T,).
+
+    A parameter also shifts impacts in time. Within an impact, where quantities change fast, the derivatives
+    are therefore very large.
+    """
+    return ~within(recording, recording.impacts)
+
+
+def short_contacts(recording: Recording) -> np.ndarray:
+    """Return whether each row is within an impact too short to be visible (SEEN_CONTACT), shape (T,)."""
+    impacts, span = recording.impacts, np.ptp(recording.time)
+    return within(recording, impacts[impacts["duration"] < SEEN_CONTACT * span])
+
+
+def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
+    """Return whether each row is within one of ``impacts``, except those without an end, shape (T,)."""
+    rows = np.zeros(len(recording.time), bool)
+    for impact in impacts:
+        rows |= (recording.time >= impact["onset"]) & (recording.time <= impact["end"])
+    return rows
+
+
+def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
+    """Return |change| of an output, for a step of each parameter, relative to ``span_of``, shape (T, P).
+
+    If a |change| at the start is larger than this span, as a shift of the whole motion can be, all changes
+    are relative to the largest one at the start. The result is 0 within impacts that end in the run, and
+    where the derivative is unknown.
+    """
+    parts = np.abs(np.nan_to_num(sensitivities.changes(output)))
+    parts /= max(span_of(recording, output), parts[:1].max(initial=0.0))
+    parts[~calm(recording)] = 0.0
+    return np.asarray(parts)
+
+
+def span_of(recording: Recording, output: str) -> float:
+    """Return the range of an output in the run, in its unit; for an energy, the range of all energies [J].
+
+    For a component x or y of a vector, the result is the larger one of the ranges of both components. A range
+    that is round-off (ROUND_OFF) is replaced by 1.
+    """
+    if output.startswith("energy."):
+        return range_of(dict(recording.energies)) or 1.0
+    head, _, last = output.rpartition(".")
+    names = [f"{head}.{axis}" for axis in AXES] if last in AXES else [output]
+    columns = [recording.columns[name] for name in names if name in recording.columns]
+    span = float(max(np.ptp(column) for column in columns))
+    return span if span > ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
+
+
+def holds(relative: np.ndarray) -> np.ndarray:
+    """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
+
+    ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs. For a parameter, the
+    changes can hold before the first time at which ``relative`` exceeds 1.
+    """
+    return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
+
+
+def finding(
+    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], parts: np.ndarray
+) -> tuple[str, str]:
+    """Return the headline, which tells what the most important parameter does, and words on first order.
+
+    The most important parameter is the one by which a change of an output first exceeds the range of this
+    output or, without such a parameter, the one with the largest change relative to the range. In the second
+    case, the headline names the output with the largest change by this parameter, among outputs of the same
+    unit. If the change in a run with the changed parameter differs from first order (``differs``), the
+    headline has the change in this run, and the words have the change to first order. A parameter with the
+    value 0 is named only if no other parameter has an effect, because a change by 0.01 of a unit cannot be
+    compared with a change by 1 %. The headline tells if no parameter has an effect, or if there are no
+    derivatives after the start.
+
+    ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
+    """
+    known = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
+    if not known[1:].any():
+        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", ""
+    factor, unit = time_unit(float(np.ptp(recording.time)))
+    until = "" if known[-1] else f", known until {factor * recording.time[known][-1]:.3g} {unit}"
+    is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
+    relative = parts.max(axis=0)
+    if relative[:, ~is_zero].max(initial=0.0) > NO_CHANGE:
+        relative = np.where(is_zero, 0.0, relative)
+    beyond = ~holds(relative)
+    row, k = divmod(int(beyond.argmax() if beyond.any() else relative.argmax()), relative.shape[1])
+    output, parameter = outputs[int(parts[:, row, k].argmax())], list(sensitivities.parameters)[k]
+    if not beyond.any():
+        alike = [name for name in outputs if sensitivities.units[name] == sensitivities.units[output]]
+        output = max(alike, key=lambda name: _sizes(recording, sensitivities, name, k).max())
+    if relative[row, k] <= NO_CHANGE:
+        return f"{recording.name}: no parameter changes {', '.join(outputs)}", TO_FIRST_ORDER
+    what = f"{recording.name}: {parameter} + {sensitivities.step_text(parameter)} changes {output} by"
+    if beyond.any():
+        whose = "the range of all energies" if output.startswith("energy.") else "its range"
+        at = f"{factor * recording.time[row]:.3g} {unit}"
+        return f"{what} more than {whose} from {at} on, to first order{until}", TO_FIRST_ORDER
+    sizes, of_output = _sizes(recording, sensitivities, output, k), sensitivities.units[output]
+    row = int(sizes.argmax())
+    in_run = _change_in_run(recording, sensitivities, output, parameter, row)
+    most = _size_text(sizes[row], of_output)
+    if in_run is None or not differs(sensitivities.changes(output)[row, k], in_run):
+        return f"{what} up to {most}{until}", TO_FIRST_ORDER
+    at = f"{factor * recording.time[row]:.4g} {unit}"
+    return f"{what} {_size_text(abs(in_run), of_output)} at {at}{until}", f"{TO_FIRST_ORDER}, {most} there"
+
+
+def _change_in_run(
+    recording: Recording, sensitivities: Sensitivities, output: str, parameter: str, row: int
+) -> float | None:
+    """Return the change of an output in a row, from a run in which a parameter has changed by a step.
+
+    Without such a run, or if the run lacks the output, the result is None.
+    """
+    value = sensitivities.parameters[parameter] + sensitivities.step(parameter)
+    other = recording.in_other_run({parameter: value}, float(recording.time[row]))
+    if other is None or output not in other.columns:
+        return None
+    return float(other.columns[output][0] - recording.columns[output][row])
+
+
+def _size_text(size: float, unit: str) -> str:
+    """Return a |change| as text, if possible with a unit whose prefix suits the number: "362 µm"."""
+    scale, readable_unit = readable(size, unit)
+    return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
+
+
+def readable(largest: float, unit: str) -> tuple[float, str]:
+    """Return the factor to a unit with a prefix that suits the ``largest`` |value|, and this unit: mm for m.
+
+    A unit that is not in PREFIXED stays, with the factor 1.
+    """
+    return prefixed(largest, unit) if unit in PREFIXED else (1.0, unit)
+
+
+def _sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: int) -> np.ndarray:
+    """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
+
+    The result is 0 within impacts that end in the run, and where the derivative is unknown.
+    """
+    sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
+    return np.where(calm(recording), sizes, 0.0)
+
+
+def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
+    """Return the properties of each parameter's curves, with matplotlib's names.
+
+    The LARGEST_EFFECTS parameters with the largest changes have colours, all others are grey; a parameter
+    without effect is always grey. Only the last grey curve has a label, for all grey curves. ``relative`` is
+    the largest of the ``shares`` of all drawn outputs, shape (T, P).
+    """
+    names = list(sensitivities.parameters)
+    order = np.argsort(-relative.max(axis=0), kind="stable")
+    coloured = {k for k in order[:LARGEST_EFFECTS] if relative[:, k].max() > NO_CHANGE}
+    others = sorted(set(order) - coloured)
+    largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > NO_CHANGE), "")
+    rest = plural(len(others), "other")
+    if largest:
+        rest += f": {largest}" if len(others) == 1 else f", most {largest}"
+    colours, looks = iter(PALETTE), []
+    for k, name in enumerate(names):
+        if k in coloured:
+            label = f"{name} + {sensitivities.step_text(name)}"
+            looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label})
+        else:
+            label = rest if k == others[-1] else "_"
+            looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": label})
+    return looks
+
+
+def draw_changes(
+    axes: Axes,
+    recording: Recording,
+    sensitivities: Sensitivities,
+    output: str,
+    looks: Looks,
+    *,
+    known: np.ndarray,
+) -> None:
+    """Draw the changes of an output over time, a curve for each parameter.
+
+    A curve has gaps within impacts that are too short to be visible, and where the derivative is unknown; it
+    ends where ``known``, the result of ``holds``, is False. More than MOST_GREY grey curves are drawn as a
+    band. ``looks`` are the results of ``looks_of``.
+    """
+    changes = np.where(known, sensitivities.changes(output), np.nan)
+    changes[short_contacts(recording)] = np.nan
+    seen = calm(recording)
+    largest = float(np.nanmax(np.abs(changes[seen]), initial=0.0))
+    scale, unit = readable(largest, sensitivities.units[output])
+    changes *= scale
+    grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
+    if len(grey) > MOST_GREY:
+        fill_band(axes, recording.time, changes[:, grey].T, looks[grey[-1]]["label"])
+    for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
+        if len(grey) <= MOST_GREY or k not in grey:
+            axes.plot(recording.time, values, **look)
+    axes.set_ylabel(f"Δ {output}{in_brackets(unit)}")
+    fit_scale(axes, changes[seen], scale * NO_CHANGE * np.ptp(recording.columns[output]))
+
+
+def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
+    """Set the range of the vertical axis for ``changes``, and draw a line at 0.
+
+    The scale is linear, because on a logarithmic scale each change of sign would be a vertical stroke. If no
+    |change| exceeds ``least``, all changes are round-off: the axis then has only the tick 0, and the axes
+    have the words "no change".
+    """
+    axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
+    if not np.nanmax(np.abs(changes), initial=0.0) > least:
+        axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
+        axes.text(0.5, 0.6, "no change", transform=axes.transAxes, ha="center", color=INK)
+        return
+    low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
+    margin = 0.05 * (high - low)
+    axes.set_ylim(low - margin, high + margin)
+
+
+def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
+    """Shade the time from the first row in which all derivatives are unknown to the end."""
+    unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
+    if unknown.any():
+        start, end = recording.time[unknown.argmax()], recording.time[-1]
+        axes.axvspan(start, end, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0)
+        axes.text(start, 0.98, " no derivatives", transform=axes.get_xaxis_transform(), va="top", color=INK)

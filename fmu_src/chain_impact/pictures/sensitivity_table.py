@@ -1,0 +1,100 @@
+"""The table in the figure with derivatives: the change of each impact by a change of each parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
+from chain_impact.pictures.drawing.style import BLUE, GREY, INK, OUTSIDE_COLOUR, VERMILLION, is_narrow
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.text import signed
+
+# the colours of a decrease and of an increase; blank cells have a colour of their own
+SIGNED = LinearSegmentedColormap.from_list("signed", [VERMILLION, "white", BLUE]).with_extremes(
+    bad=OUTSIDE_COLOUR
+)
+LEAST, MOST = 0.01, 100.0  # [%] |changes| up to LEAST are nearly white; from MOST on, the colour stays
+BAR_TICKS = (-MOST, -1.0, 0.0, 1.0, MOST)  # [%] the numbers at the bar that explains the colours
+DEEP = 30.0  # [%] from this |change| on, the number in a cell is white
+# [inch] the least width of a cell with a number, and the width of the names beside the cells
+CELL_WIDTH, NAMES_WIDTH = 0.38, 1.7
+MOST_NUMBERS = 12  # the largest number of impacts that are numbered below the table
+
+
+def draw_impact_changes(
+    axes: Axes,
+    recording: Recording,
+    sensitivities: Sensitivities,
+    looks: Sequence[dict[str, Any]],
+    known: np.ndarray,
+) -> None:
+    """Draw the change of each impact's peak force [%] by a step of each parameter, as a table.
+
+    The table has a column for each impact, and a row for each parameter with a colour in ``looks``, the
+    properties of each parameter's curves; without such a parameter, a row for each parameter. If no impact
+    has a peak force, as in rigid impacts, the changes are those of the impulses. ``known``, shape (T, P):
+    whether changes to first order can hold in each row of the recording; a cell is blank if they cannot at
+    the onset.
+    """
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    rows = [k for k, look in enumerate(looks) if look["color"] != GREY] or list(range(len(looks)))
+    onsets = sensitivities.impacts["onset"]
+    if not len(onsets):
+        axes.set(xticks=[], yticks=[])
+        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
+        return
+    quantity = "peak_force"
+    if not np.isfinite(sensitivities.relative(quantity)).any():
+        quantity = "impulse"
+    at = [recording.row_at(time) for time in onsets]
+    changes = 100.0 * np.where(known[at], sensitivities.relative(quantity), np.nan).T[rows]
+    norm = SymLogNorm(LEAST, linscale=0.1, vmin=-MOST, vmax=MOST)
+    image = axes.imshow(np.ma.masked_invalid(changes), SIGNED, norm=norm, aspect="auto")
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    if has_numbers(figure, len(onsets)):
+        for (row, column), change in np.ndenumerate(changes):
+            if np.isfinite(change):
+                look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small", "gid": ON_COLOUR}
+                colour = "white" if abs(change) >= DEEP else "black"
+                axes.text(column, row, cell_text(change), color=colour, **look)
+    else:
+        bar = figure.colorbar(image, ax=axes, ticks=BAR_TICKS)
+        least, *others, most = (cell_text(tick) for tick in BAR_TICKS)
+        # changes beyond an end of the bar have the colour of this end
+        bar.ax.set_yticklabels([f"≤{least}", *others, f"≥{most}"])
+        bar.ax.minorticks_off()
+    every = -(-len(onsets) // MOST_NUMBERS)
+    axes.set_xticks(range(0, len(onsets), every), [str(k + 1) for k in range(0, len(onsets), every)])
+    axes.set_yticks(range(len(rows)), [list(sensitivities.parameters)[k] for k in rows], fontsize="small")
+    for label, k in zip(axes.get_yticklabels(), rows, strict=True):
+        label.set_color(looks[k]["color"] if looks[k]["color"] != GREY else INK)
+    axes.set_xlabel("impact")
+    title = f"change of {quantity_words(quantity, recording.at_stops)} [%]"
+    axes.set_title(title, fontsize="medium", loc="left")
+
+
+def has_numbers(figure: Figure, impacts: int) -> bool:
+    """Return whether the cells of a table with ``impacts`` columns in a figure have room for numbers."""
+    across = 1 if is_narrow(figure) else 2
+    return figure.get_figwidth() / across - NAMES_WIDTH >= CELL_WIDTH * impacts
+
+
+def cell_text(change: float) -> str:
+    """Return a change [%] as text with sign and two significant digits; "0" for |change| < LEAST."""
+    return "0" if abs(change) < LEAST else signed(change).replace("-", "−")
+
+
+def quantity_words(quantity: str, at_stops: np.ndarray) -> str:
+    """Return the words for a quantity of impacts; ``at_stops``: whether each is at a joint's stop."""
+    if quantity != "peak_force":
+        return quantity
+    return "peak moment" if at_stops.all() else "peak force or moment" if at_stops.any() else "peak force"

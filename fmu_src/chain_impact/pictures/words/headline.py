@@ -1,0 +1,343 @@
+"""The headline of a recording's picture, and below it the text with the results and conditions of the run."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
+from chain_impact.pictures.drawing.style import (
+    INK,
+    LOAD,
+    PEAK_COLOUR,
+    force_text,
+    headline,
+    is_narrow,
+    raised,
+)
+from chain_impact.pictures.words.point_names import brief_hit, what_touches
+from chain_impact.recording.contact_times import has_impulses, peak_time
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.joint_peaks import BY_ROW, joint_peaks
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import number, plural, prefixed, speed_unit
+from chain_impact.scene.names import name_parts
+from chain_impact.scene.unit_text import of_power
+from chain_impact.variables.impact_units import unit_at
+
+# a dissipated energy up to this, relative to the largest |total energy|, is round-off, and not a loss
+NO_LOSS = 1e-12
+
+# the value of an impact counts as equal to the largest value if it is smaller by at most this, relative to
+# the largest value
+SAME_PEAK = 1e-3
+# the energy that is supplied or taken is told only if it exceeds this, relative to the dissipated energy
+LITTLE_SUPPLIED = 0.01
+# the impulse of a contact; its part from the hit, without the impulse of the force that follows
+IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
+SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
+
+
+def time_unit(span: float) -> tuple[float, str]:
+    """Return the factor from seconds to the unit for a time span [s], and this unit: (1000, "ms") for 0.05 s.
+
+    The unit is s for 0, and from SHORT_TIME on.
+    """
+    return prefixed(span, "s") if 0.0 < span < SHORT_TIME else (1.0, "s")
+
+
+class Peak(NamedTuple):
+    """The peak force, peak moment or impulse of an impact; in ``peaks`` the largest of the run.
+
+    Attributes:
+        words: the quantity in words: "peak force".
+        value: the value of the quantity with its unit: "12.6 kN".
+        row: the row of the impact in ``impacts``, from 0.
+        equal: how many impacts have this value (SAME_PEAK); ``row`` is the first of these.
+    """
+
+    words: str
+    value: str
+    row: int
+    equal: int = 1
+
+    @property
+    def text(self) -> str:
+        """The quantity and its value: "peak force 12.6 kN", "30 equal impulses of 0.981 N·s"."""
+        if self.equal == 1:
+            return f"{self.words} {self.value}"
+        quantity, *at = self.words.removeprefix("largest ").split(" at ")
+        return f"{self.equal} equal {' at '.join([f'{quantity}s', *at])} of {self.value}"
+
+
+def message(recording: Recording, *, short: bool = False) -> str:
+    """Return the headline: the first of ``peaks``, the number of impacts, and the lost and supplied energy.
+
+    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated". If ``short``, the headline
+    has only the name and the first of ``peaks`` or, without one, the number of impacts.
+    """
+    parts = [*(peak.text for peak in peaks(recording)[:1]), counted(recording)]
+    parts = parts[:1] if short else [*parts, *lost_and_supplied(recording)]
+    return f"{recording.name}: {', '.join(filter(None, parts))}"
+
+
+def counted(recording: Recording) -> str:
+    """Return words for the number of impacts and the duration of the run: "14 impacts in 2 s"."""
+    count, span = recording.impact_count, float(recording.time[-1] - recording.time[0])
+    factor, unit = time_unit(span)
+    return f"{plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
+
+
+def lost_and_supplied(recording: Recording) -> list[str]:
+    """Return words for the energies that the run lost and got: "2.98 J dissipated", "10.5 J taken by drives".
+
+    A dissipated energy that is round-off (NO_LOSS) or not known is left out. The energy that drives and
+    inputs supply or take is left out if it is round-off, not known, or at most LITTLE_SUPPLIED × the
+    dissipated one.
+    """
+    lost, supplied = (
+        float(recording.energies.get(name, np.zeros(1))[-1]) for name in ("dissipated", "supplied")
+    )
+    least = NO_LOSS * np.abs(recording.energies.get("total", np.zeros(1))).max()
+    parts = [f"{lost:.3g} J dissipated"] if lost > least else []
+    if abs(supplied) > max(least, LITTLE_SUPPLIED * lost):
+        parts.append(f"{abs(supplied):.3g} J {'supplied' if supplied > 0.0 else 'taken'} by drives")
+    return parts
+
+
+def hit(recording: Recording, impact: np.void) -> str:
+    """Return words for an impact: "point 4 hits y_min"."""
+    return f"{what_touches(recording, impact)} hits {recording.wall_names[impact['wall']]}"
+
+
+def write_head(figure: Figure, recording: Recording, title: str, *first: str, row: int | None = None) -> None:
+    """Write the headline of a recording's picture and, below it, results and conditions of the run.
+
+    The headline is ``title`` or, if ``title`` is "", the result of ``message``. ``first`` are texts that
+    stand before the results. ``row`` is for a picture of a single impact: the row of this impact; the results
+    then tell only this impact.
+
+    In a narrow figure without a ``title``, the message is short. The impact of the first of ``peaks`` then
+    has a line of its own below the message, in the colour of its mark, and the rest of the message stands
+    among the conditions. In any narrow figure, the largest force in a joint (``load_text``) has such a line.
+    """
+    short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
+    told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
+    lines: list[tuple[str, str]] = []
+    if short and most and not title:
+        first_told = told.pop(0).removeprefix(f"{most[0].words} in ")
+        lines.append((first_told, PEAK_COLOUR if most[0].equal == 1 else INK))
+    # only a picture of curves gives texts in ``first``, on the drawn impact or the largest drawn forces
+    load = "" if any(first) else load_text(recording)
+    if short and load:
+        lines.append((load, LOAD))
+    results = [*first, *told, "" if short else load]
+    if short and not title:
+        results += [*([counted(recording)] if most else []), *lost_and_supplied(recording)]
+    known = conditions(recording, *results, touches=has_contact(recording))
+    headline(figure, title or message(recording, short=short), known, *lines)
+
+
+def peaks(recording: Recording) -> list[Peak]:
+    """Return the largest peak force at walls, and the largest peak moment at stops of joints, if known.
+
+    Stops of a slider count as walls. Under an impulsive law, the largest impulse replaces the largest force
+    or moment (``strengths``).
+    """
+    found = []
+    for is_stop in (False, True):
+        words, unit, values = strengths(recording, is_stop=is_stop)
+        most = float(values.max(initial=0.0))
+        if most > 0.0:
+            if words in (IMPULSE, HIT_IMPULSE):
+                largest = "largest " if np.count_nonzero(values) > 1 else ""
+                words = f"{largest}{words}{' at a stop' if is_stop else ''}"
+            equal = np.flatnonzero(values >= (1.0 - SAME_PEAK) * most)
+            found.append(Peak(words, force_text(most, unit), int(equal[0]), len(equal)))
+    return found
+
+
+def marked_peaks(recording: Recording) -> list[Peak]:
+    """Return those of ``peaks`` that only one impact reaches: only these impacts have PEAK_COLOUR."""
+    return [peak for peak in peaks(recording) if peak.equal == 1]
+
+
+def peak_of(recording: Recording, row: int) -> list[Peak]:
+    """Return a list with the ``Peak`` of the impact in a row; [] if the peak is 0 or not known."""
+    words, unit, values = strengths(recording, is_stop=bool(recording.at_stops[row]))
+    return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
+
+
+def hardness(recording: Recording, row: int) -> str:
+    """Return words for how hard the impact in a row is: "peak force 12.6 kN, with 2.92 m/s"."""
+    speed = f"with {speed_text(recording, row)}"
+    return ", ".join([*(f"{peak.words} {peak.value}" for peak in peak_of(recording, row)), speed])
+
+
+def speed_text(recording: Recording, row: int) -> str:
+    """Return the impact speed of the impact in a row, with its unit: "2.92 m/s"."""
+    impact = recording.impacts[row]
+    return f"{impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
+
+
+def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
+    """Return how hard impacts are: words, unit, values, shape (I,).
+
+    If ``is_stop``, the values are those of the impacts at stops of joints, else those of all other impacts:
+    at walls and at stops of a slider. The words are "peak force", "peak moment", IMPULSE or HIT_IMPULSE. A
+    value that is unknown, or that of an impact that does not belong to ``is_stop``, is 0.
+
+    The values are impulses under an impulsive law, and if an impact has an impulse but no known force, as in
+    a recording without the law. The impulse of a contact that lasts to the end of the run counts as 0 if any
+    impact ends, because this impulse also contains the shocks of other impacts. If no impact ends, the values
+    are hit impulses (``impulses_of_hits``).
+    """
+    impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
+    is_own = recording.at_stops == is_stop
+    forces, impulses = (np.nan_to_num(impacts[name]) * is_own for name in ("peak_force", "impulse"))
+    # under an impulsive law, a rod that lies on a rigid wall after its bounces has a force, too, but this
+    # force says nothing on the bounces
+    is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
+    if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
+        ended = impulses * ~lasts(impacts)
+        words, told = (IMPULSE, ended) if ended.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
+        return words, unit_at("impulse", stop=is_stop), told
+    return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
+
+
+def impulses_of_hits(recording: Recording) -> np.ndarray:
+    """Return the hit impulses of the impacts under a law that acts by impulses, shape (I,).
+
+    The impulse of a contact that lasts to the end of the run grows with the duration of the run, so the time
+    integral of the contact's force is subtracted; the result is 0 if this force is not known. An unknown
+    impulse is 0, too.
+    """
+    impacts, time, found = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
+    forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
+    for row in np.flatnonzero(lasts(impacts)):
+        onset, wall = impacts["onset"][row], recording.wall_names[impacts["wall"][row]]
+        force, first = forces.get((int(impacts["point"][row]), wall)), np.searchsorted(time, onset)
+        if force is None or first == len(time):
+            found[row] = 0.0
+            continue
+        held = np.append(force[first], force[first:])
+        found[row] = max(0.0, found[row] - np.trapezoid(held, np.append(onset, time[first:])))
+    return np.asarray(found)
+
+
+def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
+    """Return words for the impact of a peak.
+
+    For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have this
+    value, the words tell the first of these. ``valued``: whether the words have the value of the peak.
+    """
+    if peak.equal > 1:
+        told = f"{peak.text}, the first in " if valued else "the first in "
+        return f"{told}{place(recording, peak.row)}"
+    return f"{peak.words}{f' {peak.value}' if valued else ''} in {place(recording, peak.row)}"
+
+
+def place(recording: Recording, row: int) -> str:
+    """Return words for the impact in a row: "impact 1: ball hits y_min at 0.5 s with 2 m/s, peak at 0.7 s".
+
+    The time of the peak is told if it is later than the onset (``peak_time``).
+    """
+    impact, peak = recording.impacts[row], peak_time(recording, row)
+    factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
+    at = f"{factor * impact['onset']:.4g} {unit}"
+    later = f", peak at {factor * peak:.4g} {unit}" if peak > impact["onset"] else ""
+    return (
+        f"impact {row + 1}: {brief_hit(recording, impact)} at {at} with {speed_text(recording, row)}{later}"
+    )
+
+
+def load_text(recording: Recording) -> str:
+    """Return words for the largest force in a joint: "joint 2 bears up to 621 N in the run, at 0.4977 s".
+
+    If the recording does not have the forces, they come from a repeated run. The result is "" if no joint
+    bears a force, or if the forces remain unknown.
+    """
+    known = joint_peaks(recording)
+    if not known and (again := recording.in_other_run({"outputs.loads": True}, float(recording.time[-1]))):
+        known = joint_peaks(again)
+    largest = next(iter(known), None)
+    if largest is None or not largest.force > 0.0:
+        return ""
+    factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
+    return (
+        f"joint {largest.joint} bears up to {force_text(largest.force, 'N')} in the run, "
+        f"{'by' if largest.kind == BY_ROW else 'at'} {factor * largest.time:.5g} {unit}"
+    )
+
+
+def has_contact(recording: Recording) -> bool:
+    """Return whether something touches a wall or a stop during the run."""
+    forces = (touch.force for touch in recording.touches)
+    return recording.impact_count > 0 or any(force is not None and np.any(force) for force in forces)
+
+
+def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
+    """Return the known conditions of a run in one text: links, joints, contacts, friction and solver.
+
+    The texts ``first`` come before the conditions. The laws of contacts and stops, and the values of these
+    laws, are told only if something ``touches`` a wall or a stop.
+    """
+    known = recording.parameters
+    parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
+    for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
+        if most := max(
+            (value for name, value in known.items() if name_parts(name).quantity == f"joint_{key}"),
+            default=0.0,
+        ):
+            parts.append(f"joint {key} ≤ {most:g} {unit}")
+    parts += of_contacts(recording) if touches else []
+    if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
+        parts.append(f"friction µ = {', '.join(rubbing)}")
+    if touches and "stop.restitution" in known:
+        of_stops = recording.stop_law
+        told = [f"law {of_stops}"] if of_stops else []
+        if uses_restitution(of_stops or known.get("contact.model", "")):
+            told.append(f"e = {known['stop.restitution']:g}")
+        parts += [f"stops {', '.join(told)}"] if told else []
+    if known.get("contact.radius"):
+        parts.append(f"radius {known['contact.radius']:g} m")
+    if "solver.tolerance" in known:
+        parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
+    return SEPARATOR.join(parts)
+
+
+def of_contacts(recording: Recording) -> list[str]:
+    """Return words for the law, the restitution and the stiffness of walls, as far as known and in use."""
+    known, parts = recording.parameters, []
+    law = known.get("contact.model", "")
+    if law:
+        parts.append(f"law {law}")
+    if "contact.restitution" in known:
+        if uses_restitution(law):
+            parts.append(f"restitution e = {known['contact.restitution']:g}")
+        # an impulsive law uses no stiffness
+        if not has_impulses(law):
+            unit = raised(of_power("N/m", known["contact.exponent"]))
+            parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
+    return parts
+
+
+def uses_restitution(law: str) -> bool:
+    """Return whether a contact law uses the restitution e; True for a user's law or an unknown law."""
+    return law not in CONTACT_LAWS or CONTACT_LAWS[law].formula != "0"
+
+
+def friction(name: str, value: Any) -> str:
+    """Return words for a coefficient of dry friction at walls: "0.3", "static 0.4 at y_min"; else "".
+
+    ``name`` and ``value`` are those of any parameter. For a coefficient of 0 the result is "", except for the
+    sliding friction of a single wall: "0 at y_min".
+    """
+    owner, _, wall, quantity = name_parts(name)
+    is_coefficient = owner in ("contact", "wall") and quantity in ("friction", "static_friction")
+    if not is_coefficient or not (value or (wall and quantity == "friction")):
+        return ""
+    return f"{'static ' * (quantity != 'friction')}{value:g}{f' at {wall}' if wall else ''}"

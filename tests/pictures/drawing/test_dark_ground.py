@@ -1,0 +1,126 @@
+"""Pictures in a dark style: the ground is dark everywhere, and all that is drawn can be seen on it."""
+
+import itertools
+
+import matplotlib.style
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.drawing import style
+from chain_impact.pictures.drawing.dark_ground import Ground, is_dark, lighter, luminance
+from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
+from chain_impact.pictures.drawing.style import BLACK, PALETTE, suit_figure
+from tests.pictures.pictures import contrast, lab, recorded
+
+
+def pixels(page):
+    """Return the luminance of each pixel of a page."""
+    canvas = FigureCanvasAgg(page)
+    canvas.draw()
+    return (np.asarray(canvas.buffer_rgba())[..., :3] / 255.0) ** 2.2 @ [0.2126, 0.7152, 0.0722]
+
+
+@pytest.fixture(scope="module")
+def page():
+    with matplotlib.style.context("dark_background"):
+        return recorded("sliding_rod").plot()
+
+
+def test_a_page_is_dark_throughout(page):
+    """The walls' outside is dark, too; only lines, letters and the bar of time are light."""
+    seen = pixels(page)
+    assert np.median(seen) == 0.0
+    assert (seen > 0.18).mean() < 0.08
+    assert to_hex(page.get_facecolor()) == "#000000"
+
+
+def test_lines_texts_and_colours_of_time_can_be_seen(page):
+    for axes in page.axes:
+        assert all(luminance(line.get_color()) > 0.09 for line in axes.lines)
+        texts = [*axes.texts, axes.xaxis.label, axes.yaxis.label, *axes.get_xticklabels()]
+        for text in texts:
+            is_grey = np.ptp(to_rgb(text.get_color())) < 0.01
+            assert luminance(text.get_color()) > (0.4 if is_grey else 0.19)
+    motion, time = (
+        next(panel for panel in page.axes if panel.get_label() == name) for name in ("motion", "time")
+    )
+    path = next(collection for collection in motion.collections if collection.get_label() == "tip")
+    assert min(map(luminance, path.get_edgecolor())) > 0.19
+    bar = time.images[0].get_cmap()
+    assert to_hex(bar(0.0)) == to_hex(path.get_edgecolor()[0])
+    lines = next(axes for axes in page.axes if axes.get_label() == "energy").collections[0]
+    assert (
+        luminance(lines.get_edgecolor()[0]) > 0.015
+    )  # the lines at impacts: twice as bright as their ground
+
+
+def test_axes_of_a_dark_style_keep_what_was_there():
+    with matplotlib.style.context("dark_background"):
+        axes = Figure().add_subplot()
+        (own,) = axes.plot([0.0, 1.0], [0.0, 1.0], color="navy")
+        recorded("rod_drop").plot(kind="energy", ax=axes)
+        axes.figure.draw_without_rendering()
+    assert own.get_color() == "navy"
+    own.remove()
+    assert to_hex(axes.get_facecolor()) == "#000000"
+    texts = [*axes.get_legend().get_texts(), *axes.get_xticklabels(), *axes.get_yticklabels()]
+    assert {to_hex(text.get_color()) for text in texts} == {"#ffffff"}
+    total = next(line for line in axes.lines if line.get_label() == "total")
+    assert to_hex(total.get_color()) == "#ffffff"
+    assert all(luminance(line.get_color()) > 0.19 for line in axes.lines)
+    assert all(luminance(handle.get_color()) > 0.19 for handle in axes.get_legend().legend_handles)
+    (rest,) = axes.patches
+    assert max(rest.get_facecolor()[:3]) < 0.2  # shaded, not white
+
+
+def test_a_map_keeps_its_colours_and_cells_without_value_get_dark():
+    page = Figure()
+    axes = page.subplots()
+    mesh = axes.pcolormesh(np.ma.masked_invalid([[1.0, np.nan]]), cmap="cividis")
+    mesh.set_cmap(mesh.get_cmap().with_extremes(bad="0.8"))
+    before = mesh.get_cmap()(0.3)
+    suit_figure(page)
+    assert to_hex(mesh.get_cmap().get_bad()) == "#cccccc"
+    with matplotlib.style.context("dark_background"):
+        suit_figure(page)
+    assert luminance(mesh.get_cmap().get_bad()) < 0.1
+    assert mesh.get_cmap()(0.3) == before
+
+
+def test_the_colours_of_curves_differ_on_a_dark_ground():
+    """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
+    for one, other in itertools.combinations(PALETTE, 2):
+        assert np.linalg.norm(lab(lighter(one)) - lab(lighter(other))) > 15.0
+    laws = [
+        look["color"] for look in LAW_LOOKS.values() if "linestyle" not in look and look["color"] != BLACK
+    ]
+    for one, other in itertools.combinations(laws, 2):
+        assert np.linalg.norm(lab(lighter(one)) - lab(lighter(other))) > 25.0
+
+
+def dark_grounds():
+    """Return ground and text of each dark style of matplotlib, and of usual dark themes of editors."""
+    grounds = {("#1e1e1e", "#d4d4d4"), ("#282c34", "#dcdfe4"), ("#2e3440", "#eceff4"), ("#002b36", "#eee8d5")}
+    for name in matplotlib.style.available:
+        with matplotlib.style.context(name):
+            if is_dark(matplotlib.rcParams["figure.facecolor"]):
+                colours = (matplotlib.rcParams[key] for key in ("figure.facecolor", "text.color"))
+                grounds.add(tuple(map(to_hex, colours)))
+    return sorted(grounds)
+
+
+@pytest.mark.parametrize(("ground", "text"), dark_grounds())
+def test_colours_and_texts_have_enough_contrast_on_a_dark_ground(ground, text):
+    dark = Ground(ground, text)
+    names = [name for name in vars(style) if name.isupper() and isinstance(getattr(style, name), str)]
+    hues = [getattr(style, name) for name in names if getattr(style, name).startswith("#")]
+    assert len(hues) >= len(PALETTE)
+    hues += [style.TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, 9)]
+    for colour in hues:
+        assert contrast(dark.suited(colour), ground) >= 4.5
+    assert contrast(dark.suited(style.INK), ground) >= 4.5
+    assert contrast(dark.suited(style.BLACK), ground) >= 4.5
+    assert contrast(dark.suited(style.GREY), ground) >= 3.0

@@ -1,0 +1,54 @@
+"""Curves that a reader can distinguish: a fast oscillation is an area, and a curve on another is dashed."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.drawing.distinct_curves import FAST, merged_dashes, plot_curves
+
+TIME = np.linspace(0.0, 3.0, 20_001)
+
+
+def drawn(*curves):
+    """Return axes, 4 inches wide, with some curves."""
+    axes = Figure((4.0, 2.0)).add_axes((0.0, 0.0, 1.0, 1.0))
+    looks = [{"color": "C0", "label": str(k)} for k in range(len(curves))]
+    plot_curves(axes, TIME, list(zip(curves, looks, strict=True)))
+    return axes
+
+
+def test_a_fast_oscillation_is_a_pale_area_between_its_extremes():
+    axes = drawn((2.0 + TIME) * np.sin(2.0 * np.pi * 100.0 * TIME), np.cos(TIME))
+    (area,) = axes.collections
+    assert np.ptp(area.get_paths()[0].vertices[:, 1]) == pytest.approx(10.0, rel=0.02)
+    assert area.get_facecolor()[0, 3] < 0.5  # a curve behind it is seen
+    low, high, other, told = axes.lines
+    assert told.get_label() == FAST
+    assert np.allclose(high.get_ydata(), 2.0 + high.get_xdata(), atol=0.1)
+    assert np.allclose(low.get_ydata(), -2.0 - low.get_xdata(), atol=0.1)
+    assert len(other.get_xdata()) == len(TIME)
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        np.sin(2.0 * np.pi * 3.0 * TIME),  # few periods
+        TIME + 1e-3 * np.sin(2.0 * np.pi * 100.0 * TIME),  # an oscillation that is too small to be seen
+        np.where(TIME < 0.1, np.sin(2.0 * np.pi * 100.0 * TIME), 0.0),  # in a small part of the time
+    ],
+)
+def test_other_curves_are_lines(curve):
+    axes = drawn(curve)
+    assert not axes.collections
+    assert len(axes.lines) == 1
+
+
+def test_dashes_of_lines_that_merge_leave_each_other_free():
+    turn = np.linspace(0.0, 2.0 * np.pi, 500)
+    loop = np.array([np.cos(turn), np.sin(turn)])
+    base, second, third, apart = merged_dashes([loop, 1.001 * loop[:, ::2], 0.999 * loop, 0.9 * loop])
+    assert (base, apart) == (None, None)
+    length = sum(second[1])
+    drawn_at = [(np.arange(0.0, length, 0.1) + offset) % length < on for offset, (on, _) in (second, third)]
+    assert not np.logical_and(*drawn_at).any()
+    assert not np.logical_or(*drawn_at).all()  # the first line is seen in the gaps

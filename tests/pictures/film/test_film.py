@@ -1,0 +1,442 @@
+"""Films: their content as their viewers see them."""
+
+# Tests: pictures/film/arrow_numbers.py, pictures/film/caption.py, pictures/film/charts.py
+# Tests: pictures/film/file_formats.py, pictures/film/scale_bar.py, pictures/film/writing.py
+
+import dataclasses
+import itertools
+import re
+
+import matplotlib.style
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from PIL import Image
+
+from chain_impact import Recording, SceneWarning, load_scene, parse_scene, record_slowly, simulate
+from chain_impact.pictures.drawing.dark_ground import lighter
+from chain_impact.pictures.drawing.style import LOAD, force_text
+from chain_impact.pictures.film.arrow_scale import ArrowScale
+from chain_impact.pictures.film.caption import CAPTION_FRAMES, caption_starts
+from chain_impact.pictures.film.charts import largest_forces
+from chain_impact.pictures.film.film import CHAIN, FILM_STYLE, FORCE, ROOM, Film
+from chain_impact.pictures.film.scale_bar import draw_scale_bar
+from chain_impact.pictures.film.writing import MOST_FRAMES, RATES, draw_frames, resolution, write_film
+from chain_impact.pictures.over_time.energies import ENERGIES
+from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
+from chain_impact.recording.view import LONGEST_ARROW
+from chain_impact.scene.models import scene_path
+from tests.helpers.scenes.friction import pendulum, sled
+from tests.pictures import pictures as made
+from tests.tiers import needs_interop
+
+SIZE = (320, 180)
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return record_slowly(load_scene("four_link_box").with_values({"simulation.stop_time": 0.52}))
+
+
+def film(recording, path, speed=1.0, size=SIZE, done=lambda _: None):
+    write_film(recording, path, speed=speed, impact_time=0.2, size=size, progress=done)
+
+
+def pictures(recording, *times):
+    return draw_frames(recording, np.array(times), np.ones(len(times)), SIZE, lambda _: None)
+
+
+def swing(y):
+    """Return a rod of 1 m that turns about the origin, without walls."""
+    time = np.linspace(0.0, 0.2, 5)
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(time), "point[1].y": y * np.sin(time)}
+    return Recording("Swing", time, columns)
+
+
+def coloured(picture, colour):
+    """Return how many pixels are about of a colour."""
+    wanted = 255 * np.array(matplotlib.colors.to_rgb(colour))
+    return int((abs(picture.astype(float) - wanted).max(axis=-1) < 8).sum())
+
+
+def test_a_gif_lasts_as_long_as_the_motion_on_the_screen(recording, tmp_path):
+    film(recording, tmp_path / "film.gif")
+    times, rate = frame_times(0.0, 0.52, slow_spans(recording), 0.2)
+    with Image.open(tmp_path / "film.gif") as shown:
+        assert shown.size == SIZE
+        durations = []
+        for frame in range(shown.n_frames):
+            shown.seek(frame)
+            durations.append(shown.info["duration"] / 1000)
+        assert sum(durations[:-1]) == pytest.approx(len(times) / rate, abs=0.1)
+        shown.seek(shown.n_frames // 2)
+        picture = np.asarray(shown.convert("RGB"))
+        assert coloured(picture, CHAIN) > 100
+        assert picture[2, SIZE[0] // 2].tolist() == [255, 255, 255]
+
+
+def test_the_charts_stretch_slow_motion_so_that_the_cursor_moves_evenly(recording):
+    times, _ = frame_times(0.0, 0.52, slow_spans(recording))
+    page = Film(Figure(figsize=ROOM), recording, times)
+    energies, forces = (cursor.axes for cursor in page.cursors)
+    assert forces.get_xlabel() == "time [s], stretched in slow motion"
+    for axes in (energies, forces):
+        at = axes.transData.transform(np.column_stack([times, 0.0 * times]))[:, 0]
+        np.testing.assert_allclose(np.diff(at), (axes.bbox.width / (len(times) - 1)), rtol=0.01)
+    numbers = [float(text.get_text()) for text in forces.get_xticklabels()]
+    assert numbers == forces.get_xticks().tolist()
+    assert numbers[0] == 0.0
+    even = Film(Figure(figsize=ROOM), recording, np.linspace(0.0, 0.52, 99)).cursors[-1].axes
+    assert (even.get_xlabel(), even.get_xscale()) == ("time [s]", "linear")
+
+
+def test_walls_may_have_the_names_of_stops_that_the_chain_does_not_have():
+    text = scene_path("ramp").read_text(encoding="utf-8")
+    renamed = text.replace('name = "ramp"', 'name = "joint_min"').replace(
+        'name = "stop"', 'name = "slider_min"'
+    )
+    usual, other = (simulate(parse_scene(each, "ramp"), 1.5, output_step=1e-3) for each in (text, renamed))
+    assert {touch.wall for touch in other.touches} == {"joint_min", "slider_min"}
+    np.testing.assert_array_equal(largest_forces(other)["wall"], largest_forces(usual)["wall"])
+    assert other.touching == usual.touching != {}
+
+
+def test_a_film_is_dark_in_a_dark_style(tmp_path):
+    with matplotlib.style.context("dark_background"):
+        (picture,) = pictures(swing(1.0), 0.0)
+        film(swing(1.0), tmp_path / "film.gif")
+    with Image.open(tmp_path / "film.gif") as shown:
+        for one in (picture, np.asarray(shown.convert("RGB"))):
+            assert one[2, SIZE[0] // 2].tolist() == [0, 0, 0]
+            assert coloured(one, lighter(CHAIN)) > 100
+            assert (one.min(axis=-1) > 150).sum() > 20  # the texts are light
+
+
+def test_positions_alone_make_a_film():
+    (picture,) = pictures(swing(1.0), 0.0)
+    assert coloured(picture, CHAIN) > 100
+    assert coloured(picture[:, SIZE[0] * 2 // 3 :], ENERGIES["total"]) < 50  # the clock, no empty axes
+
+
+def test_a_pinned_base_stands_on_ground(monkeypatch):
+    (with_mark,) = pictures(swing(-1.0), 0.0)
+    monkeypatch.setattr("chain_impact.pictures.film.film.pin_mark", lambda _: [])
+    (without,) = pictures(swing(-1.0), 0.0)
+    assert (abs(with_mark.astype(float) - without).max(axis=-1) > 100).sum() > 30
+
+
+def test_twice_the_speed_has_half_the_frames(recording, tmp_path):
+    counts = []
+    for speed in (1.0, 2.0):
+        film(recording, tmp_path / "film.gif", speed)
+        with Image.open(tmp_path / "film.gif") as shown:
+            counts.append(shown.n_frames)
+    assert counts[1] == pytest.approx(counts[0] / 2, abs=1.5)
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Return a function that gives the times and the told rates of a film's frames, without drawing them."""
+
+    def drawn(recording, path, **options):
+        found = []
+
+        def keep(_, times, rates, size, __):
+            found[:] = [times, rates]
+            return iter(np.zeros((len(times), size[1], size[0], 3), np.uint8))
+
+        monkeypatch.setattr("chain_impact.pictures.film.writing.draw_frames", keep)
+        options = {"speed": None, "impact_time": 0.6, "size": SIZE, "progress": lambda _: None} | options
+        write_film(recording, path, **options)
+        return found
+
+    return drawn
+
+
+@pytest.fixture(scope="module")
+def shaken():
+    return record_slowly(load_scene("shaken_pendulum").with_values({"simulation.stop_time": 0.1}))
+
+
+def test_a_driving_sine_has_eight_frames_in_a_period(drawn, shaken, tmp_path):
+    times, rates = drawn(shaken, tmp_path / "film.gif")
+    assert np.diff(times).max() * 40.0 <= 1 / 8 + 1e-9
+    assert rates == pytest.approx(20 / (8 * 40.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("options", [{"speed": 0.5}, {"speed": 0.5, "impact_time": 0.0}])
+def test_a_given_speed_is_kept_with_a_warning_for_a_fast_sine(drawn, shaken, tmp_path, options):
+    with pytest.warns(
+        SceneWarning, match=r"only 1 frames in a period of its sine of 40 Hz.* speed = 0\.062 "
+    ):
+        times, rates = drawn(shaken, tmp_path / "film.gif", **options)
+    assert np.diff(times) == pytest.approx(0.5 / 20, rel=0.01), "the speed is constant"
+    assert rates == pytest.approx(0.5, rel=0.01)
+
+
+def test_a_film_is_slowed_down_for_a_sine_to_a_limited_number_of_frames(drawn, tmp_path):
+    time = np.linspace(0.0, 10.0, 11)
+    columns = dict.fromkeys(("point[0].x", "point[0].y", "point[1].y"), 0.0 * time)
+    parameters = {"signal.own.frequency": 1000.0, "signal.own.amplitude": 0.1}
+    shaken = Recording("Fast", time, columns | {"point[1].x": 1.0 + 0.0 * time}, parameters=parameters)
+    with pytest.warns(SceneWarning, match="sine of 1000 Hz"):
+        times, _ = drawn(shaken, tmp_path / "film.gif", size=(16, 16))
+    assert len(times) == pytest.approx(MOST_FRAMES, abs=2)
+    with pytest.warns(SceneWarning, match="sine of 1000 Hz"):
+        times, _ = drawn(shaken, tmp_path / "film.gif", size=(16, 16), impact_time=0.0)
+    assert len(times) == pytest.approx(200, abs=2)
+
+
+@needs_interop
+def test_an_mp4_is_a_film_that_a_decoder_reads(recording, tmp_path):
+    import av
+
+    done = []
+    film(recording, tmp_path / "film.mp4", size=(321, 181), done=done.append)
+    with av.open(str(tmp_path / "film.mp4")) as shown:
+        frames = [frame.to_ndarray(format="rgb24") for frame in shown.decode(video=0)]
+        assert shown.streams.video[0].average_rate == RATES[".mp4"]
+    assert frames[0].shape == (180, 320, 3)
+    assert len(frames) == len(done)
+    assert done[-1] == 1.0
+
+
+def test_an_arrow_is_there_while_there_is_a_force(recording):
+    (touch,) = (one for one in recording.touches if (one.point, one.wall) == (2, "y_min"))
+    peak = recording.time[touch.force.argmax()]
+    red = [coloured(picture[SIZE[1] // 4 :], FORCE) for picture in pictures(recording, 0.0, peak, 0.52)]
+    assert red[0] == 0
+    assert red[1] > 10
+    assert red[2] == 0
+
+
+def test_forces_in_joints_are_arrows_of_a_colour_of_their_own_with_a_key():
+    recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    sizes = sum(np.hypot(*force.T) for force in recording.loads.values())
+    start, peak = (coloured(one, LOAD) for one in pictures(recording, 0.0, recording.time[sizes.argmax()]))
+    assert 60 < start < peak < 1000
+    (picture,) = pictures(record_slowly("pinned_arm"), recording.time[sizes.argmax()])
+    assert coloured(picture, LOAD) == 0
+
+
+@pytest.mark.parametrize(
+    ("scene", "without", "with_mark"), [(sled, 0.5, 1.5), (pendulum, 0.2, 0.6)], ids=["contact", "joint"]
+)
+def test_there_is_more_in_the_colour_of_forces_where_something_sticks(scene, without, with_mark):
+    slides, sticks = pictures(record_slowly(scene()), without, with_mark)
+    assert coloured(sticks, FORCE) > coloured(slides, FORCE)
+
+
+@pytest.mark.parametrize("size", [(240, 180), (320, 240), (480, 270), (640, 360), (960, 540), (900, 300)])
+def test_no_text_runs_out_of_a_film(size):
+    """Scenes with dry friction have the most energies; here the potential energy has another zero."""
+    recording = record_slowly(load_scene("sliding_rod").with_values({"simulation.stop_time": 0.1}))
+    with matplotlib.rc_context(FILM_STYLE):
+        dpi = resolution(size)
+        figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
+        page = Film(figure, recording, np.linspace(0.0, 0.1, 9))
+        list(page.show(4, 1e-4))
+        figure.draw_without_rendering()
+    shown = page.cursors[0].axes.get_legend().get_texts() if page.tells_energies else []
+    panels = [cursor.axes for cursor in page.cursors]
+    labels = [panels[-1].xaxis.label, panels[0].yaxis.label] if panels else []
+    written = [text for text in (*figure.texts, *shown, *labels) if text.get_text()]
+    boxes = [text.get_window_extent() for text in written]
+    moved = [text.get_text() for text in shown if text.get_text().endswith(" J")]
+    assert [text.split()[0] for text in moved] == ["potential", "total"] * page.tells_energies
+    assert page.tells_energies == (size[0] >= 480 and size[1] >= 270)
+    assert ("point 1 hits ramp\n" in page.caption.text.get_text()) == page.tells_energies
+    assert (page.caption.text in written) == page.tells_energies
+    for box in boxes:
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
+    for one, other in itertools.combinations(boxes, 2):
+        assert not one.overlaps(other)
+
+
+@pytest.mark.parametrize(
+    ("width", "length", "text"), [(4.0, 0.5, "0.5 m"), (0.6, 0.1, "0.1 m"), (0.02, 0.002, "2 mm")]
+)
+def test_a_bar_below_the_chain_has_the_round_length_that_is_written_at_it(width, length, text):
+    axes = Figure().add_axes((0.1, 0.2, 0.8, 0.7), xlim=(-0.5 * width, 0.5 * width))
+    bar, label = draw_scale_bar(axes, 0.05, "black")
+    at = axes.transData.inverted().transform(bar.get_transform().transform(bar.get_xydata()))
+    assert np.ptp(at[:, 0]) == pytest.approx(length)
+    assert label.get_text() == text
+    assert bar.get_window_extent().y1 < axes.bbox.y0
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(12345.0, "12.3 kN"), (999.4, "999 N"), (1.0, "1.00 N"), (0.981, "0.981 N"), (0.0249, "24.9 mN")],
+)
+def test_forces_as_text(value, text):
+    assert force_text(value, "N") == text
+
+
+@pytest.mark.parametrize(
+    ("rate", "text"),
+    [
+        (1.01, "real time"),
+        (1 / 1.04, "real time"),
+        (1 / 480, "480 × slower"),
+        (1 / 3, "3 × slower"),
+        (2.5, "2.5 × faster"),
+    ],
+)
+def test_rates_as_text(rate, text):
+    assert rate_text(rate) == text
+
+
+def test_arrow_lengths_go_with_the_cube_root_of_the_force():
+    scale = ArrowScale(2000.0, 1.0)
+    assert scale.length(2000.0) == pytest.approx(LONGEST_ARROW)
+    assert scale.length(250.0) == pytest.approx(LONGEST_ARROW / 2.0)
+    assert not scale.shows(1e-3)
+    marks = scale.marks()
+    assert [text for _, text in marks] == ["2.00 kN", "100 N"]
+    for at, text in marks:
+        assert at == pytest.approx(scale.length({"2.00 kN": 2000.0, "100 N": 100.0}[text]))
+
+
+def test_numbers_in_a_film_cover_no_body_and_no_other_number():
+    """A brick lies on a floor: its corners carry forces, whose numbers have no room above the corners."""
+    recording = record_slowly("thrown_brick")
+    figure = Figure((8.0, 4.5), dpi=80)
+    film = Film(figure, recording, recording.time[-1:])
+    figure.draw_without_rendering()
+    drawn = list(film.show(0, 1.0))
+    (body,) = film.bodies.values()
+    outline = body.get_window_extent()
+    boxes = [
+        text.get_window_extent() for text in drawn if text in film.scene.texts and " N" in text.get_text()
+    ]
+    assert len(boxes) == 2
+    assert not boxes[0].overlaps(boxes[1])
+    assert not any(box.overlaps(outline) for box in boxes)
+
+
+@pytest.mark.parametrize(("number", "end"), [(1, "max"), (2, "min")])
+def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number, end):
+    recording = record_slowly("cart_pole")
+    impact = recording.impacts[number - 1]
+    figure = Figure((8.0, 4.5), dpi=80)
+    page = Film(figure, recording, np.array([0.0, 0.5 * (impact["onset"] + impact["end"]), 3.0]))
+    figure.draw_without_rendering()
+    list(page.show(0, 1.0))
+    assert page.caption.text.get_text() == ""
+    drawn = list(page.show(1, 1.0))
+    told, hard = page.caption.text.get_text().split("\n")
+    assert told == f"impact {number} of 4: slider hits slider_{end}"
+    force, speed = re.fullmatch(r"peak force ([\d.]+) N, with ([\d.]+) m/s", hard).groups()
+    assert float(force) == pytest.approx(impact["peak_force"], rel=5e-3)
+    assert float(speed) == pytest.approx(impact["impact_speed"], rel=5e-3)
+    (box,) = (text.get_window_extent() for text in drawn if text in page.scene.texts)
+    (_, y), *_ = page.scene.transData.transform(recording.rail.lines(recording.points[:, 0])[0])
+    assert not box.y0 < y < box.y1
+
+
+def test_the_caption_of_an_impact_stays_for_some_frames():
+    recording = made.swing([made.hit(0.5, 1, "y_min", 1.0)], {"y_min": 0.0})
+    recording.impacts["end"] = 0.5
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.linspace(0.0, 2.0, 201))
+    told = []
+    for frame in range(201):
+        list(page.show(frame, 1.0))
+        told.append(bool(page.caption.text.get_text()))
+    frames = np.flatnonzero(told)
+    assert frames.tolist() == list(range(45, 51 + CAPTION_FRAMES))
+
+
+def test_the_caption_tells_an_impact_when_slow_motion_for_it_begins():
+    onsets = [0.5, 0.52, 1.0, 1.5]
+    recording = made.swing(
+        [made.hit(t, 1, "y_min", 1e-3 if t == 1.5 else 1.0) for t in onsets], {"y_min": 0.0}
+    )
+    recording.impacts["end"] = recording.impacts["onset"] + 1e-3
+    shown = [0.46, 0.505, 0.515, 0.94, 0.96, 1.49, 1.501]
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array(shown))
+    told = []
+    for frame in range(len(shown)):
+        list(page.show(frame, 1.0))
+        told.append(page.caption.told)
+    assert told == [1, 1, 2, 2, 3, 3, 4]
+    np.testing.assert_allclose(caption_starts(recording)[[0, 2, 3]], [0.45, 0.95, 1.5])
+
+
+def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
+    recording = record_slowly("hopping_leg")
+    for size in ((960, 540), (640, 360)):
+        with matplotlib.rc_context(FILM_STYLE):
+            dpi = resolution(size)
+            figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
+            page = Film(figure, recording, recording.impacts["onset"])
+            list(page.show(0, 1.0))
+            figure.draw_without_rendering()
+        legend = page.cursors[0].axes.get_legend().get_window_extent()
+        assert legend.y1 < page.caption.text.get_window_extent().y0
+        assert legend.x1 <= figure.bbox.x1
+        least = min(text.get_fontsize() for text in figure.findobj(matplotlib.text.Text) if text.get_text())
+        assert least * dpi / 72.0 > 9.5  # pixels
+
+
+@pytest.mark.parametrize(
+    ("point", "wall", "text"),
+    [
+        ("heel", "ramp", "impact 1 of 10: point 1 (heel) hits ramp"),
+        ("left_heel", "ramp_left", "impact 1 of 10: left_heel hits ramp_left"),
+        ("left_front_foot_collision_sphere", "ramp_on_the_left_side", "left_fr…_sphere hits ramp_on…ft_side"),
+    ],
+)
+def test_the_last_impact_has_the_words_that_have_room(point, wall, text):
+    impacts = [made.hit(1.0 + 0.01 * number, 1, wall, 1.0) for number in range(10)]
+    recording = made.swing(impacts, slopes={wall: (0.0, -1.0, 0.0)})
+    recording = dataclasses.replace(recording, point_names={1: point})
+    figure = Figure((8.0, 4.5), dpi=80)
+    page = Film(figure, recording, np.array([0.0, 1.0]))
+    list(page.show(1, 1.0))
+    assert page.caption.text.get_text() == f"{text}\nwith 1 m/s"
+    assert page.caption.text.get_window_extent().x1 < figure.bbox.x1
+
+
+def test_numbers_in_a_film_may_stand_where_the_tip_comes_later():
+    places = []
+    for goes_on in (True, False):
+        recording = record_slowly("pinned_arm")
+        (impact,) = recording.impacts
+        row = int(np.searchsorted(recording.time, 0.7 * impact["onset"] + 0.3 * impact["end"]))
+        for column in () if goes_on else recording.columns.values():
+            column[row:] = column[row]
+        page = Film(Figure((8.0, 4.5), dpi=80), recording, recording.time[[row]])
+        drawn = list(page.show(0, 1.0))
+        (number,) = (one for one in drawn if isinstance(one, Text) and one.get_text().endswith("N"))
+        places.append(page.scene.transData.transform(number.get_position()))
+    assert places[0] == pytest.approx(places[1], abs=2.0)  # the views of the two motions differ a little
+
+
+def test_a_film_has_the_largest_force_over_time_with_a_cursor(recording):
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, recording.time[[0, -1]])
+    energy, strip = (cursor.axes for cursor in page.cursors)
+    assert strip.get_title(loc="left") == "largest force [kN]"
+    (line,) = (line for line in strip.lines if line.get_color() == FORCE)
+    peak = 1e-3 * np.nanmax(recording.impacts["peak_force"])
+    assert line.get_ydata().max() == pytest.approx(peak, rel=0.02)
+    assert strip.get_xlim() == energy.get_xlim()
+    for frame, time in enumerate(recording.time[[0, -1]]):
+        list(page.show(frame, 1.0))
+        assert [cursor.get_xdata()[0] for cursor in page.cursors] == [time, time]
+
+
+def test_a_ring_stays_where_an_impact_happened():
+    impacts = [made.hit(time, 1, "y_min", 1.0) for time in (0.5, 1.0)]
+    recording = made.swing(impacts, {"y_min": 0.0})
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array([0.4, 0.6, 2.0]))
+    seen = []
+    for frame in range(3):
+        drawn = list(page.show(frame, 1.0))
+        assert page.rings in drawn
+        seen.append(page.rings.get_xydata().tolist())
+    spots = [recording.spot(impact).tolist() for impact in recording.impacts]
+    assert seen == [[], spots[:1], spots]

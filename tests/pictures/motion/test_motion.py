@@ -1,0 +1,235 @@
+"""The picture of the motion: its poses, its paths, and the numbers of the impacts."""
+
+# Tests: pictures/motion/bodies.py, pictures/motion/impact_rings.py, pictures/motion/joint_forces.py
+# Tests: pictures/motion/poses.py, pictures/words/point_names.py
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
+
+from chain_impact import load_scene, simulate
+from chain_impact.pictures import draw_chain
+from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR
+from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, by_speed
+from chain_impact.pictures.motion.joint_forces import part_in_view
+from chain_impact.pictures.motion.poses import MOST_STRONG_POSES, apart, strong_times
+from chain_impact.pictures.words.headline import peaks
+from chain_impact.recording.joint_peaks import joint_peaks
+from chain_impact.recording.joint_stops import range_lines
+from chain_impact.recording.view import ball_of, size_of
+from tests.pictures.pictures import boxes, crowd, drawn, hit, motion_of, recorded, swing, texts
+
+
+def poses(axes):
+    """Return the chains that are drawn strongly, as arrays (N+1, 2)."""
+    return [np.array(line.get_xydata()) for line in axes.lines if line.get_zorder() == 4]
+
+
+def ring_places(axes):
+    rings = [
+        line
+        for line in axes.lines
+        if line.get_markerfacecolor() == "none" and line.get_color() != PEAK_COLOUR
+    ]
+    return np.concatenate([line.get_xydata() for line in rings])
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "hopper"])
+def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
+    recording = recorded(model)
+    motion = motion_of(recording)
+    *at_impacts, start, end = poses(motion)
+    np.testing.assert_array_equal(start, recording.points[0])
+    np.testing.assert_array_equal(end, recording.points[-1])
+    times = strong_times(recording)
+    assert 0 < len(at_impacts) == len(times) <= MOST_STRONG_POSES
+    fastest = recording.impacts["onset"][by_speed(recording)[0]]
+    for time, pose in zip(times, at_impacts, strict=True):
+        np.testing.assert_array_equal(pose, recording.pose_at(time))
+        impact = recording.impacts[recording.impacts["onset"] == time][0]
+        place = recording.all_points[recording.row_at(time)][impact["point"]]
+        # the point touches the wall within its radius and its motion between two communication points
+        gap = recording.wall_of(impact).clearance(*place) - recording.touching[impact["point"]]
+        assert abs(gap) < 1.1e-3 * impact["impact_speed"]
+    kept, expected = [start, end], []
+    for onset in recording.impacts["onset"][by_speed(recording)]:
+        pose = recording.pose_at(onset)
+        gap = min(np.hypot(*(pose - other).T).mean() for other in kept)
+        if onset == fastest or (gap >= 0.1 * size_of(recording) and len(kept) < MOST_STRONG_POSES + 2):
+            kept.append(pose)
+            expected.append(onset)
+    assert times == sorted(expected)
+
+
+def test_poses_that_look_alike_are_left_out():
+    places = np.array([0.0, 0.04, 0.1, 0.13, 0.25, 0.01])
+    rods = np.stack([np.stack([places, places + 1.0], axis=1), np.zeros((6, 2))], axis=-1)
+    assert apart(rods, 0.1) == [0, 2, 4]
+    assert apart(rods, 0.1, always=2) == [0, 1, 4]
+
+
+def test_every_impact_has_a_strong_pose_if_there_are_few():
+    recording = recorded("pinned_arm")
+    assert strong_times(recording) == recording.impacts["onset"].tolist()
+
+
+def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():
+    recording = swing(rows=3)
+    np.testing.assert_allclose(recording.pose_at(0.4), recording.points[0], atol=1e-15)
+
+
+def test_paths_of_all_points_are_drawn_that_of_the_tip_strongest():
+    recording = recorded("four_link_box")
+    motion = motion_of(recording)
+    _, others, tip = motion.collections
+    for point, path in enumerate(others.get_segments()):
+        np.testing.assert_array_equal(path, recording.points[:, point])
+    ends = np.array(tip.get_segments())
+    np.testing.assert_array_equal(ends[:, 1], recording.points[1:, -1])
+    assert tip.get_linewidth()[0] > others.get_linewidth()[0]
+    assert others.get_alpha() < 0.5
+
+
+def test_the_line_along_a_dense_path_is_thin():
+    """A shaken pendulum's tip passes side by side; a pendulum's tip passes along one arc many times."""
+    widths = {}
+    for model in ("shaken_pendulum", "simple_pendulum"):
+        lines = motion_of(recorded(model)).collections
+        (path,) = (lines for lines in lines if lines.get_label() == "tip")
+        (widths[model],) = path.get_linewidths()
+    assert widths["shaken_pendulum"] < 0.6 * widths["simple_pendulum"]
+
+
+def test_a_chain_is_a_line_that_can_be_moved():
+    axes = Figure().add_subplot()
+    line = draw_chain(axes, np.array([[0.0, 0.0], [1.0, 2.0]]), color="red", linewidth=5.0)
+    assert line.get_color() == "red"
+    assert line.get_linewidth() == 5.0
+    assert axes.lines[0] is line
+    line.set_data(*np.array([[0.0, 1.0], [3.0, 4.0]]).T)
+    np.testing.assert_array_equal(line.get_xydata(), [[0.0, 1.0], [3.0, 4.0]])
+
+
+def test_impacts_are_ringed_where_the_point_was_and_numbered():
+    impacts = [hit(0.5, 1, "x_max", 3.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 0, "y_min", 1.0)]
+    s = np.sqrt(0.5)
+    # walls of the second model, a point with a radius of 0.1 m
+    walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}
+    motion = motion_of(swing(impacts, walls, rows=2001))
+    np.testing.assert_allclose(ring_places(motion), [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
+    assert texts(motion) == ["1", "2", "3"]
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "arm_at_stop", "bouncing_ball"])
+def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
+    recording = recorded(model)
+    (most,) = peaks(recording)
+    page = drawn(recording)[0]
+    motion, speeds = (
+        next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
+    )
+    (ring,) = (line for line in motion.lines if line.get_color() == PEAK_COLOUR)
+    assert ring.get_label() == most.words
+    assert most.words in [text.get_text() for text in motion.get_legend().get_texts()]
+    spot = recording.spot(recording.impacts[most.row])
+    if model != "bouncing_ball":
+        assert np.hypot(*(ring.get_xydata()[0] - spot)) < RING_DISTANCE * np.ptp(motion.get_xlim())
+    (mark,) = (line for line in speeds.lines if line.get_color() == PEAK_COLOUR)
+    assert mark.get_xdata() == [recording.impacts["onset"][most.row]]
+    (told,) = (text for text in speeds.texts if text.get_color() == PEAK_COLOUR)
+    assert told.get_text().replace("\n", " ") == f"{most.row + 1}: {most.value}"
+
+
+@pytest.mark.full("takes long")
+def test_impacts_at_one_place_share_a_ring():
+    walls = {"y_min": 0.0, "y_max": 1.0}
+    floor = [hit(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
+    motion = motion_of(swing([*floor[:2], hit(0.9, 1, "y_max", 9.0)], walls))
+    assert [" ".join(text.split()) for text in texts(motion)] == ["3", "1, 2"]
+    motion = motion_of(swing(floor, walls))
+    assert texts(motion) == ["1–4"]
+    apart = [
+        row
+        for k in range(4)
+        for row in (hit(0.2 + k / 5, 0, "y_min", 1.0 + k), hit(0.3 + k / 5, 1, "y_max", 9.0))
+    ]
+    motion = motion_of(swing(apart, walls))
+    assert texts(motion)[-1] == "5, 7 + 2 more"
+
+
+@pytest.mark.full("more cases", but=3)
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "crowd"])
+def test_numbers_stand_off_the_rings(model):
+    recording = crowd() if model == "crowd" else recorded(model)
+    motion = motion_of(recording)
+    rings = motion.transData.transform(ring_places(motion))
+    for box in boxes(motion):
+        assert not any(box.contains(*ring) for ring in rings)
+
+
+def test_a_joints_largest_force_is_an_arrow_at_its_place():
+    recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    motion = motion_of(recording)
+    (arrows,) = (collection for collection in motion.collections if isinstance(collection, Quiver))
+    peaks = [recording[f"joint[{joint}].peak_force"][-1] for joint in (2, 1)]
+    assert np.hypot(arrows.U, arrows.V) == pytest.approx(peaks)
+    np.testing.assert_array_equal(arrows.XY[1], [0.0, 0.0])
+    row = np.hypot(*recording.loads[2].T).argmax()
+    np.testing.assert_array_equal(arrows.XY[0], recording.points[row, 1])
+    assert arrows.V[0] / arrows.U[0] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
+    assert motion.get_legend().get_texts()[-1].get_text() == "joint forces\n≤ 670 N"
+
+
+def test_arrows_of_joint_forces_are_shorter_if_one_would_leave_the_view():
+    corners, ways = np.array([[0.0, -1.0], [2.0, 1.0]]), np.array([[0.5, 0.0], [0.0, -1.0]])
+    assert part_in_view(np.array([[1.0, 0.0], [1.0, 0.5]]), ways, corners) == 1.0
+    assert part_in_view(np.array([[1.0, 0.0], [1.0, -0.4]]), ways, corners) == pytest.approx(0.6)
+
+
+def test_the_hardest_impact_is_numbered():
+    for recording in (recorded("four_link_box"), crowd()):
+        motion = motion_of(recording)
+        number = str(by_speed(recording)[0] + 1)
+        assert any(number in text.replace(",", " ").split() for text in texts(motion))
+
+
+@pytest.mark.parametrize("model", ["ramp", "sphere_on_wall"])
+def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_has_a_path(model):
+    recording = recorded(model)
+    assert ball_of(recording) == 0
+    motion = motion_of(recording)
+    (end,) = (line for line in motion.lines if line.get_label().startswith("end"))
+    assert end.get_markevery() == [0]
+    assert end.get_linewidth() < 1.0
+    (path,) = (collection for collection in motion.collections if collection.get_label() == "path")
+    np.testing.assert_array_equal(path.get_segments()[0][0], recording.points[0, 0])
+
+
+@pytest.mark.parametrize("model", ["rod_drop", "pinned_arm", "thrown_brick", "cart_pole"])
+def test_other_chains_are_no_balls(model):
+    assert ball_of(recorded(model)) is None
+
+
+def test_a_link_whose_centre_of_mass_is_beside_its_end_is_no_ball():
+    beside = load_scene("bouncing_ball").with_values({"link[1].center_of_mass_offset": 0.03})
+    assert ball_of(simulate(beside, stop_time=0.05)) is None
+
+
+def test_arcs_of_stops_and_poses_of_joint_forces_have_their_times():
+    leg = simulate("kneed_leg")
+    axes = leg.plot(panels=["motion"]).axes[0]
+    (arcs,) = (lines for lines in axes.collections if lines.get_label() == "stops")
+    pose = leg.pose_at(leg.impacts["onset"][0])
+    right = list(range_lines(pose, leg.stops))
+    assert all(np.allclose(*pair) for pair in zip(arcs.get_segments(), right, strict=True))
+    arm = simulate("carried_arm")
+    axes = arm.plot(panels=["motion"]).axes[0]
+    largest, *others = joint_peaks(arm)
+    shown = [
+        line.get_xydata() for line in axes.lines if line.get_color() == LOAD and len(line.get_xdata()) > 1
+    ]
+    assert [xy.tolist() for xy in shown] == [arm.pose_at(largest.time).tolist()]
+    told = " ".join(text.get_text() for text in axes.texts)
+    assert all(f"joint {peak.joint}: {peak.force:.0f} N" in told for peak in (largest, *others))

@@ -1,0 +1,66 @@
+"""The panel of the energies over time."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from chain_impact.pictures.over_time.energies import (
+    VISIBLE_ELASTIC,
+    energy_curves,
+    energy_look,
+    without_gap,
+)
+from chain_impact.scene.models import model_names
+from tests.pictures.pictures import drawn, recorded, swing
+
+
+@pytest.mark.full("takes long")
+def test_energy_from_inputs_is_drawn_if_there_is_any():
+    _, _, _, energy, _ = drawn(recorded("pinned_arm"))
+    assert "supplied" not in energy.get_legend_handles_labels()[1]
+    recording = swing()
+    recording.columns["energy.supplied"] = np.ones(50)
+    _, _, _, energy = drawn(recording)
+    assert energy.get_legend_handles_labels()[1][-1] == "supplied"
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("model", sorted(model_names(), key=lambda name: name != "elastic_floor"))
+def test_the_drawn_energies_add_up_to_the_drawn_total(model):
+    recording = recorded(model)
+    drawn_curves = {look["label"].split()[0]: energy for energy, look in energy_curves(recording)}
+    added = sum(drawn_curves.get(name, 0.0) for name in ("kinetic", "potential", "elastic"))
+    height = np.ptp([0.0, *itertools.chain(*drawn_curves.values())])
+    assert np.abs(added - drawn_curves["total"]).max() <= VISIBLE_ELASTIC * height
+
+
+@pytest.mark.full("takes long")
+def test_a_gap_of_energy_is_closed_and_reported():
+    recording = recorded("controlled_arm")
+    page = drawn(recording)[0]
+    (energy,) = (panel for panel in page.axes if panel.get_label() == "energy")
+    curves = {line.get_label(): line.get_ydata() for line in energy.get_lines()}
+    energies = recording.detailed_energies[1]
+    for name in ("potential", "total"):
+        (label,) = (label for label in curves if label.startswith(name))
+        added = float(label.removeprefix(name).removesuffix("J").replace(" ", "").replace("−", "-"))
+        assert curves[label] == pytest.approx(energies[name] + added, abs=1e-9)
+        assert 0.0 <= curves[label].min() < 0.1 * added
+    assert curves["kinetic"] == pytest.approx(energies["kinetic"])
+
+
+@pytest.mark.parametrize(
+    ("least", "text"), [(-150.0, "+ 150 J"), (1234.0, "− 1200 J"), (-0.0217, "+ 0.022 J")]
+)
+def test_the_shift_of_an_energy_is_told_in_plain_digits(least, text):
+    potential, kinetic = least + np.linspace(0.0, 0.1 * abs(least), 5), np.linspace(0.0, 1e-2 * abs(least), 5)
+    shown, offset = without_gap({"potential": potential, "kinetic": kinetic})
+    assert shown["potential"] == pytest.approx(potential + offset)
+    assert energy_look("potential", offset)["label"] == f"potential {text}"
+
+
+@pytest.mark.parametrize("model", ["thrown_brick", "four_link_box"])
+def test_without_a_gap_the_energies_have_their_usual_zero(model):
+    recording = recorded(model)
+    assert without_gap(dict(recording.energies))[1] == 0.0

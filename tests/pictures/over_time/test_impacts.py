@@ -1,0 +1,168 @@
+"""The panel of the impacts over time."""
+
+# Tests: pictures/over_time/time_axis.py
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.drawing.style import GREY
+from chain_impact.pictures.over_time.energies import (
+    ENERGIES,
+)
+from chain_impact.pictures.over_time.impacts import (
+    MOST_OWN_MARKS,
+    POINT_MARKS,
+    STOP_MARKS,
+    marks_of,
+    point_groups,
+)
+from chain_impact.pictures.overview import fill
+from chain_impact.pictures.words.headline import impulses_of_hits
+from chain_impact.recording.contact_times import impacts_at_peaks
+from tests.pictures.pictures import MODELS, drawn, hit, impacts_of, recorded, swing, texts
+
+
+def strengths(recording):
+    """Return peak forces, or impulses under a rigid law, of contacts that end; if all are 0, impact speeds.
+
+    All impacts are at walls, or all at stops.
+    """
+    impacts, law = recording.impacts, recording.parameters.get("contact.model")
+    if recording.at_stops.all():
+        law = recording.stop_law or law
+    impulses = np.where(np.isnan(impacts["end"]), 0.0, impacts["impulse"])
+    if law == "newton_impact" and not impulses.any():
+        return impulses_of_hits(recording)
+    values = impulses if law == "newton_impact" else impacts["peak_force"]
+    return values if values.any() else impacts["impact_speed"]
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("model", MODELS)
+def test_every_impact_is_in_the_picture(model):
+    recording = recorded(model)
+    panels = {axes.get_label(): axes for axes in drawn(recording)[1:]}
+    energy, speeds = panels["energy"], impacts_of(recording)
+    lines = [path for item in speeds.collections for path in item.get_segments()]
+    stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
+    expected = sorted(zip(impacts_at_peaks(recording)["onset"], strengths(recording), strict=True))
+    assert sorted(tuple(stem[1]) for stem in stems) == expected
+    assert {stem[0, 1] for stem in stems} == {0.0}
+    (lines,) = (item for item in energy.collections if isinstance(item, LineCollection))
+    assert [path[0, 0] for path in lines.get_segments()] == recording.impacts["onset"].tolist()
+
+
+@pytest.mark.parametrize(("model", "told"), [("sliding_rod", True), ("rod_drop", False)])
+def test_the_legend_says_that_impacts_stand_at_their_peaks(model, told):
+    recording = recorded(model)
+    late = impacts_at_peaks(recording)["onset"] - recording.impacts["onset"]
+    assert (late.max() > 0.1) == told
+    texts = [text.get_text() for text in impacts_of(recording).get_legend().get_texts()]
+    assert ("impacts, at the time of their peak force" in texts) == told
+    page = recording.plot(size=(84 / 25.4, None))
+    foot = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert ("vertical lines: impacts, at the time of their peak force" in foot) == told
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("model", MODELS)
+def test_a_number_stands_near_its_impact_and_counts_in_time(model):
+    recording = recorded(model)
+    speeds = impacts_of(recording)
+    for text in speeds.texts:
+        row = int(re.split("[,–:]", text.get_text())[0]) - 1
+        assert text.xy == (impacts_at_peaks(recording)["onset"][row], strengths(recording)[row])
+        box, place = text.get_window_extent(), speeds.transData.transform(text.xy)
+        assert np.hypot(*(np.clip(place, box.min, box.max) - place)) < 20.0  # pixels
+
+
+@pytest.mark.full("takes long")
+def test_impacts_of_two_points_with_a_common_mark_share_a_number():
+    impacts = [hit(1.0, 0, "y_max", 2.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 1, "y_max", 1.0)]
+    *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
+    assert sorted(texts(speeds)) == ["1, 2", "3"]
+    sizes = {}
+    for line in speeds.lines:
+        if 1.0 in line.get_xdata():
+            sizes[line.get_marker()] = max(line.get_markersize(), sizes.get(line.get_marker(), 0.0))
+    below, above = (sizes[mark["marker"]] for mark in POINT_MARKS[:2])
+    assert below > 1.3 * above  # the mark below is larger
+
+
+def test_the_hardest_impacts_are_numbered_first():
+    impacts = [hit(1.0 + 1e-4 * k, 1, "y_max", speed) for k, speed in enumerate((1.0, 1.01, 5.0))]
+    *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
+    assert texts(speeds)[0] == "3"
+
+
+@pytest.mark.full("takes long")
+def test_every_kth_of_many_evenly_spaced_impacts_is_numbered():
+    page = recorded("bouncing_table").plot(size=(84 / 25.4, None))
+    (axes,) = (panel for panel in page.axes if panel.get_label() == "impacts")
+    assert [text.get_text() for text in axes.texts] == [str(number) for number in range(5, 31, 5)]
+    assert any("every 5th" in text.get_text() for text in page.texts)
+
+
+def test_measured_quantities_name_their_units():
+    _, motion, clock, energy, force = drawn(recorded("pinned_arm"))
+    names = [motion.get_xlabel(), motion.get_ylabel(), clock.get_xlabel(), energy.get_ylabel()]
+    assert [re.findall(r"\[(.*)\]", name) for name in names] == [["m"], ["m"], ["s"], ["J"]]
+    assert impacts_of(recorded("pinned_arm")).get_ylabel().replace("\n", " ") == "peak force [kN]"
+    assert (force.get_ylabel(), force.get_xlabel().partition(";")[0][-4:]) == ("force [kN]", "[ms]")
+
+
+def test_points_have_marks_of_their_own_without_the_colours_of_energies():
+    energies = {to_hex(colour) for name, colour in ENERGIES.items()}
+    for marks in (POINT_MARKS, STOP_MARKS):
+        assert len({mark["marker"] for mark in marks}) == len(marks) >= MOST_OWN_MARKS
+        assert not energies & {to_hex(mark["color"]) for mark in marks}
+    forms = [(mark["marker"], mark.get("markerfacecolor")) for mark in (*POINT_MARKS, *STOP_MARKS)]
+    assert len({*forms}) == len(forms)  # points and joints differ, too
+    recording = recorded("thrown_brick")
+    (speeds,) = recording.plot(panels="impacts").axes
+    named = {line.get_label(): line.get_marker() for line in speeds.lines if line.get_label()[0] != "_"}
+    assert len({*named.values()}) == len(named) == len({row["point"] for row in recording.impacts})
+
+
+def test_many_points_are_not_told_apart():
+    hits = [hit(0.1 * k, k, "y_min", float(k)) for k in range(15)]
+    many, less = (swing(some, {"y_min": 0.0}) for some in (hits, hits[:3]))
+    groups = point_groups(many, marks_of(many)[1])
+    names = [name for name, _, _ in groups]
+    assert names == ["others", *(f"point {k}" for k in range(15 - MOST_OWN_MARKS + 1, 15))]
+    assert groups[0][1]["color"] == GREY
+    assert len({(mark["marker"], mark["color"]) for _, mark, _ in groups}) == len(groups)
+    assert sorted(np.concatenate([found for _, _, found in groups])) == list(range(15))
+    few = point_groups(less, marks_of(less)[1])
+    assert [name for name, _, _ in few] == ["point 0", "point 1", "point 2"]
+
+
+def test_without_impacts_the_panel_says_so():
+    page = Figure(layout="constrained")
+    fill(page, swing(), ["impacts"])
+    assert texts(page.axes[-1]) == ["no impact"]
+
+
+def test_a_contact_that_lasts_has_a_band_to_its_end():
+    recording = recorded("sliding_rod")
+    axes = drawn(recording)[0].axes
+    (speeds,) = (panel for panel in axes if panel.get_label() == "impacts")
+    bands = [line for lines in speeds.collections for line in lines.get_segments() if np.ptp(line[:, 1]) == 0]
+    bands = {(round(float(x0), 9), round(float(x1), 9)) for (x0, _), (x1, _) in bands}
+    expected = {
+        (round(float(row["onset"]), 9), round(float(np.nan_to_num(row["end"], nan=recording.time[-1])), 9))
+        for row in recording.impacts
+    }
+    long = {(onset, end) for onset, end in expected if end - onset > 0.02 * recording.time[-1]}
+    assert long
+    assert long <= bands <= expected
+    assert "in contact" in [text.get_text() for text in speeds.get_legend().get_texts()]
+    bars = [lines for lines in speeds.collections if lines.get_alpha()]
+    rows = {round(float(lines.get_transform().transform((0.0, 0.0))[1]), 3) for lines in bars}
+    assert len(rows) == len({row["point"] for row in recording.impacts})  # no two points share a row
+    assert max(rows) < speeds.transData.transform((0.0, recording.impacts["impact_speed"].max()))[1]

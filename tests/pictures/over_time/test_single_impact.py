@@ -1,0 +1,45 @@
+"""A single impact is drawn as its force over its own time."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, record_slowly
+from chain_impact.pictures.over_time.single_impact import course_of_hardest, is_alone
+from tests.pictures.pictures import crowd, hit, recorded, swing
+
+
+def test_a_single_impact_has_its_force_over_its_time():
+    recording = recorded("pinned_arm")
+    (impact,) = recording.impacts
+    panels = {axes.get_label(): axes for axes in recording.plot().axes}
+    assert "impacts" not in panels
+    along, force = panels["impact"].lines[0].get_data()
+    assert 1e3 * force.max() == pytest.approx(impact["peak_force"], rel=1e-3)  # the axis has kN and ms
+    assert along[-1] == pytest.approx(1e3 * impact["duration"])
+    assert f"lasts {1e3 * impact['duration']:.2f} ms" in panels["impact"].get_xlabel()
+    assert [text.get_text() for text in panels["impact"].texts] == ["1.02 kN"]
+    assert panels["energy"].get_xlim() == panels["time"].get_xlim() != panels["impact"].get_xlim()
+
+
+def test_the_panels_that_are_asked_for_are_drawn():
+    assert [axes.get_label() for axes in recorded("pinned_arm").plot(panels="impacts").axes] == ["impacts"]
+    panels = {axes.get_label() for axes in recorded("four_link_box").plot(panels=["impact", "energy"]).axes}
+    assert panels == {"impact", "energy"}
+    (only,) = recorded("pinned_arm").plot(panels="impact").axes
+    assert only.lines
+
+
+def test_rows_replace_a_run_that_cannot_be_repeated():
+    slow = record_slowly(load_scene("pinned_arm"))
+    rows = slow.at(np.arange(len(slow.time)))  # stored rows
+    row, time, force = course_of_hardest(rows)
+    assert (row, len(time) >= 20) == (0, True)
+    assert force.max() == pytest.approx(rows.impacts["peak_force"][0], rel=1e-2)
+    few = slow.at(np.arange(0, len(slow.time), 50))
+    assert not is_alone(few)
+
+
+def test_several_impacts_are_drawn_over_the_time_of_the_run():
+    assert not is_alone(recorded("four_link_box"))
+    assert not is_alone(crowd())
+    assert not is_alone(swing([hit(1.0, 1, "y_min", 1.0)], {"y_min": 0.0}))

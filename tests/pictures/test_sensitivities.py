@@ -1,0 +1,300 @@
+"""The page with derivatives."""
+
+# Tests: pictures/sensitivity_table.py
+
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact import UnknownNameError, load_scene, simulate
+from chain_impact.pictures.drawing.style import PALETTE
+from chain_impact.pictures.sensitivities import (
+    LARGEST_EFFECTS,
+    calm,
+    fill_sensitivities,
+    holds,
+    looks_of,
+    shares,
+    short_contacts,
+    span_of,
+)
+from tests.helpers.scenes.problems import flat_rod
+from tests.helpers.scenes.stops import knee, struck_rod
+
+FEW = ("contact.restitution", "initial.angle[2]")
+
+
+def made(scene, names, **options):
+    return simulate(scene, sensitivities=names, **options)
+
+
+@pytest.fixture(scope="module")
+def swing():
+    return made("pinned_arm", FEW)
+
+
+@pytest.fixture(scope="module")
+def page(swing):
+    return drawn(swing)
+
+
+def drawn(recording, *outputs):
+    page = Figure(figsize=(10.0, 5.4), layout="constrained")
+    fill_sensitivities(page, recording, outputs)
+    return page
+
+
+def said(page):
+    return [page.get_suptitle(), *(text.get_text() for text in page.texts)]
+
+
+def test_curves_are_the_changes(swing, page):
+    found = swing.sensitivities
+    *outputs, table = page.axes
+    for axes, name in zip(outputs, ("point[2].x", "point[2].y", "energy.total"), strict=True):
+        curves = [line for line in axes.lines if len(line.get_xdata()) == len(swing.time)]
+        for line, changes in zip(curves, found.changes(name).T, strict=True):
+            shown = np.where(short_contacts(swing), np.nan, changes)
+            scale = 1e3 if axes.get_ylabel().endswith(("[mm]", "[mJ]")) else 1.0
+            np.testing.assert_allclose(line.get_ydata(), scale * shown)
+    (image,) = table.images
+    np.testing.assert_allclose(image.get_array(), 100.0 * found.relative("peak_force").T)
+
+
+def test_axes_have_units_and_impacts_are_marked(swing, page):
+    labels = [axes.get_ylabel() for axes in page.axes]
+    assert [re.findall(r"\[(\w+)\]$", label) for label in labels] == [["mm"], ["mm"], ["mJ"], []]
+    assert [axes.get_xlabel().partition(";")[0] for axes in page.axes] == [
+        *("", "time [s]", "time [s]", "impact")
+    ]
+    onsets = swing.impacts["onset"].tolist()
+    for axes in page.axes[:-1]:
+        (lines,) = axes.collections
+        assert [path[0, 0] for path in lines.get_segments()] == onsets
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_outputs_that_are_asked_for(swing, count):
+    names = ["link[2].angle", "energy.kinetic", "point[1].vx", "point[1].y"][:count]
+    page = drawn(swing, *names)
+    *panels, table = page.axes
+    assert [axes.get_ylabel().split()[1] for axes in panels] == names
+    assert table.get_title(loc="left") == "change of peak force [%]"
+    bottom = [axes for axes in panels if axes.get_xlabel()]
+    assert len(bottom) == min(count, 2)  # the times stand once in each column
+    assert all(axes.xaxis.get_tick_params()["labelbottom"] for axes in bottom)
+
+
+def test_an_output_that_is_not_there(swing):
+    with pytest.raises(UnknownNameError, match=r"point\[9\].x is not an output of this result"):
+        drawn(swing, "point[9].x")
+
+
+def test_the_legend_says_what_is_changed_and_by_how_much(page):
+    legend = page.axes[0].get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == [f"{name} + 1 %" for name in FEW]
+
+
+def test_the_most_important_of_many_parameters_have_colours():
+    recording = made("rod_drop", ("link[1].*", "initial.*", "contact.*", "box.*"), stop_time=0.6)
+    found, page = recording.sensitivities, drawn(recording)
+    count = len(found.parameters)
+    curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
+    colours = [line.get_color() for line in curves]
+    assert colours == [*PALETTE[:LARGEST_EFFECTS]]
+    ranges = {name: span_of(recording, name) for name in ("point[1].x", "point[1].y", "energy.total")}
+    parts = [np.abs(found.changes(name)[calm(recording)]) / span for name, span in ranges.items()]
+    matter = np.max(parts, axis=(0, 1))
+    share = dict(zip(found.parameters, matter.tolist(), strict=True))
+    largest = sorted(share.values(), reverse=True)
+    told = [line.get_label().partition(" + ")[0] for line in curves]
+    assert sorted((share[name] for name in told), reverse=True) == pytest.approx(largest[:LARGEST_EFFECTS])
+    (band,) = [
+        collection for collection in page.axes[1].collections if collection.get_label()[:1].isdigit()
+    ]  # the band of the other parameters
+    grey = found.changes("point[1].y")[
+        :, [k for k, parameter in enumerate(found.parameters) if parameter not in told]
+    ]
+    ends = band.get_datalim(page.axes[1].transData).intervaly
+    np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
+    legend = page.axes[0].get_legend()
+    *_, last = sorted(text.get_text() for text in legend.get_texts() if "others" in text.get_text())
+    number, _, most = last.partition(" others, most ")
+    assert (int(number), share[most]) == (count - LARGEST_EFFECTS, pytest.approx(largest[LARGEST_EFFECTS]))
+
+
+@pytest.mark.parametrize(("names", "told"), [("abcde", "1 other: e"), ("abcdef", "2 others, most e")])
+def test_the_legend_counts_the_other_parameters(names, told):
+    found = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
+    looks = looks_of(found, np.arange(len(names), 0.0, -1.0)[None])
+    assert looks[-1]["label"] == told
+
+
+@pytest.mark.full("takes long")
+def test_changes_without_an_impact_say_that_there_is_none():
+    page = drawn(made("rod_drop", "contact.restitution", stop_time=0.3))
+    assert said(page)[0] == "RodDrop: no parameter changes point[1].x, point[1].y, energy.total"
+    assert "no impact" in [text.get_text() for text in page.axes[-1].texts]
+
+
+def test_missing_derivatives_leave_a_gap_with_the_reason():
+    recording = made(flat_rod(model="newton_impact"), "initial.vy")
+    page = drawn(recording)
+    (limit,) = recording.sensitivities.limits
+    assert limit in " ".join(page.get_supxlabel().split("\n"))
+    for axes in page.axes[:-1]:
+        assert " no derivatives" in [text.get_text() for text in axes.texts]
+        (band,) = axes.patches
+        start = recording.time[np.isnan(recording.sensitivities.slopes).all(axis=(1, 2))][0]
+        assert band.get_x() == start
+        assert band.get_x() + band.get_width() == recording.time[-1]
+
+
+def test_a_scale_fits_what_is_outside_of_impacts(swing, page):
+    *_, energy, _ = page.axes
+    changes, rows = swing.sensitivities.changes("energy.total"), calm(swing)
+    assert np.abs(changes).max() > 3.0 * np.abs(changes[rows]).max()
+    low, high = 1e-3 * np.array(energy.get_ylim())  # mJ
+    assert low <= changes[rows].min()
+    assert high >= changes[rows].max()
+    assert max(-low, high) < 0.5 * np.abs(changes).max()
+
+
+@pytest.fixture(scope="module")
+def chaotic():
+    return made("four_link_box", ["contact.restitution", "contact.stiffness"])
+
+
+def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
+    found, page = chaotic.sensitivities, drawn(chaotic)
+    assert np.abs(found.changes("energy.total")[calm(chaotic)]).max() > span_of(chaotic, "energy.total")
+    for axes, name in zip(page.axes, ("point[4].x", "point[4].y", "energy.total"), strict=False):
+        values = [line.get_ydata() for line in axes.lines if len(line.get_xdata()) == len(chaotic.time)]
+        shown = np.abs(np.where(calm(chaotic), values, np.nan))
+        assert np.nanmax(shown) <= span_of(chaotic, name)
+        assert np.isnan(shown[0, -1])  # the restitution
+        assert np.isfinite(shown[1, -1])
+    (image,) = page.axes[3].images
+    assert (np.ma.getmaskarray(image.get_array()).sum(axis=1) > 0).tolist() == [True, False]
+    assert {axes.get_yscale() for axes in page.axes[:3]} == {"linear"}  # changes of sign are no strokes
+    assert any("a curve or row ends where" in text for text in said(page))
+
+
+def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page):
+    assert "contact.restitution + 1 % changes" in said(drawn(chaotic))[0]
+    assert "more than the range of all energies" in said(drawn(chaotic))[0].replace("\n", " ")
+    found = re.search(r"(\S+) \+ 1 % changes (\S+) by up to (\S+) mm", said(page)[0])
+    parameter, output, value = found.groups()
+    changes = swing.sensitivities.changes(output)[calm(swing), FEW.index(parameter)]
+    assert 1e-3 * float(value) == pytest.approx(np.abs(changes).max(), rel=0.05)
+
+
+def test_a_result_draws_itself(tmp_path):
+    result = simulate("rod_drop", stop_time=0.5, sensitivities=FEW[:1])
+    assert len(result.plot_sensitivities().axes) == 4
+    assert len(result.plot_sensitivities(outputs=["point[1].y"]).axes) == 2
+    assert result.plot_sensitivities(tmp_path / "rod.png") is None
+    narrow = result.plot_sensitivities(size=(84 / 25.4, 9.0))
+    assert len({axes.get_position().x0 for axes in narrow.axes}) == 1  # one below the other
+    assert (tmp_path / "rod.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(UnknownNameError, match=r"simulate\(scene, sensitivities=\[…\]\) makes them"):
+        simulate("rod_drop", stop_time=0.5).plot_sensitivities()
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [(knee(), "peak force or moment"), (struck_rod("zhang_sharf", 0.3), "peak moment")],
+    ids=["walls and stops", "stops only"],
+)
+def test_a_table_with_stops_has_moments(scene, words):
+    table = drawn(made(scene, ["stop.restitution"]), "link[1].angle").axes[-1]
+    assert table.get_title(loc="left") == f"change of {words} [%]"
+
+
+def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
+    """The rod falls freely: x has a range of round-off, and a longer link shifts the tip at once."""
+    falling = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y", "link[1].length"])
+    for name in ("point[1].x", "point[1].y"):
+        assert holds(shares(falling, falling.sensitivities, name)).all()
+    only = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y"])
+    assert "changes point[1].y by up to 4.4 mm" in only.plot_sensitivities().get_suptitle()
+
+
+def test_many_impacts_have_colours_in_place_of_numbers():
+    """Each impact has a cell; its colour has the sign of the change."""
+    recording = simulate("rod_drop", sensitivities=["contact.restitution", "contact.stiffness"])
+    page = recording.plot_sensitivities(size=(120.0 / 25.4, None))
+    assert page.get_figheight() * 25.4 <= 160.0
+    table, bar = page.axes[-2:]
+    (image,) = table.images
+    assert image.get_array().shape == (2, len(recording.impacts))
+    assert not table.texts
+    assert len(bar.get_yticks()) == 5
+    ends = [label.get_text() for label in bar.get_yticklabels()][:: len(bar.get_yticks()) - 1]
+    assert ends == ["≤−100", "≥+100"]  # larger changes have the colours of the ends
+    below, zero, above = image.to_rgba(np.array([-50.0, 0.0, 50.0]))[:, :3]
+    assert below[0] > below[2]
+    assert above[2] > above[0]
+    assert (zero > 0.9).all()
+
+
+def test_numbers_of_cells_stay_legible_on_a_dark_ground(swing):
+    with mpl.rc_context({"figure.facecolor": "black", "text.color": "white"}):
+        table = swing.plot_sensitivities().axes[-1]
+    assert [text.get_color() for text in table.texts] == ["black"] * 2
+
+
+def test_rigid_impacts_have_changes_of_impulses():
+    rigid = load_scene("pinned_arm").with_values({"contact.model": "newton_impact"})
+    page = simulate(rigid, sensitivities="gravity.y").plot_sensitivities()
+    assert page.axes[-1].get_title(loc="left") == "change of impulse [%]"
+
+
+def test_a_panel_without_any_change_says_so():
+    page = drawn(made("pinned_arm", ("contact.stiffness",), stop_time=0.3), "point[2].x")
+    axes = page.axes[0]
+    assert "no change" in [text.get_text() for text in axes.texts]
+    assert axes.get_yticks().tolist() == [0.0]
+
+
+def test_the_headline_says_where_derivatives_end():
+    rock = simulate("rocking_block", sensitivities=["gravity.y"])
+    assert rock.plot_sensitivities().get_suptitle().endswith("no derivatives from 0 s on")
+    slides = simulate("sliding_rod", 0.1, sensitivities=["gravity.y"])
+    known = slides.time[np.isfinite(slides.sensitivities.slopes).any(axis=(1, 2))][-1]
+    assert f"known until {known:.3g} s" in slides.plot_sensitivities().get_suptitle()
+
+
+def test_the_headline_has_the_change_of_a_run_that_differs():
+    """Restitution shifts the second impact of the rod, so that its tip is elsewhere just after it."""
+    names = ["contact.restitution", "contact.stiffness"]
+    recording = simulate("rod_drop", sensitivities=names)
+    figure = recording.plot_sensitivities()
+    headline = figure.get_suptitle().replace("\n", " ")
+    output, size, time = re.search(r"\+ 1 % changes (\S+) by ([\d.]+) mm at ([\d.]+) s", headline).groups()
+    row = recording.row_at(float(time))
+    (first_order,) = recording.sensitivities.changes(output)[[row], 0]
+    more = load_scene("rod_drop").with_values({names[0]: 1.01 * recording.parameters[names[0]]})
+    (in_run,) = (simulate(more)[output] - recording[output])[[row]]
+    assert 1e-3 * float(size) == pytest.approx(abs(in_run), rel=0.02)
+    (there,) = re.findall(
+        r"to first order, ([\d.]+) mm there", " ".join(text.get_text() for text in figure.texts)
+    )
+    assert 1e-3 * float(there) == pytest.approx(abs(first_order), rel=0.02)
+    assert abs(first_order) > 2.0 * abs(in_run)
+
+
+def test_a_headline_that_no_run_can_check_tells_the_change_to_first_order(swing):
+    alone = replace(swing, rerun=None)
+    assert re.search(r"changes \S+ by up to", alone.plot_sensitivities().get_suptitle())
+    assert alone.in_other_run({"contact.stiffness": 2e7}, 0.1) is None
+    assert swing.in_other_run({"contact.stiffness": -1.0}, 0.1) is None
+    other = swing.in_other_run({"gravity.y": 0.0}, 0.1)
+    np.testing.assert_allclose(other.energies["potential"], 0.0, atol=1e-12)

@@ -1,0 +1,245 @@
+"""The headline of a picture summarises the run with numbers of the recording."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
+from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR
+from chain_impact.pictures.words.headline import (
+    conditions,
+    has_contact,
+    load_text,
+    marked_peaks,
+    message,
+    peaks,
+)
+from chain_impact.scene.scene import with_values
+from tests.helpers.scenes.stops import knee
+from tests.pictures.pictures import MODELS, hit, recorded, swing
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_numbers_are_those_of_the_recording(model):
+    recording = recorded(model)
+    said = message(recording)
+    assert said.startswith(recording.name + ": ")
+    found = re.search(r"(\d+) impact", said)
+    assert (int(found[1]) if found else 0) == recording.impact_count
+    told, prefix = re.search(r" in ([\d.]+) (m?)s\b", said).groups()
+    assert float(told) * (1e-3 if prefix else 1.0) == pytest.approx(recording.time[-1], rel=1e-5)
+    assert 0.1 <= float(told) < 1e3
+    columns = recording.columns
+    if found := re.search(r"([\d.]+) J dissipated", said):
+        assert float(found[1]) == pytest.approx(columns["energy.dissipated"][-1], rel=5e-3)
+    else:  # an elastic wall dissipates nothing
+        assert abs(columns["energy.dissipated"]).max() < 1e-9
+
+
+def test_the_headline_omits_energy_that_is_not_lost_or_not_known():
+    recording = swing()
+    recording.columns["energy.dissipated"] = np.zeros(50)
+    assert message(recording) == "Swing: no impacts in 2 s"
+    recording = swing()
+    del recording.columns["energy.dissipated"]
+    assert message(recording) == "Swing: no impacts in 2 s"
+
+
+def test_the_conditions_are_the_parameters_of_the_run():
+    changes = {
+        ("contact", "stiffness"): 2.145e10,
+        ("contact", "model"): "flores",
+        ("solver", "tolerance"): 1e-6,
+    }
+    scene = with_values(load_scene("rod_drop"), changes | {("simulation", "stop_time"): 0.1})
+    assert conditions(simulate(scene)).split(SEPARATOR) == [
+        "1 link",
+        "law flores",
+        "restitution e = 0.7",
+        "stiffness K = 2.145e10 N/m$^{1.5}$",
+        "method auto, tolerance 1e-6",
+    ]
+    assert "joint damping ≤ 0.02 N·m·s/rad" in conditions(recorded("pinned_arm"))
+    assert "radius 0.05 m" in conditions(recorded("ramp"))
+
+
+@pytest.mark.parametrize("title", ["", "Arm"])
+def test_the_largest_force_and_its_impact_are_told(title):
+    recording = recorded("four_link_box")
+    row = int(np.argmax(recording.impacts["peak_force"]))
+    (most,) = peaks(recording)
+    value, prefix = re.fullmatch(r"([\d.]+) (k?)N", most.value).groups()
+    assert (most.words, most.row) == ("peak force", row)
+    force = recording.impacts["peak_force"][row]
+    assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(force, rel=5e-3)
+    page = recording.plot(title=title, panels="energy")
+    head, *others = [text.get_text().replace("\n", " ") for text in page.texts]
+    assert (most.value in head) == (not title)
+    told = f"impact {row + 1}: point 2 hits y_min at {recording.impacts['onset'][row]:.4g} s"
+    (place,) = (text for text in others if told in text)
+    assert (most.value in place) == bool(title)  # the value is told once
+
+
+def test_a_narrow_picture_has_the_peak_as_its_headline():
+    recording = recorded("pinned_arm")
+    page = recording.plot(size=(84 / 25.4, None), panels="energy")
+    assert page.get_suptitle() == "PinnedArm: peak force 1.02 kN"
+    (line,) = (text for text in page.texts if text.get_color() == PEAK_COLOUR)
+    impact = recording.impacts[0]
+    place = f"impact 1: point 2 hits x_max at {impact['onset']:.4g} s"
+    assert line.get_text() == f"{place} with {impact['impact_speed']:.3g} m/s"
+    assert any("1 impact in 2 s" in text.get_text().replace("\n", " ") for text in page.texts)
+
+
+def test_a_moment_at_a_stop_and_an_impulse_have_words_of_their_own():
+    moment, *others = peaks(simulate(knee(), 1.0))
+    assert not others
+    assert moment.words == "peak moment"
+    assert moment.value.endswith("N·m")
+    rigid = with_values(load_scene("rod_drop"), {("contact", "model"): "newton_impact"})
+    run = simulate(rigid)
+    (told,) = peaks(run)
+    assert told.words == "largest impulse"
+    assert run.impacts["peak_force"].max() > 0.0, "the rod rests at the end with a force"
+    assert float(told.value.removesuffix(" N·s")) == pytest.approx(run.impacts["impulse"].max(), rel=5e-3)
+    assert told.row == int(np.argmax(run.impacts["impulse"]))
+    assert peaks(swing()) == []
+
+
+def test_the_impulse_of_a_rest_is_no_largest_impulse():
+    """The impulse of a ball that rests to the end of the run is its weight times the duration of the rest."""
+    run = simulate(load_scene("bouncing_ball"))
+    (told,) = peaks(run)
+    assert int(np.argmax(run.impacts["impulse"])) == len(run.impacts) - 1
+    assert told.row == 0
+
+
+@pytest.mark.parametrize("duration", [0.7, 1.5])
+def test_the_weight_on_a_rigid_wall_is_no_part_of_the_impact(duration):
+    """A rigid wall stops a ball by the impulse m v, and then bears its weight."""
+    scene = load_scene("bouncing_ball").with_values({"contact.restitution": 0.0})
+    run = simulate(scene, duration)
+    (impact,) = run.impacts
+    assert impact["peak_force"] > 0.0
+    assert np.isnan(impact["end"])
+    (told,) = peaks(run)
+    momentum = sum(link.mass for link in scene.chain.links) * impact["impact_speed"]
+    assert told.words == "hit impulse"
+    assert float(told.value.removesuffix(" N·s")) == pytest.approx(momentum, rel=5e-3)
+    assert "peak" not in message(run)
+
+
+def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
+    run = simulate(load_scene("kneed_leg"))
+    short = simulate(load_scene("kneed_leg"), float(run.impacts["onset"][0]) + 1e-6)
+    (told,) = peaks(run)
+    assert told.words == "hit impulse at a stop"
+    assert run.impacts["impulse"][0] > 2.0 * short.impacts["impulse"][0]  # the stop then holds the knee
+    value = float(told.value.removesuffix(" mN·m·s"))
+    assert value == pytest.approx(1e3 * short.impacts["impulse"][0], rel=5e-3)
+    page = run.plot(size=(84 / 25.4, None))
+    assert told.value in page.get_suptitle()
+    assert any("joint 3 hits joint_max at 0.3478 s with 7.69 rad/s" in t.get_text() for t in page.texts)
+    panel = next(axes for axes in page.axes if axes.get_label() == "impacts")
+    assert f"1: {told.value}" in [text.get_text() for text in panel.texts]
+    assert panel.get_ylabel().split() == ["hit", "impulse", "[mN·m·s]"]
+
+
+def test_none_of_equal_impulses_is_singled_out():
+    run = recorded("bouncing_table")
+    (told,) = peaks(run)
+    assert told.equal == len(run.impacts)
+    assert marked_peaks(run) == []
+    assert told.text == f"{told.equal} equal impulses of {run.impacts['impulse'].max():.3f} N·s"
+    assert f": {told.text}, " in message(run)
+    page = run.plot(panels=["motion", "impacts"])
+    assert not any(line.get_color() == PEAK_COLOUR for axes in page.axes for line in axes.lines)
+    assert any("the first in impact 1: ball hits y_min at " in text.get_text() for text in page.texts)
+    assert recorded("rod_drop").plot(panels="impacts").axes[0].get_ylabel() == "peak force [kN]"
+    assert page.axes[1].get_ylabel() == "impulse [N·s]"
+
+
+@pytest.mark.parametrize(("supplied", "told"), [(0.5, "0.5 J supplied"), (-2.0, "2 J taken"), (1e-3, "")])
+def test_energy_of_drives_is_told_beside_that_lost(supplied, told):
+    recording = swing()
+    recording.columns["energy.supplied"] = np.linspace(0.0, supplied, 50)
+    drives = f", {told} by drives" if told else ""
+    assert message(recording) == f"Swing: no impacts in 2 s, 1 J dissipated{drives}"
+
+
+def test_in_a_narrow_picture_the_load_stands_below_the_peak_force():
+    result = simulate(with_values(load_scene("pinned_arm"), {("outputs", "loads"): True}))
+    page = result.plot(size=(84 / 25.4, None))
+    (peak,) = (text for text in page.texts if text.get_color() == PEAK_COLOUR)
+    (load,) = (text for text in page.texts if text.get_color() == LOAD)
+    assert load.get_text() == load_text(result)
+    assert sum(load_text(result) in text.get_text() for text in page.texts) == 1
+    head = page.get_window_extent().y1 - load.get_window_extent().y0
+    assert load.get_window_extent().y1 <= peak.get_window_extent().y0
+    assert head < 0.1 * page.bbox.height
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize(("end", "touches"), [(0.05, False), (0.6, True)])
+def test_the_law_of_contacts_is_told_if_something_touches(end, touches):
+    recording = simulate(load_scene("rod_drop"), end)
+    assert has_contact(recording) == touches == (len(recording.impacts) > 0)
+    told = " ".join(text.get_text() for text in recording.plot(panels="energy").texts)
+    assert ("law " in told) == ("restitution" in told) == ("stiffness" in told) == touches
+
+
+def test_an_impulse_has_no_stiffness():
+    known = recorded("rod_drop").parameters | {"contact.model": "newton_impact"}
+    assert "stiffness" not in conditions(swing(parameters=known))
+
+
+def test_without_parameters_only_the_links_are_known():
+    assert conditions(swing()) == "1 link"
+
+
+def test_a_law_without_losses_has_no_restitution():
+    known = recorded("rod_drop").parameters | {"contact.model": "hertz"}
+    told = conditions(swing(parameters=known))
+    assert "law hertz" in told
+    assert "restitution" not in told
+
+
+STOPS = [(None, "stops e = 0.5"), ("flores", "stops law flores, e = 0.5"), ("hertz", "stops law hertz")]
+
+
+@pytest.mark.parametrize(("own", "told"), STOPS)
+def test_stops_have_their_restitution_and_a_law_of_their_own(own, told):
+    scene = knee(**({"stops.model": own} if own else {}))
+    assert told in conditions(simulate(scene, 0.5)).split(SEPARATOR)
+
+
+@pytest.mark.parametrize(
+    ("lost", "told"), [(0.5, ", 0.5 J dissipated"), (3.21e-5, ", 3.21e-05 J dissipated"), (1e-14, "")]
+)
+def test_a_small_loss_is_told_and_round_off_is_not(lost, told):
+    recording = swing([hit(1.0, 1, "y_max", 1.0)], {"y_max": 1.0})
+    total = np.linspace(1.0, 1.0 - lost, 50)
+    recording.columns.update({"energy.total": total, "energy.dissipated": 1.0 - total})
+    assert message(recording) == f"Swing: 1 impact in 2 s{told}"
+
+
+def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
+    scene = with_values(load_scene("pinned_arm"), {("outputs", "loads"): True})
+    result = simulate(scene)
+    page = result.plot()
+    peaks_of = {n: result[f"joint[{n}].peak_force"] for n in (1, 2)}
+    joint = max(peaks_of, key=lambda n: peaks_of[n][-1])
+    fine = simulate(scene, output_step=1e-5)
+    time = fine.time[np.hypot(*fine.loads[joint].T).argmax()]
+    (told,) = re.findall(r"joint (\d) bears up to ([\d.]+) k?N in the run, at ([\d.]+) s", load_text(result))
+    assert (int(told[0]), float(told[2])) == (joint, pytest.approx(time, abs=1e-5))
+    assert any(load_text(result) in text.get_text() for text in page.texts)
+    motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    assert any(told[1] in text.get_text() for text in motion.texts)
+    plain = simulate("pinned_arm")  # without the outputs of loads, a repeated run has the force
+    assert load_text(plain) == load_text(result)
+    assert any(load_text(result) in text.get_text() for text in plain.plot().texts)
+    assert load_text(replace(plain, rerun=None)) == ""

@@ -1,0 +1,39 @@
+"""A long contact has its marks and its words where and when its force is largest."""
+
+import numpy as np
+import pytest
+
+from chain_impact.pictures.words.headline import place
+from chain_impact.recording.contact_times import impacts_at_peaks
+from tests.pictures.pictures import recorded
+
+
+def test_a_long_contact_is_marked_when_its_force_is_largest():
+    recording = recorded("elastic_floor")
+    impacts, marked = recording.impacts, impacts_at_peaks(recording)
+    # the floor is a spring without losses: the force is largest in the middle of a contact
+    ended = ~np.isnan(impacts["end"])
+    middles = 0.5 * (impacts["onset"] + impacts["end"])[ended]
+    row = recording.time[1] - recording.time[0]
+    assert marked["onset"][ended] == pytest.approx(middles, abs=row)
+    told = place(recording, 0).partition("peak at ")[2]
+    assert float(told.removesuffix(" s")) == pytest.approx(middles[0], abs=1e-3)
+    page = recording.plot(panels=["motion", "impacts"])
+    assert any(line.get_xdata()[:1] == [marked["onset"][0]] for axes in page.axes for line in axes.lines)
+
+
+def test_a_short_contact_is_marked_at_its_onset():
+    recording = recorded("pinned_arm")
+    np.testing.assert_array_equal(impacts_at_peaks(recording)["onset"], recording.impacts["onset"])
+    assert "peak at" not in place(recording, 0)
+
+
+def test_a_contact_is_marked_at_its_onset_if_no_row_has_its_peak():
+    recording = recorded("elastic_floor")
+    sparse = recording.at(np.flatnonzero(recording.columns["contact[0].y_min.force"] < 10.0))
+    np.testing.assert_array_equal(impacts_at_peaks(sparse)["onset"], recording.impacts["onset"])
+
+
+def test_an_impulse_is_marked_at_its_onset():
+    recording = recorded("kneed_leg")  # its joint stays at the stop after the impulse, with a force
+    np.testing.assert_array_equal(impacts_at_peaks(recording)["onset"], recording.impacts["onset"])
