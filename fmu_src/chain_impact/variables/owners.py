@@ -119,7 +119,7 @@ OWNER_KINDS = {
         },
     ),
     "line": OwnerKind(over="lines", numbers={"at": "order"}),
-    # if points may touch walls, each existing wall has a material
+    # if a point can touch a wall, each wall of the scene has a material, also a wall that no point can touch
     "material": OwnerKind(over="walls", has="exists and pairs", numbers={"at": "order"}),
     "moving wall": OwnerKind(over="moving_walls", numbers={"at": _CHANNEL}),
     "touched wall": OwnerKind(over="walls", has="touched", numbers={"at": "links + order"}),

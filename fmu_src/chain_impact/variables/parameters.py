@@ -360,5 +360,5 @@ FOLLOWING = tuple(
 """The fields of the record with values in use that follow from other values during a run, as long as the user
 does not give them: part of the record and field."""
 EXPERIMENT = _of_table(Simulation, path=("simulation", KEY), record_path=())
-"""The kinds for the keys of [simulation], which are no parameters: the record does not have their values. A
-sweep can vary the stop time."""
+"""The kinds for the keys of [simulation], which are no parameters: the record does not have their values. Of
+these keys, a sweep can vary the stop time only."""

@@ -141,7 +141,7 @@ class PreparedScene:
         """The parameters and inputs with respect to which the FMU has derivatives: ``outputs.sensitivities``.
 
         Raises:
-            UnknownNameError: when the scene names no such parameter or input there.
+            UnknownNameError: when a name or pattern there matches no such parameter or input.
         """
         names = self.scene.outputs.sensitivities
         return varied_by(self, names) if names else []
@@ -210,7 +210,7 @@ class PreparedScene:
         return output_indices(self.structure, self.sizes)
 
     def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
-        """Return the indices in the record of the outputs with the names or patterns ``wanted``, in order.
+        """Return the record's indices of the outputs with the names or patterns ``wanted``, in this order.
 
         An output that several names or patterns match is returned once.
 

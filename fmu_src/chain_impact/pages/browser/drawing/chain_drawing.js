@@ -345,7 +345,7 @@ export class ChainDrawing {
       if (sticks) {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
-      // the label tells if the force includes friction, because the list of impacts has the force without friction
+      // the label tells if friction changes the shown force, because the list of impacts has the force without friction
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
       texts.push(...this.#arrow([x, y], [dx, dy], force, "force", held + whole + (rubs ? " with friction" : "")));

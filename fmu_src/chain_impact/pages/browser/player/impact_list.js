@@ -1,4 +1,4 @@
-// The list of impacts; a click on a row goes to the largest force of its impact.
+// The list of impacts; a click on a row goes to the time of its impact's largest force (`peakTime`).
 
 import { find, make } from "../base/dom.js";
 import { fixed, forceText, impulseText, speedWithUnit, unitsOf, withMinus } from "../base/format.js";

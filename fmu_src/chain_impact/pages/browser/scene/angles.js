@@ -2,7 +2,7 @@
 
 import { numberText, unitText } from "../base/format.js";
 
-// unit of an angle → the word for this unit in degrees, the pattern of a text in degrees, and words for an error
+// rad, rad/s or rad/s2 → the word for this unit in degrees, the pattern of a text in degrees, and words for an error
 const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern, advice]]) =>
   [unit, { word, text: new RegExp(`^${pattern}$`), advice }]));
 const DEGREE = Math.PI / 180; // [rad] one degree
@@ -12,13 +12,13 @@ export const DEGREE_DIGITS = 5;
 export const ALL_DIGITS = 17;
 const ROOM = 9; // number of characters for which the field of a parameter has room
 
-/** Return an angle in radians for a text such as "90 deg"; return any other value unchanged. */
+/** Return the number in a `unit` (rad, rad/s, rad/s2) for a text such as "90 deg"; return any other value unchanged. */
 export function inRadians(value, unit) {
   const [, number] = (typeof value === "string" && IN_DEGREES[unit]?.text.exec(value)) || [];
   return number ? Number(number) * DEGREE : value;
 }
 
-/** Return the end of an error, such as ', or text in degrees as "90 deg"'; "" if the unit is not one of angles. */
+/** Return the end of an error, such as ', or text in degrees as "90 deg"'; "" if IN_DEGREES lacks the unit. */
 export function orDegrees(unit) {
   return IN_DEGREES[unit]?.advice ?? "";
 }

@@ -1,4 +1,4 @@
-// The scene file with the changes that the user has made on the page: its contents, and its text as TOML.
+// The scene file with the changes that the reader has made on the page: its contents, and its text as TOML.
 
 import { numberText } from "../base/format.js";
 import { asWritten } from "./scene_file.js";

@@ -1,4 +1,4 @@
-// The edits of a scene file that the page's editor makes: of links, points, walls and stops.
+// The edits of a scene file that the page's editor makes: of the base, links, points, walls and stops.
 
 import { CORNERS, pointsOf, STOPS } from "./geometry.js";
 import { movablePoints, stopsOf } from "./scene_file.js";
@@ -67,7 +67,7 @@ function keepPoints(file) {
   file.contact.points &&= file.contact.points.filter((point) => movable.includes(point));
 }
 
-/** Add a link at the tip, equal to the last link and in line with it. */
+/** Add a link at the tip, in line with the last link and equal to it, but for the stops of a new link 2. */
 export function addLink({ chain: { links }, initial, contact }) {
   const tip = links.length;
   links.push(structuredClone(links.at(-1)));

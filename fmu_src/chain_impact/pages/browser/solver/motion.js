@@ -110,8 +110,8 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
 }
 
 /**
- * Return { time, curves } of inputs for a run: of driven inputs, whose values are the run's columns, and of those that the reader has set,
- * by the changes `values` or with steps. A curve has `words` for its input.
+ * Return { time, curves } of inputs for a run: of driven inputs, whose values are the run's columns, and of inputs that the reader has
+ * set, by the changes `values` or with steps. A curve has `words` for its input.
  */
 function inputCurves({ scene, parameters }, { time, columns }, { values, inputSteps }, valueOf) {
   const driven = scene.driven.map(({ name, unit }, k) => ({ name, unit, values: columns[k] }));
@@ -125,8 +125,8 @@ function inputCurves({ scene, parameters }, { time, columns }, { values, inputSt
 }
 
 /**
- * Return `parts`, those of a `Recording` (null without a motion), and how the first run ended; the generator yields the fraction that is
- * done.
+ * Return `parts`, those of a `Recording` (null without a motion), and how the first run ended; the generator yields the fraction of both
+ * runs that is done.
  *
  * @param options `curves`: the names of the outputs that are wanted over time. `inputSteps`: inputs with other values from some times on:
  * name → pairs of a time [s] and a value.
