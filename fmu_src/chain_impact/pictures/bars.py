@@ -34,8 +34,8 @@ HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in r
 DOT = 24.0  # [square points] the size of a dot
 RUN_MARK = 4.5  # [points] the size of the diamonds, see ``Bars.marks``
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
-# The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar of each
-# block is at most ONE_SCALE times as long as the longest bar of any other block.
+# The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar or mark in
+# each block, as far as not cut off, is at most ONE_SCALE times as long as that in any other block.
 ONE_SCALE = 10.0
 CUT = 4.0  # see ``axis_ends``
 ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are seen beside the marks
@@ -138,7 +138,7 @@ def fill_bars(
 def have_one_scale(longest: Sequence[float]) -> bool:
     """Return whether blocks of bars can have one scale (ONE_SCALE).
 
-    ``longest``: the length of the longest bar of each block.
+    ``longest``: the length of the longest bar or mark of each block, as far as it is not cut off.
     """
     return max(longest) <= ONE_SCALE * min(longest)
 

@@ -18,8 +18,8 @@ from chain_impact.variables.prepared import PreparedScene
 SAMPLES = 400  # number of times at which the course of an impact is computed
 # number of equally spaced times in a contact that lasts longer than ``impact_ends`` gives
 LASTING_SAMPLES = 4000
-# [1] such a contact also has SAMPLES times after the onset in geometric progression: the first of these,
-# relative to the duration of the contact
+# [1] the first of SAMPLES times after the onset in geometric progression, relative to the duration of a
+# contact that lasts longer than ``impact_ends`` gives
 SOON = 1e-6
 
 

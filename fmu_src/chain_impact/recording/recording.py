@@ -120,7 +120,7 @@ class Recording:
 
     @cached_property
     def all_points(self) -> np.ndarray:
-        """Positions of all points by their numbers, shape (T, N+1+P, 2) [m]."""
+        """Positions of the points by their numbers, up to the first unknown one, shape (T, N+1+P, 2) [m]."""
         points = self.columns_of("point")
         complete = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
         each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in complete]
@@ -222,7 +222,7 @@ class Recording:
 
     @cached_property
     def touches(self) -> list[Touch]:
-        """Each pair of point and wall, each stop, and each joint or slider with dry friction, over time."""
+        """The known contacts at walls and stops, and joints and sliders with dry friction, over time."""
         touches = [
             Touch(
                 *(point, wall, values["force"]),

@@ -174,7 +174,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
-    """Yield a line with the number of phases of dry friction, and a line with what sticks at the end."""
+    """Yield a line with the numbers of phases of dry friction, and one with what sticks at the end."""
     phases = result.stick_slip
     if not len(phases):
         return

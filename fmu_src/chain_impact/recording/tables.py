@@ -39,10 +39,10 @@ def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, n
 
 
 def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> Any:
-    """Return impacts as a table of pandas, with the names of walls, and with units in its attributes.
+    """Return impacts as a table of pandas; the column ``wall`` has the names of the walls.
 
     ``attrs["units"]`` has the units of the columns. If ``stops``, because joints have stops,
-    ``attrs["units_at_stops"]`` has the units of impacts at stops, which have moments and angles.
+    ``attrs["units_at_stops"]`` has the units of impacts at these stops, which have moments and angles.
     """
     pandas = require("pandas", "pandas")
     columns = {name: impacts[name] for name in impacts.dtype.names or () if name != "wall_name"}

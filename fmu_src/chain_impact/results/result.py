@@ -233,10 +233,10 @@ class Result(Pictured):
         """The energies [J], a structured array of shape (T,).
 
         The fields are kinetic, potential, elastic, dissipated, supplied, total and friction. The field total
-        is the sum kinetic + potential + elastic; total + dissipated − supplied is constant. The field
-        friction is the part of dissipated that is due to dry friction. Only this field can be unknown, and is
-        then NaN: a run computes integrals over time only if the scene asks for an output that needs them, and
-        a result with some of the outputs may lack this one.
+        is the sum kinetic + potential + elastic; total + dissipated − supplied is constant, except for errors
+        of the solver. The field friction is the part of dissipated that is due to dry friction. Only this
+        field can be unknown, and is then NaN: a run computes integrals over time only if the scene asks for
+        an output that needs them, and a result with some of the outputs may lack this one.
 
         Raises:
             UnknownNameError: when the result lacks the output of another field.
@@ -336,10 +336,10 @@ class Result(Pictured):
         return tables.dataset(self.prepared, self.time, self.motion)
 
     def impact_table(self) -> pandas.DataFrame:
-        """Return the impacts as a table of pandas: the columns of ``IMPACT_DTYPE``, with names of walls.
+        """Return the impacts as a table of pandas: columns as in ``IMPACT_DTYPE``; ``wall`` has the name.
 
-        The rows count from 1. ``attrs["units"]`` has the unit of each column; if joints have stops,
-        ``attrs["units_at_stops"]`` has the units for impacts at these stops.
+        The rows count from 1. ``attrs["units"]`` has the unit of each column that has one; if joints have
+        stops, ``attrs["units_at_stops"]`` has the units for impacts at these stops.
 
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.
@@ -351,7 +351,7 @@ class Result(Pictured):
 
         The columns are those of ``STICK_SLIP_DTYPE``, with "" as the wall of a joint or slider.
 
-        The rows count from 1. ``attrs["units"]`` has the unit of each column.
+        The rows count from 1. ``attrs["units"]`` has the units of start and end.
 
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.

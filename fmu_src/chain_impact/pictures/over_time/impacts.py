@@ -291,7 +291,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:
-    """Return the number k with which every k-th impact gets a number; 1 if all impacts get a number.
+    """Return the number k such that only every k-th impact may get a number; 1 if each impact may get one.
 
     k is 1, 2 or 5 times a power of ten. It exceeds 1 only if the impacts have equal distances in time
     (REGULAR, EQUAL) that are too short for all numbers.

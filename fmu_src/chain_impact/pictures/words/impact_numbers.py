@@ -40,8 +40,8 @@ def listed(numbers: Iterable[int]) -> str:
 def listed_or_counted(numbers: Sequence[int], count: int) -> str:
     """Return numbers of impacts as text, such as "3, 7–9".
 
-    With more than MOST_LISTED items, the text only counts them: "31 of 81", where ``count`` is the number of
-    all impacts.
+    With more than MOST_LISTED numbers and ranges, the text only tells how many numbers these are: "31 of 81",
+    where ``count`` is the number of all impacts.
     """
     text = listed(numbers)
     return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of {count}"
