@@ -129,8 +129,8 @@ class LawRuns:
         """Whether the first impact is free: other forces than those of the contact hardly change it.
 
         The impact counts as free unless the realised restitution without losses differs from 1, or that with
-        the exact law from the prescribed restitution, by more than FREE_TOLERANCE. If the impact has not
-        ended, it has no realised restitution, and counts as free.
+        the exact law from the prescribed restitution, by more than FREE_TOLERANCE. A realised restitution
+        that is unknown, because the impact does not end in the run with this law, does not count.
         """
         reached = self.reached[0]
         off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))

@@ -90,7 +90,8 @@ def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
 def source_of(function: Callable[..., float]) -> str:
     """Return the text of a law's file for a Python function: ``import math``, then its source.
 
-    Such a text can be written to a file that defines the same law.
+    A file with this text and the function's name defines the same law, if the function uses no other names of
+    its module than ``math``.
 
     Raises:
         LawError: when the function has no name, or Python does not know its source.

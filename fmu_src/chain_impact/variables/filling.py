@@ -47,7 +47,8 @@ def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray
     Args:
         scene: the scene.
         structure: the structure of the scene.
-        common: the entry of the cache for the scene; if the whole record is written, it gets a copy.
+        common: the entry of the cache for the scene; it gets a copy of each record that is written as a
+            whole.
     """
     sizes, last = structure.counts, common.record
     layout, changed = layout_of(*sizes), changed_numbers(last[0], scene) if last else None

@@ -24,9 +24,9 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
 
 
 def parts_hint(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint for a name with which, and a dot, ``names`` begin: "there are force.x, force.y".
+    """Return a hint for a name that is the owner in some of ``names``: "there are force.x, force.y".
 
-    The hint has at most three of these names. The result is None if there are none.
+    These names begin with ``name`` and a dot; the hint has at most three. The result is None without any.
     """
     parts = find_names(f"{name}.*", names)
     return f"there are {', '.join(parts[:3])}" if parts else None

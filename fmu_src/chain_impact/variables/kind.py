@@ -146,7 +146,7 @@ class Kind:
     def derivative(self, parameter: Kind) -> Kind:
         """Return the kind of derivatives of outputs of this kind with respect to parameters of another kind.
 
-        It has no unit; ``listing.derivatives`` gives each of its variables one.
+        The result has no unit; ``listing.derivatives`` gives a unit to each variable of this kind.
         """
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"

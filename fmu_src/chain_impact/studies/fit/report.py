@@ -67,9 +67,10 @@ def above_best(fit: Estimates, best: Estimates) -> str:
 
 
 def heading(fit: Estimates, mark: str = "  ", laws: str = "") -> str:
-    """Return the heading: scene, law, and the numbers of data sets, if several, values and parameters.
+    """Return the heading: scene, law, and the numbers of data sets, fitted values and free parameters.
 
-    ``mark`` separates the name of the scene from the text that follows; ``laws`` replaces the law.
+    The number of data sets is left out if it is 1. ``mark`` separates the name of the scene from the text
+    that follows; ``laws`` replaces the law.
     """
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     named = laws or fit.law

@@ -29,8 +29,8 @@ def unknown(
 ) -> Iterator[str]:
     """Yield a sentence for each parameter that the data do not determine.
 
-    ``at`` is the fitted model, ``fisher_information`` that of its fitted values. ``reached`` has the indices
-    of the parameters at a bound, which get no sentence.
+    ``at`` is the fitted model, ``fisher_information`` the information of the fitted values. ``reached`` has
+    the indices of the parameters at a bound, which get no sentence.
     """
     values, errors = problem.values(at.coordinates), fisher_information.errors
 

@@ -107,7 +107,7 @@ def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list
 
 
 def _mark_own(axes: Axes, own: float, quantity: Quantity, curve: np.ndarray | None) -> None:
-    """Draw the mark of the scene's value, ``own``, on a line, or at the foot where the line has no value.
+    """Draw the mark of the scene's value ``own``: on the line or, where the line has no value, at the foot.
 
     ``curve``: the positions, ascending, and the values of the line, shape (2, S); None for a mark at the
     foot, as with several lines or samples. The line of a count has steps.

@@ -3,7 +3,7 @@
 The manifest, a JSON file, identifies the sweep and lists the columns and the runs in each file. A file of
 runs is written under a temporary name; when it is complete, it is renamed and then listed in the manifest.
 Files that the manifest does not list do not belong to the sweep. So a sweep that was interrupted continues
-after the last complete file.
+with the runs that no listed file has.
 """
 
 from __future__ import annotations

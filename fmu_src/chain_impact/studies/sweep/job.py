@@ -166,8 +166,8 @@ class Runner:
 
         Args:
             job: the job of the runs.
-            own_kernel: whether the kernel is for exactly the sizes of the scene; such a kernel gives the same
-                bits in less time.
+            own_kernel: whether the kernel is for exactly the sizes of the scene, which gives the same bits in
+                less time; not used for runs with derivatives.
 
         Raises:
             BuildError: when the kernel cannot be compiled.

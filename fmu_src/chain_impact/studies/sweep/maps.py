@@ -237,7 +237,8 @@ class Scale:
 def axis_of(variation: Variation) -> Scale:
     """Return the axis of a map for a varied parameter.
 
-    The edges of a number's cells lie midway between its values on the axis, but within the parameter's range.
+    The inner edges of a number's cells lie midway between the values on the axis, each outer edge as far from
+    the end value as the nearest inner edge; but all edges are within the parameter's range.
     """
     if variation.choices:
         order = np.sort(np.unique(variation.values, return_index=True)[1])

@@ -42,8 +42,8 @@ NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 MOST_SPLIT = 3
 MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
-# exactly this number of panels stands in one row if the figure is wide enough; otherwise a row has two
-# panels, except for panels with dots (``_dots_across``)
+# Exactly this number of panels stands in one row, if the figure is wide enough (``_across``, ``_panels``);
+# with any other number, two panels stand in a row, or for dots the number of ``_dots_across``
 IN_ONE_ROW = 3
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
 THREE_MAPS = 9.0  # [inch] least width of a figure with three maps in one row

@@ -68,9 +68,9 @@ class Quantity:
         return f"{self.label}, varies by {100.0 * within:.2g} %" if within else self.label
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
-        """Return the ends of an axis wider than the range of ``values``; None unless this range is small.
+        """Return the ends of an axis, if the range of ``values`` is small (``_small_range``); else None.
 
-        ``_small_range`` says what is small.
+        The ends are so far apart that the small range does not look large (LEAST_RANGE).
         """
         if not self._small_range(values):
             return None
@@ -80,8 +80,8 @@ class Quantity:
     def _small_range(self, values: np.ndarray) -> float:
         """Return the range of values, divided by the largest |value|, if it is small; else 0.
 
-        The range is small if this quotient lies between EQUAL_RESULTS and LEAST_RANGE. For a count, and
-        without values, the result is 0.
+        The range is small if this quotient lies between EQUAL_RESULTS and LEAST_RANGE. For a count, without
+        values, and if all values are 0, the result is 0.
         """
         largest = np.abs(values).max(initial=0.0)
         if self.is_count or not largest:
@@ -243,6 +243,6 @@ def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
 
 
 def _differs(values: np.ndarray) -> bool:
-    """Return whether the finite values differ by more than EQUAL_RESULTS; True if no value is finite."""
+    """Return whether the finite values are not equal (EQUAL_RESULTS); True also if no value is finite."""
     finite = values[np.isfinite(values)]
     return not finite.size or bool(np.ptp(finite) > EQUAL_RESULTS * np.abs(finite).max())

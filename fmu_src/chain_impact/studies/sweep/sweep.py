@@ -55,8 +55,8 @@ def sweep(
             names of choices, or text as on the command line: ``"0.1:0.9:9"`` for nine values from 0.1 to 0.9,
             ``"1e6:1e9:4:log"`` for four values that are equally spaced in the logarithm,
             ``"flores,zhang_sharf"``, and with ``samples`` an interval, ``"0.1:0.9"`` or ``"1e6:1e9:log"``. A
-            value replaces only its own parameter, as in the FMU: an inertia does not change with the length
-            of its link.
+            value acts as in the FMU: an inertia that the scene derives changes with the length of the link, a
+            given inertia does not.
         samples: number of runs, whose values then fill the space of the variations evenly. By default all
             combinations of the values are run.
         sampling: ``lhs``, a Latin hypercube, or ``sobol``, a scrambled Sobol' sequence.

@@ -129,7 +129,8 @@ def _read(variable: Variable, values: Values) -> Variation:
 def _range(variable: Variable, text: str) -> Variation:
     """Return the variation for a text a:b, a:b:n, a:b:log or a:b:n:log.
 
-    a and b are the ends of the range, n the number of values, and log means evenly in the logarithm.
+    a and b are the ends of the range, n the number of values, and log means evenly in the logarithm. Without
+    n, the variation is an interval.
     """
     parts = text.split(":")
     logarithmic = parts[-1].strip() == LOG
