@@ -13,7 +13,7 @@ PACKAGE = __name__.partition(".")[0]
 def warn(source: str, hints: list[str]) -> None:
     """Give a SceneWarning "<source>: <hint>" for each of ``hints``, which tell of probable mistakes.
 
-    As its place, a warning has the line of the user's code that called this package.
+    The warning names the line of the user's code that called this package.
     """
     if not hints:
         return

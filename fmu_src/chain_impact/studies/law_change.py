@@ -15,8 +15,8 @@ from chain_impact.scene.scene import Scene, with_values
 from chain_impact.scene.tables import Contact
 
 EXACT_LAW = "zhang_sharf"
-"""The exact law: it gives every free impact the prescribed restitution. This law is the reference of a
-comparison if it is among the compared laws and its run has an impact to compare."""
+"""The exact law: it gives a free impact the prescribed restitution, unless the impact is slower than
+``minimum_impact_speed``. This law is the reference of a comparison if its run has an impact to compare."""
 LOSSLESS = "hertz"
 """The law without losses: the realised restitution of a free impact (``LawRuns.is_free``) is about 1."""
 OVERLAPS = "another contact began before the first ended"

@@ -44,8 +44,8 @@ LEAST_SIGMA = 1e-8
 # parameters, and has a larger ν.
 NO_FREEDOM = 1e-9
 # The search with all data is repeated with newly estimated standard deviations until none of these changes,
-# relatively, by more than SETTLED_SIGMA; it is made at most MOST_ROUNDS times in all. With a single measured
-# column it is made once, because an estimated σ, common to all values, does not move the minimum.
+# relatively, by more than SETTLED_SIGMA, but made at most MOST_ROUNDS times in all. With a single measured
+# column the search is made once, because an estimated σ, common to all values, does not move the minimum.
 SETTLED_SIGMA, MOST_ROUNDS = 0.01, 20
 
 

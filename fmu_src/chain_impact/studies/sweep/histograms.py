@@ -29,7 +29,7 @@ ONE_BAR_SPREAD = 1e-9  # [1] all values share one bar if their range is at most 
 
 
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
-    """Draw a histogram of each quantity in its panel, with the number of runs upwards, and the QUANTILES.
+    """Draw a histogram of each quantity in its panel: numbers of runs over values, lines at the QUANTILES.
 
     Runs without a value are left out: runs that failed and, for peaks of forces, runs with impulses.
     """
@@ -98,7 +98,7 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
-    """Return words: which varied number each quantity follows most, and their rank correlation; or ""."""
+    """Return words for the varied number that each quantity follows most, and the rank correlation; or ""."""
     numbers, parts = [variation.name for variation in varying if not variation.choices], []
     for quantity in quantities:
         found = {name: rank_correlation(runs[name], quantity.of(runs)) for name in numbers}

@@ -140,7 +140,7 @@ def _draw_map(
 
 
 def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: QuadMesh, own: Any) -> None:
-    """Write each run's value at its place (``Scale.middles``), or below the place if it has the scene's mark.
+    """Write each run's value at its place (``Scale.middles``); at the place of the scene's mark, below it.
 
     ``scales`` and ``shown``: as for ``_draw_map``; ``own``: the scene's value on each axis, or None;
     there is a mark if both have one.
