@@ -18,6 +18,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from chain_impact import Result, simulate
+from chain_impact.pictures.drawing.dark_ground import is_dark
 from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, headline
 from chain_impact.pictures.over_time.time_axis import mark_impacts
 from chain_impact.pictures.sensitivities import calm
@@ -38,9 +39,9 @@ KINDS = {
 }
 TITLE = "Effect of 1 % of each parameter: on the tip [m] and on peak forces [%]"
 CONDITIONS = "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most"
-COLOURS = dict(zip(KINDS, (*PALETTE, "0.5"), strict=True))
+COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
 LEAST = 1e-6  # m, lower limit of the axis
-DARK, WHOLE = 30.0, 100.0  # %, above which numbers are white, and have three digits
+RANGE, WHOLE = (1e-2, 1e4), 100.0  # %, the range of the colours; from WHOLE on, numbers have three digits
 
 
 def slopes_of(result: Result) -> Sensitivities:
@@ -87,13 +88,13 @@ def draw_forces(axes: Axes, result: Result) -> None:
     """Draw the change of each peak force in percent, as colours and numbers."""
     shares = by_kind(100.0 * slopes_of(result).relative("peak_force"), result)
     table = np.array(list(shares.values()))
-    axes.imshow(table, "Blues", aspect="auto", norm=LogNorm(1e-2, 1e3))
+    image = axes.imshow(table, "Greys", aspect="auto", norm=LogNorm(*RANGE))
     for (row, column), share in np.ndenumerate(table):
         look: dict[str, Any] = {
             "ha": "center",
             "va": "center",
             "fontsize": 8,
-            "color": "white" if share > DARK else BLACK,
+            "color": "white" if is_dark(image.to_rgba(share)) else BLACK,
         }
         axes.text(column, row, number(share, 2 if share < WHOLE else 3), **look)
     names = [f"{k + 1}\n{hit['onset']:.2f} s" for k, hit in enumerate(result.impacts)]
@@ -104,7 +105,7 @@ def draw_forces(axes: Axes, result: Result) -> None:
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
     axes.set_xlabel("impact")
-    axes.set_title("change of its peak force [%]", fontsize=9, loc="left")
+    axes.set_title("change of peak force [%]", fontsize=9, loc="left")
 
 
 def draw(path: Path) -> None:

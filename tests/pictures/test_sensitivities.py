@@ -9,9 +9,11 @@ from types import SimpleNamespace
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.colors import rgb_to_hsv, to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from chain_impact import UnknownNameError, load_scene, simulate
+from chain_impact.pictures.drawing.dark_ground import lighter
 from chain_impact.pictures.drawing.style import PALETTE
 from chain_impact.pictures.sensitivities import (
     LARGEST_EFFECTS,
@@ -69,9 +71,9 @@ def test_curves_are_the_changes(swing, page):
 def test_axes_have_units_and_impacts_are_marked(swing, page):
     labels = [axes.get_ylabel() for axes in page.axes]
     assert [re.findall(r"\[(\w+)\]$", label) for label in labels] == [["mm"], ["mm"], ["mJ"], []]
-    assert [axes.get_xlabel().partition(";")[0] for axes in page.axes] == [
-        *("", "time [s]", "time [s]", "impact")
-    ]
+    # the table has a place in the second row, so that each panel of the first row has its times
+    assert [axes.get_xlabel() for axes in page.axes] == [*["time [s]; grey: impacts"] * 3, "impact"]
+    assert any("changes jump at impacts" in text for text in said(page))
     onsets = swing.impacts["onset"].tolist()
     for axes in page.axes[:-1]:
         (lines,) = axes.collections
@@ -88,6 +90,8 @@ def test_outputs_that_are_asked_for(swing, count):
     assert table.get_title(loc="left") == "change of peak force [%]"
     bottom = [axes for axes in panels if axes.get_xlabel()]
     assert len(bottom) == min(count, 2)  # the times stand once in each column
+    tops = {round(axes.get_position().y1, 3) for axes in bottom}
+    assert len(tops) == 1
     assert all(axes.xaxis.get_tick_params()["labelbottom"] for axes in bottom)
 
 
@@ -249,6 +253,16 @@ def test_numbers_of_cells_stay_legible_on_a_dark_ground(swing):
     with mpl.rc_context({"figure.facecolor": "black", "text.color": "white"}):
         table = swing.plot_sensitivities().axes[-1]
     assert [text.get_color() for text in table.texts] == ["black"] * 2
+    names = [text.get_color() for text in table.get_yticklabels()]
+    assert [to_hex(colour) for colour in names] == [to_hex(lighter(colour)) for colour in PALETTE[:2]]
+
+
+def test_the_colours_of_the_table_are_no_colours_of_curves(page):
+    image = page.axes[-1].images[0]
+    for change in (-100.0, -1.0, 1.0, 100.0):
+        hue = rgb_to_hsv(image.to_rgba(change)[:3])[0]
+        apart = np.abs(rgb_to_hsv([to_rgb(colour) for colour in PALETTE[:LARGEST_EFFECTS]])[:, 0] - hue)
+        assert np.minimum(apart, 1.0 - apart).min() > 0.05
 
 
 def test_rigid_impacts_have_changes_of_impulses():

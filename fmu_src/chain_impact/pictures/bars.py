@@ -14,13 +14,13 @@ from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.drawing.figures import settle
 from chain_impact.pictures.drawing.style import (
-    BLUE,
+    DECREASE,
+    INCREASE,
     INK,
     LEAST_TICKS,
     PALE,
     PEAK_COLOUR,
     TICK_STEPS,
-    VERMILLION,
     headline,
     is_narrow,
     styled,
@@ -159,7 +159,7 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
     the names must be small, and the ticks few.
     """
     rows = range(len(block.names))
-    colours = block.colours or [BLUE if value > 0.0 else VERMILLION for value in block.values]
+    colours = block.colours or [INCREASE if value > 0.0 else DECREASE for value in block.values]
     axes.hlines(rows, 0.0, 1.0, PALE, linewidth=0.6, zorder=0, transform=axes.get_yaxis_transform())
     if block.dots:
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)

@@ -51,7 +51,7 @@ TO_FIRST_ORDER = "changes to first order"
 ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
 LOW_TABLE = 0.6  # if the panels form one column: the height of the table below, relative to that of a panel
 PREFIXED = (*LOAD_UNITS, "m", "m/s", "s", "rad", "rad/s")  # the units that get a prefix, as in mm
-JUMP = ", where changes jump as they shift in time"
+JUMPS = "changes jump at impacts, whose times shift"
 Looks = list[dict[str, Any]]
 
 
@@ -68,7 +68,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     relative = parts.max(axis=0)
     known = holds(relative)
     found, first_order = finding(recording, sensitivities, names, parts)
-    told = [first_order, "" if known.all() else ENDED]
+    start, end = recording.time[[0, -1]].tolist()
+    lines = impact_lines(recording, start, end)
+    told = [first_order, JUMPS if lines else "", "" if known.all() else ENDED]
     headline(figure, found, conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
@@ -78,12 +80,12 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         mark_impacts(axes, recording)
         mark_unknown(axes, recording, sensitivities)
         give_ticks(axes)
-    start, end = recording.time[[0, -1]].tolist()
-    for axes in panels[:-across]:
-        axes.tick_params(labelbottom=False)
-    for axes in panels[-across:]:
-        words = name_time(axes, end), impact_lines(recording, start, end, JUMP)
-        axes.set_xlabel("; ".join(filter(None, words)))
+    for place, axes in enumerate(panels):
+        # the next row has panels only, so that all panels of this row have a panel below
+        if (place // across + 2) * across <= len(panels):
+            axes.tick_params(labelbottom=False)
+        else:
+            axes.set_xlabel("; ".join(filter(None, (name_time(axes, end), lines))))
     draw_impact_changes(table, recording, sensitivities, looks, known)
     legend_above(panels[0])
     figure.supxlabel(

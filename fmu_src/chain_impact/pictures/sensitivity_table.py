@@ -10,19 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
-from chain_impact.pictures.drawing.style import BLUE, GREY, INK, OUTSIDE_COLOUR, VERMILLION, is_narrow
+from chain_impact.pictures.drawing.dark_ground import ON_COLOUR, is_dark
+from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, OUTSIDE_COLOUR, is_narrow
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import signed
 
-# the colours of a decrease and of an increase; blank cells have a colour of their own
-SIGNED = LinearSegmentedColormap.from_list("signed", [VERMILLION, "white", BLUE]).with_extremes(
+# the colours of changes; blank cells have a colour of their own
+SIGNED = LinearSegmentedColormap.from_list("signed", [DECREASE, "white", INCREASE]).with_extremes(
     bad=OUTSIDE_COLOUR
 )
 LEAST, MOST = 0.01, 100.0  # [%] |changes| up to LEAST are nearly white; from MOST on, the colour stays
 BAR_TICKS = (-MOST, -1.0, 0.0, 1.0, MOST)  # [%] the numbers at the bar that explains the colours
-DEEP = 30.0  # [%] from this |change| on, the number in a cell is white
 # [inch] the least width of a cell with a number, and the width of the names beside the cells
 CELL_WIDTH, NAMES_WIDTH = 0.38, 1.7
 MOST_NUMBERS = 12  # the largest number of impacts that are numbered below the table
@@ -64,7 +63,7 @@ def draw_impact_changes(
         for (row, column), change in np.ndenumerate(changes):
             if np.isfinite(change):
                 look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small", "gid": ON_COLOUR}
-                colour = "white" if abs(change) >= DEEP else "black"
+                colour = "white" if is_dark(image.to_rgba(np.asarray(change))) else "black"
                 axes.text(column, row, cell_text(change), color=colour, **look)
     else:
         bar = figure.colorbar(image, ax=axes, ticks=BAR_TICKS)

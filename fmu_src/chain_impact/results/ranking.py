@@ -301,7 +301,7 @@ class Ranking:
         marks = [None if mark is None else factor * mark for mark in map(_mark, effects)]
         names = [effect.parameter for effect in effects]
         bars = {"names": names, "values": values, "texts": texts, "label": label, "title": title}
-        return bars | {"marks": marks}
+        return bars | {"marks": marks, "heading": "relative" if self.value else ""}
 
 
 def _mark(effect: Effect) -> float | None:

@@ -70,7 +70,7 @@ class Ground(NamedTuple):
     def suited(self, colour: Any) -> Colour:
         """Return the colour that replaces a colour for a white figure, with the same opacity."""
         red, green, blue, alpha = to_rgba(colour)
-        if colorsys.rgb_to_hsv(red, green, blue)[1] >= COLOURED:
+        if is_coloured(colour):
             return lighter(colour, least_luminance(self.ground, READABLE_CONTRAST))
         grey = (red + green + blue) / 3.0
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
@@ -109,7 +109,11 @@ class Ground(NamedTuple):
                     self.suit([artist.arrow_patch])
             # ticks that matplotlib makes later get the colours of the axis, too
             elif isinstance(artist, Axis):
+                labels = [(label, label.get_color()) for label in artist.get_majorticklabels()]
                 artist.set_tick_params(which="both", color=self.text, labelcolor=self.text)
+                for label, colour in labels:
+                    if is_coloured(colour):
+                        label.set_color(colour)
 
     def _opacity(self, least: float, colour: Any) -> float:
         """Return the opacity of marks, at least ``least``, with which their colour is seen on this ground."""
@@ -156,6 +160,11 @@ def luminance(colour: Any) -> float:
     """
     # the luminance is L = 0.2126 R^γ + 0.7152 G^γ + 0.0722 B^γ for the colour R, G, B
     return float(np.array(to_rgba(colour)[:3]) ** GAMMA @ [0.2126, 0.7152, 0.0722])
+
+
+def is_coloured(colour: Any) -> bool:
+    """Return whether a colour is not a grey (COLOURED)."""
+    return colorsys.rgb_to_hsv(*to_rgb(colour))[1] >= COLOURED
 
 
 def is_dark(ground: Any) -> bool:

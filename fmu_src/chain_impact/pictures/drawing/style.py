@@ -30,6 +30,8 @@ BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e
 BROWN, VIOLET = "#7a4b2a", "#7a3fa8"
 PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force
 PEAK_LINE = "peak"  # the matplotlib identifier (gid) of the text in PEAK_COLOUR below a headline
+# the colours of a decrease and of an increase, which no curve has and colour-blind readers can distinguish
+DECREASE, INCREASE = "#a08400", "#5e3c99"
 LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.

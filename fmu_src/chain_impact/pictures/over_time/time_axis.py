@@ -75,10 +75,7 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
     )
 
 
-def impact_lines(recording: Recording, start: float, end: float, more: str = "") -> str:
-    """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" without such lines.
-
-    The words end with ``more``.
-    """
+def impact_lines(recording: Recording, start: float, end: float) -> str:
+    """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" without lines."""
     onsets = recording.impacts["onset"]
-    return f"grey: impacts{more}" if ((onsets >= start) & (onsets <= end)).any() else ""
+    return "grey: impacts" if ((onsets >= start) & (onsets <= end)).any() else ""
