@@ -244,6 +244,17 @@ def test_texts_fit_a_page_of_any_width(model, width):
     check_rules(page)
 
 
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("model", ["arm_at_stop", "rod_drop", "hopper", "stick_slip_belt"])
+def test_a_slim_motion_leaves_no_empty_half_on_a_page_of_120_mm(model):
+    page = recorded(model).plot(size=(WIDTHS[1], None))
+    check_texts(page)
+    motion, *others = (axes.get_position() for axes in page.axes)
+    assert motion.x1 < min(other.x0 for other in others)
+    assert max(other.x1 for other in others) > 0.95
+    assert max(other.y1 for other in others) - min(other.y0 for other in others) > 0.7 * motion.height
+
+
 @pytest.mark.full("takes long")
 def test_a_page_that_is_too_low_is_refused_with_a_height_that_suffices():
     result, panels = recorded("sliding_rod"), ["energy", "friction"]

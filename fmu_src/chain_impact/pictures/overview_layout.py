@@ -50,7 +50,7 @@ HIGHEST = 0.4
 # LABELS: the height of the legend and the labels of a motion.
 # MARGINS: the width of the numbers and labels at the left and right of the motion.
 # LEAST_BESIDE: the least width of panels over time beside the motion, with their numbers and labels.
-LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 1.15, 0.45, 1.0, 0.6, 0.9, 3.2
+LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 1.15, 0.45, 1.0, 0.6, 0.9, 2.6
 
 
 def is_over_time(recording: Recording, name: str) -> bool:
