@@ -231,3 +231,23 @@ def test_the_conversion_of_a_scene_into_a_scene_is_refused(tmp_path):
     told = r"^pinned_arm is a scene; its MJCF is written to a file that ends in \.xml$"
     with pytest.raises(SceneError, match=told):
         convert("pinned_arm", tmp_path / "arm.toml")
+
+
+def test_what_mujoco_warns_of_is_a_note_and_no_file_is_written(here, capfd):
+    shape = '<geom type="capsule" fromto="0 0 0 .4 0 0" size=".02"/>'
+    link = f'<body name="{{0}}"><joint name="{{0}}" axis="0 1 0"/>{shape}'
+    child = f'<mujoco><option timestep=".005"/><worldbody>{link.format("shin")}</body></worldbody></mujoco>'
+    attached = '<frame pos=".4 0 0"><attach model="leg" body="shin" prefix="leg_"/></frame>'
+    (here / "leg.xml").write_text(child, encoding="utf-8")
+    (here / "robot.xml").write_text(
+        '<mujoco><asset><model name="leg" file="leg.xml"/></asset><worldbody>'
+        f"{link.format('thigh')}{attached}</body></worldbody></mujoco>",
+        encoding="utf-8",
+    )
+    assert main(["convert", "robot.xml", "-o", "robot.toml"]) == 0
+    said, warned = capfd.readouterr()
+    (line,) = [line for line in said.splitlines() if "Attach conflict" in line]
+    assert line.startswith("note     MuJoCo warns: ")
+    assert "timestep: parent has 0.002 (default), child has 0.005" in line
+    assert "Attach conflict" not in warned
+    assert sorted(path.name for path in here.iterdir()) == ["leg.xml", "robot.toml", "robot.xml"]

@@ -85,18 +85,19 @@ def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> 
 
 
 @contextmanager
-def collected_warnings(package: str) -> Iterator[list[Difference]]:
-    """Context manager that yields a list, and at its end fills it with differences of the kind ``package``.
+def collected_warnings(package: str) -> Iterator[list[str]]:
+    """Context manager that yields a list, and at its end fills it with notes on Python warnings.
 
-    There is one difference for each different text of a Python warning in the ``with`` block; the warnings
-    are not shown.
+    There is one note, "<package> warns: …", for each different text of a warning in the ``with`` block, but
+    none for a text with which another one begins. The warnings are not shown.
     """
-    differences: list[Difference] = []
+    notes: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        yield differences
-    for message in dict.fromkeys(" ".join(str(warning.message).split()) for warning in caught):
-        differences.append(Difference(kind=package, text=message, effect=Effect.NONE))
+        yield notes
+    texts = dict.fromkeys(" ".join(str(warning.message).split()) for warning in caught)
+    whole = [text for text in texts if not any(other.startswith(text) for other in texts if other != text)]
+    notes.extend(f"{package} warns: {text}" for text in whole)
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:

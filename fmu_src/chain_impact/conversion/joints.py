@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import compress, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -187,17 +187,13 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
 def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
     """Return all ``hinges`` in groups: in a group, each axis is parallel to the axis of the first hinge."""
     groups: list[list[Moving]] = []
-    for hinge in hinges:
-        group = next((g for g in groups if _parallel(g[0].axis, hinge.axis)), None)
-        if group is None:
-            groups.append([hinge])
-        else:
-            group.append(hinge)
+    left = list(hinges)
+    while left:
+        sines = np.linalg.norm(np.cross([hinge.axis for hinge in left], left[0].axis), axis=1)
+        near = sines < PARALLEL
+        groups.append(list(compress(left, near)))
+        left = list(compress(left, ~near))
     return groups
-
-
-def _parallel(first: np.ndarray, second: np.ndarray) -> bool:
-    return bool(np.linalg.norm(np.cross(first, second)) < PARALLEL)
 
 
 def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], source: str) -> None:

@@ -6,6 +6,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +17,7 @@ from chain_impact.conversion.mjcf_contacts import Contacts
 from chain_impact.conversion.mjcf_couplings import couplings
 from chain_impact.conversion.mjcf_drives import Drives
 from chain_impact.conversion.mjcf_fields import flag_notes, unsupported_fields
-from chain_impact.conversion.mjcf_files import Compiled, compiled
+from chain_impact.conversion.mjcf_files import Compiled, compiled, warned_by
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, UnknownNameError
@@ -54,9 +55,11 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
         MissingExtraError: when mujoco is not installed.
     """
     mujoco = require("mujoco", "convert")
-    file = compiled(mujoco, path)
-    start, note = _start(mujoco, file.model, keyframe, str(path))
-    return _Reader(mujoco, file, start, str(path)).robot(path.stem, note)
+    with warned_by(mujoco) as warned:
+        file = compiled(mujoco, path)
+        start, note = _start(mujoco, file.model, keyframe, str(path))
+        robot = _Reader(mujoco, file, start, str(path)).robot(path.stem, note)
+    return replace(robot, notes=[*robot.notes, *warned])
 
 
 def read_mjcf_text(text: str) -> Robot:

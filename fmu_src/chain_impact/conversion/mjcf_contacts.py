@@ -47,12 +47,10 @@ class Contacts:
         self.excluded = {int(signature) for signature in model.exclude_signature}
         self.still = [g for g in range(model.ngeom) if self._is_still(g)]
         self.moving = [g for g in range(model.ngeom) if not self._is_still(g)]
+        self.walls = [g for g in self.still if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_PLANE]
 
     def _is_still(self, g: int) -> bool:
         return bool(self.model.body_weldid[self.model.geom_bodyid[g]] == 0)
-
-    def _is_wall(self, g: int) -> bool:
-        return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
     def _touch(self, geom: int, other: int) -> bool:
         """Return whether two shapes, given by their indices, can touch each other, by rules of MuJoCo.
@@ -95,7 +93,7 @@ class Contacts:
         """Yield the planes fixed to the world, each with the bodies that can touch it, and their friction."""
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
-        for g in filter(self._is_wall, self.still):
+        for g in self.walls:
             touching = [
                 (int(model.geom_bodyid[other]) - 1, self._rubs(g, other))
                 for other in self.moving
@@ -111,8 +109,9 @@ class Contacts:
     def shapes(self, b: int) -> list[LinkShape]:
         """Return the shapes of body ``b`` of MuJoCo's model, except planes that are fixed to the world."""
         model = self.model
-        geoms = (g for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g))
-        return [self._shape(g) for g in geoms]
+        first = model.body_geomadr[b]  # −1 without shapes
+        geoms = range(first, first + model.body_geomnum[b])
+        return [self._shape(g) for g in geoms if g not in self.walls]
 
     def _shape(self, g: int) -> LinkShape:
         model, kinds = self.model, self.mujoco.mjtGeom
@@ -129,15 +128,15 @@ class Contacts:
         else:  # for a kind that ``outline`` does not know, such as an ellipsoid, it returns a box
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
-        walls = list(filter(self._is_wall, self.still))
+        others = self.moving if g in self.still else range(model.ngeom)
         # if a scene of this package has no walls, its points touch nothing, but must be kept
         is_point = self.ours and bool(POINT.fullmatch(name))
-        alone = is_point and not walls and self.works
+        alone = is_point and not self.walls and self.works
         return LinkShape(
             kind=word,
-            touches=alone or any(self._touch(g, other) for other in range(model.ngeom) if other != g),
+            touches=alone or any(self._touch(g, other) for other in others if other != g),
             name=identifier(name, "geom") if name else "",
-            walls=any(self._touch(g, wall) for wall in walls),
+            walls=any(self._touch(g, wall) for wall in self.walls),
             is_point=is_point,
             corners=corners @ axes.T + model.geom_pos[g],
             radius=radius,
@@ -154,8 +153,8 @@ class Contacts:
         walls = False
         for g in self.still:
             bodies = frozenset(int(model.geom_bodyid[o]) - 1 for o in self.moving if self._touch(g, o))
-            walls |= self._is_wall(g) and bool(bodies)
-            if bodies and not self._is_wall(g):
+            walls |= g in self.walls and bool(bodies)
+            if bodies and g not in self.walls:
                 kind = self.mujoco.mjtGeom(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()
                 text = "does not move, and touches moving bodies: only planes become walls of a scene"
                 about = bodies | {-1}

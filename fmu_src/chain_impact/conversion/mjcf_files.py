@@ -5,6 +5,9 @@ A stand-in is a part that replaces a mesh, a picture or another part whose file 
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,14 +27,28 @@ class Compiled(NamedTuple):
         spec: the elements of the file.
         model: MuJoCo's compiled model.
         stand_ins: names of the meshes and other parts that stand-ins replace, and of deleted skins.
-        differences: one for each file that cannot be read, for each shape without the mass of its mesh, and
-            for each of MuJoCo's warnings.
+        differences: one for each file that cannot be read, and for each shape without the mass of its mesh.
     """
 
     spec: Any
     model: Any
     stand_ins: set[str]
     differences: list[Difference]
+
+
+@contextmanager
+def warned_by(mujoco: Any) -> Iterator[list[str]]:
+    """Context manager that yields a list, and at its end fills it with notes on MuJoCo's warnings.
+
+    By itself MuJoCo writes a warning to the screen, and to the file MUJOCO_LOG.TXT in the current folder.
+    """
+    previous = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda text: warnings.warn(text, stacklevel=2))
+    try:
+        with collected_warnings("MuJoCo") as notes:
+            yield notes
+    finally:
+        mujoco.set_mju_user_warning(previous)
 
 
 def compiled(mujoco: Any, path: Path) -> Compiled:
@@ -42,18 +59,17 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
             because a body gets its mass only from meshes whose files cannot be read.
     """
     try:
-        with collected_warnings("MuJoCo") as differences:
+        spec = mujoco.MjSpec.from_file(str(path))
+        try:
+            model, absent, weightless = spec.compile(), dict[str, str](), list[tuple[Any, str]]()
+        except ValueError:
             spec = mujoco.MjSpec.from_file(str(path))
-            try:
-                model, absent, weightless = spec.compile(), dict[str, str](), list[tuple[Any, str]]()
-            except ValueError:
-                spec = mujoco.MjSpec.from_file(str(path))
-                absent = _stand_in(mujoco, spec, path)
-                weightless = _weightless(mujoco, spec, absent)
-                model = _compiled_without(spec, weightless)
+            absent = _stand_in(mujoco, spec, path)
+            weightless = _weightless(mujoco, spec, absent)
+            model = _compiled_without(spec, weightless)
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
-    differences += [
+    differences = [
         Difference(kind="file", name=name, text="cannot be read; nothing needs it", effect=Effect.NONE)
         for name in dict.fromkeys(absent.values())
     ]

@@ -77,10 +77,10 @@ def read_urdf(path: Path) -> Robot:
         raise SceneError(
             f"{path}: joints make a ring of {few(lost, LINE_NAMES)}; each link must lead back to {roots[0]}"
         )
-    differences = [*other_elements(root), *warned, *_odd_inertias(bodies)]
+    differences = [*other_elements(root), *_odd_inertias(bodies)]
     for joint in robot.joints:
         differences += _limits(joint)
-    return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, differences=differences)
+    return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, notes=warned, differences=differences)
 
 
 def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
