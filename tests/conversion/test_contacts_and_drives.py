@@ -266,6 +266,14 @@ def test_only_shapes_that_can_touch_a_wall_first_become_points(tmp_path):
     ]
 
 
+@pytest.mark.parametrize(("own", "warned"), [(0.01, False), (2.0, True)])
+def test_the_speed_from_which_a_limit_acts_on_a_damper_is_told(tmp_path, own, warned):
+    servo = '<velocity joint="a" kv="20" forcerange="-3.15 3.15"/>'
+    _, done = read(tmp_path, arm(a=f'damping="{own}"', rest=drives(servo)))
+    told = f"joint a: the limit of its drives also limits its damper, from {3.15 / (20 + own):.3g} rad/s on"
+    assert told in (done.warnings if warned else done.differs)
+
+
 @pytest.mark.parametrize(
     ("actuators", "limit"),
     [

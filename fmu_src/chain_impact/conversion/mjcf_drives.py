@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, of_joint
+from chain_impact.conversion.differences import NEGLIGIBLE, Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
 # [rad/s] or [m/s] A speed that joints of robots hardly reach. If the limit of the drives acts on the damper
@@ -234,7 +234,7 @@ class Drives:
         self.differences += self._drive_differences(joint, j, drives, stiffness, torque)
         limit = self._limit(joint, j, drives)
         if limit is not None:
-            self._tell_limit(joint, limit)
+            self._tell_limit(joint, limit, stiffness, damping)
         if servo and joint.stiffness > 0.0:
             self._tell_joint(
                 joint, "its spring and its servo become one spring, and the target moves both", Effect.NONE
@@ -282,20 +282,28 @@ class Drives:
     def _tell_joint(self, joint: Joint, text: str, effect: Effect) -> None:
         self.differences.append(of_joint(joint.name, text, effect, differs=True))
 
-    def _tell_limit(self, joint: Joint, limit: float) -> None:
-        """Report, for a joint with spring or damper, that ``limit`` [N·m or N] also limits these in a scene.
+    def _tell_limit(self, joint: Joint, limit: float, stiffness: float, damping: float) -> None:
+        """Report that ``limit`` also limits the joint's own spring and damper in a scene, if it has any.
 
         In MuJoCo, the limit acts on the actuators only.
+
+        Args:
+            joint: the joint as in the file, without its drives.
+            limit: the limit of the torque [N·m] or force [N].
+            stiffness: stiffness of all springs of the joint and its drives together [N·m/rad or N/m].
+            damping: damping coefficient of all their dampers together [N·m·s/rad or N·s/m].
         """
         unit = "m" if joint.kind == "slide" else "rad"
         if joint.stiffness > 0.0:
-            way = f"{limit / joint.stiffness:.3g} {unit}"
+            way = f"{limit / stiffness:.3g} {unit}"
             text = f"the limit of its drives also limits its spring and damper, from {way} on"
             self._tell_joint(joint, text, Effect.MOTION)
         elif joint.damping > 0.0:
-            speed = limit / joint.damping
+            speed = limit / damping
             text = f"the limit of its drives also limits its damper, from {speed:.3g} {unit}/s on"
-            self._tell_joint(joint, text, Effect.MOTION if speed < FAST else Effect.NONE)
+            part = joint.damping / damping  # of the limited torque, the part of the joint's own damper
+            motion = speed < FAST and part > NEGLIGIBLE
+            self._tell_joint(joint, text, Effect.MOTION if motion else Effect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
         """Return the limit of the torque of all drives of a joint together [N·m or N]; None without a limit.

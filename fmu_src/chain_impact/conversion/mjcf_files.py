@@ -40,7 +40,7 @@ class Compiled(NamedTuple):
 def warned_by(mujoco: Any) -> Iterator[list[str]]:
     """Context manager that yields a list, and at its end fills it with notes on MuJoCo's warnings.
 
-    By itself MuJoCo writes a warning to the screen, and to the file MUJOCO_LOG.TXT in the current folder.
+    By itself MuJoCo writes a warning to the screen, and to a file in the current folder.
     """
     previous = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda text: warnings.warn(text, stacklevel=2))
