@@ -30,6 +30,7 @@ RECORDING = (
     "explore/edited_scene.js",
     "explore/map/map_colours.js",
     "explore/map/map_rows.js",
+    "explore/refused_start.js",
     "player/impact_list.js",
     "scene/words.js",
 )

@@ -53,7 +53,7 @@ def test_a_run_that_fails_says_why_and_shows_what_came_before(show):
     assert re.search(told, status.inner_text())
     page.evaluate("chainImpact.show({'initial.y': -3})")
     until_told(page, "cannot start", "status")
-    assert "The simulation cannot start: a contact point starts beyond a wall" in status.inner_text()
+    assert "The simulation cannot start: point 0 starts 3\u202fm beyond the floor." in status.inner_text()
     failed = "chainImpact.simulate({'initial.y': -3}).catch((error) => error.status)"
     assert page.evaluate(failed) == 4
     page.evaluate("chainImpact.show({'initial.y': 1.4})")
@@ -92,8 +92,7 @@ def test_after_a_refusal_the_numbers_of_the_run_before_are_not_shown(show):
     page = show()
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({ 'box.y_min': 1.5 })")
-    until_told(page, "a contact point starts beyond a wall", "status")
-    assert "point 0 at the floor" in page.text_content("#status")
+    until_told(page, "point 0 starts 0.1\u202fm beyond the floor.", "status")
     page.get_by_role("button", name="Undo the change of Position of the floor").wait_for()
     numbers = (
         "#impacts",

@@ -27,6 +27,25 @@ def test_ticks_have_the_digits_that_their_distance_needs(script, first, step, ex
     assert script.evaluate(TICKS, [first, step]) == expected
 
 
+@pytest.mark.parametrize(
+    ("typed", "read"),
+    [
+        ("0,5", "0.5"),
+        (" -12,25 deg", " -12.25 deg"),
+        ("1,5e6", "1.5e6"),
+        (",5", ".5"),
+        ("0,125", "0.125"),
+        ("1,5", "1.5"),
+        ("1,500", "1,500"),
+        ("1,2,3", "1,2,3"),
+        ("0.5", "0.5"),
+        ("hertz", "hertz"),
+    ],
+)
+def test_a_decimal_comma_is_a_point_unless_it_may_be_one_of_thousands(script, typed, read):
+    assert script.evaluate("withPoint", typed) == read
+
+
 def test_an_axis_has_three_to_ten_ticks(script):
     ranges = [
         (low * size, high * size)

@@ -228,7 +228,7 @@ def test_a_run_that_a_scene_would_refuse_has_no_colour(show):
     draw_map(page)
     box = page.locator("#map-canvas").bounding_box()
     assert "; grey runs fail." in page.locator("#map-text").inner_text()
-    refused = re.compile(r"the run fails: wall\.y_min\.static_friction = .* must be ≥\xa0")
+    refused = re.compile(r"the run fails: Static friction at the floor = .* must be ≥\xa0")
     for place, text in ((0.9, "Largest force at a wall = "), (0.1, refused)):
         page.locator("#map-canvas").hover(position={"x": place * box["width"], "y": 0.5 * box["height"]})
         page.locator("#map-text").get_by_text(text).wait_for()

@@ -22,7 +22,7 @@ from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
-from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
+from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS, OF_IMPACT
 from chain_impact.recording import curves, joint_stops, map_colours, pacing, view
 from chain_impact.recording.impacts import LOG_DTYPE
@@ -109,6 +109,7 @@ def shared() -> dict[str, Any]:
             "DERIVED": DERIVED,
             "FRICTION_WITH_RIGID_WALLS": FRICTION_WITH_RIGID_WALLS,
             "PARALLEL": PARALLEL,
+            "STARTS_INSIDE_WALL": STARTS_INSIDE_WALL,
             "STOP_CODES": STOP_CODES,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
         },

@@ -80,7 +80,7 @@ export class ChainDrawing {
     this.numbers = this.drawing.group();
     this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
-    this.above = this.drawing.group(); // the group in front of the chain in which other modules draw
+    this.above = this.drawing.group().addClass("above"); // the group in front of the chain in which other modules draw
     this.linesAbove = () => []; // function that returns the lines in `above`, which labels must not cover
     this.lettersBehind = () => []; // function that returns the positions of letters in `behind`, which labels must not cover
   }

@@ -1,7 +1,7 @@
 // The dialog in which the reader adds and removes links, points, walls and stops, and opens scene files.
 
 import { find, make } from "../base/dom.js";
-import { numberText, readable, unitText } from "../base/format.js";
+import { numberText, readable, unitText, withPoint } from "../base/format.js";
 import { shownIn, valueText } from "../scene/angles.js";
 import { contentsOf } from "../scene/changed_file.js";
 import {
@@ -249,7 +249,7 @@ export class Editor {
     const derived = value === undefined && this.changes.valueOf(name);
     if (Number.isFinite(derived)) field.placeholder = valueText(Number(derived.toPrecision(4)), unit);
     this.#edits.set(name, (file, given) => set(given, file));
-    field.addEventListener("change", () => this.#take(name, field.value.trim()));
+    field.addEventListener("change", () => this.#take(name, withPoint(field.value.trim())));
     field.addEventListener("keydown", (event) => {
       if (event.key !== "Escape" || !this.#refused.has(name)) return;
       event.preventDefault(); // the dialog stays

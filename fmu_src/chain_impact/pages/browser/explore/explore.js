@@ -20,6 +20,7 @@ import { OpenScene } from "./open_scene.js";
 import { outcomeBeside } from "./parameters/outcome.js";
 import { showParameterList } from "./parameters/parameter_list.js";
 import { showMainParameters } from "./parameters/sliders.js";
+import { RefusedStart } from "./refused_start.js";
 import { Simulation } from "./simulation.js";
 import { keepChartsWhole } from "./whole_charts.js";
 
@@ -32,7 +33,8 @@ const player = new Player(1);
 const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
 const showByHand = () => find("by-hand").setAttribute("aria-pressed", handles.areShown);
-player.layers.push(comparedMotions, handles, { draw: showByHand });
+const refusedStart = new RefusedStart(player.drawing);
+player.layers.push(comparedMotions, handles, refusedStart, { draw: showByHand }); // the handles clear what the refused start adds to them
 
 /**
  * Return the parts of the next motion with two views. `ownView` contains this motion alone, `view` also the compared motions of scenes with
@@ -55,7 +57,8 @@ function withSteadyView(next) {
 const beginEngine = () => (window.begun.engines.pop() ?? window.begun.startEngine()).open(changes.scene);
 const choice = new CurveChoice(changes);
 const showOutcome = outcomeBeside(find("main-parameters"));
-const simulation = new Simulation(beginEngine, changes, choice, (parts, about) => {
+const simulation = new Simulation(beginEngine, changes, choice, (parts, about, overlap) => {
+  refusedStart.overlap = overlap;
   document.querySelector("footer").inert = !parts && Boolean(player.recording);
   if (parts) {
     player.show(Object.assign(new Recording(withSteadyView(parts)), about));

@@ -4,7 +4,7 @@
 import { isCrossed } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";
 import { edgeBefore, edgesOf } from "../recording/free_region.js";
-import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
+import { sitesAt, startOf, wallsAt } from "../scene/geometry.js";
 import { boxWallText } from "../scene/words.js";
 import { SPOKEN, valueTextOf, writeAt } from "./handle_text.js";
 
@@ -63,12 +63,12 @@ export class Handles {
   get #start() {
     // a base that a signal drives does not have the position of the parameters, but that at the start of the shown motion
     const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
-    const base = isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")];
-    const numbers = Array.from({ length: this.changes.scene.links }, (_, k) => k + 1);
-    const positions = pointsOf(base, numbers.map((link) => [this.#value(`link[${link}].length`), this.#value(`initial.angle[${link}]`)]));
+    const base = isDriven ? this.player.recording.pointAt(0, 0) : undefined;
+    const positions = startOf(this.changes.scene, this.changes.valueOf, base);
     const sliding = this.#line?.map((component) => component * this.#value(SLIDER_VELOCITY));
     const velocity = [sliding ?? [this.#value("initial.vx"), this.#value("initial.vy")]];
-    numbers.forEach((link) => {
+    positions.slice(1).forEach((_, k) => {
+      const link = k + 1;
       const rate = this.#value(`initial.angular_velocity[${link}]`);
       const [x, y] = vectorTo(positions[link - 1], positions[link]);
       velocity.push([velocity.at(-1)[0] - rate * y, velocity.at(-1)[1] + rate * x]);
@@ -190,15 +190,9 @@ export class Handles {
 
   /** Return the points of links that the reader can move, all but corners of boxes, with their positions at the start [m]. */
   #sites(positions) {
-    const { scene } = this.changes;
-    return scene.sites.flatMap((site, s) => {
-      if (site.corner) return [];
-      const [x, y] = discOf(site, (name) => this.#value(name));
-      const angle = this.#value(`initial.angle[${site.link + 1}]`);
-      const [c, sin] = [Math.cos(angle), Math.sin(angle)];
-      const [x0, y0] = positions[site.link];
-      return [{ number: scene.links + 1 + s, site, at: [x0 + c * x - sin * y, y0 + sin * x + c * y] }];
-    });
+    const { links, sites } = this.changes.scene;
+    const all = sitesAt(positions, sites, (name) => this.#value(name));
+    return sites.flatMap((site, s) => (site.corner ? [] : [{ number: links + 1 + s, site, at: all[s] }]));
   }
 
   /**

@@ -4,9 +4,10 @@ import { find, make } from "../base/dom.js";
 import { readable, textWithUnit } from "../base/format.js";
 import { ALL_DIGITS, DEGREE_DIGITS } from "../scene/angles.js";
 import { withBoxWalls } from "../scene/words.js";
-import { faultText, stopText } from "./console.js";
+import { stopText } from "./console.js";
 import { markFailing, presentlyShown } from "./parameters/parameter_fields.js";
-import { wordsFor } from "./parameters/sliders.js";
+import { withControls, wordsFor } from "./parameters/main_parameters.js";
+import { overlapOf, startText } from "./refused_start.js";
 
 const WAITING = 120; // [ms] after this computing time, the motion that is still shown becomes pale
 // [ms] a run may take this long before the next change ends it, so that a slider shows its effect while it is dragged
@@ -21,8 +22,8 @@ export class Simulation {
   #notice = ""; // the sentence on a fault in the address, which is shown until something changes
 
   /**
-   * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show(parts, about)` shows the
-   * parts of a motion (null if there is none). `about` has the scene, the changes `values` and `inputSteps`, and the same changes in words
+   * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show(parts, about, overlap)`
+   * shows the parts of a motion (null if there is none) or, for a refused start, the result of `overlapOf`. `about` has the scene, the changes `values` and `inputSteps`, and the same changes in words
    * (`changed`): words for a parameter → text of its value.
    */
   constructor(beginEngine, changes, choice, show) {
@@ -75,9 +76,11 @@ export class Simulation {
     this.#status = result.status;
     this.#sentence = result.fault ?? this.faultOf(result, result.parts);
     this.#tell();
-    const suspects = result.parts || result.fault ? [] : this.#newNames();
-    if (suspects.length === 1) markFailing(suspects[0], this.#inWords(faultText(result, scene)));
-    this.show(result.parts, { changed, scene, values, inputSteps });
+    const isRefused = !result.parts && !result.fault;
+    const overlap = isRefused ? this.#overlapOf(result, values) : undefined;
+    const suspects = isRefused ? this.#newNames() : [];
+    if (suspects.length === 1) markFailing(suspects[0], this.#inWords(startText(result, scene, overlap)));
+    this.show(result.parts, { changed, scene, values, inputSteps }, overlap);
     if (this.#nextRun) this.soon();
     else find("stage").ariaBusy = "false";
   }
@@ -113,11 +116,16 @@ export class Simulation {
   faultOf(run, hasMotion) {
     const { scene } = this.changes;
     if (run.status === 0) return "";
-    return this.#inWords(hasMotion ? `The simulation ${stopText(run, scene)}.` : `The simulation cannot start: ${faultText(run, scene)}.`);
+    const why = hasMotion ? stopText(run, scene) : `cannot start: ${startText(run, scene, this.#overlapOf(run))}`;
+    return this.#inWords(`The simulation ${why}.`);
+  }
+
+  #overlapOf(run, values = this.changes.values) {
+    return overlapOf(run, this.changes.scene, (name) => this.changes.valueOf(name, values));
   }
 
   #inWords(sentence) {
-    return withBoxWalls(sentence, this.changes.valueOf);
+    return withControls(withBoxWalls(sentence, this.changes.valueOf), this.changes);
   }
 
   /** Show a sentence on a fault in the address, `notice`, until something changes. */

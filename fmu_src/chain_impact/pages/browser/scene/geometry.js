@@ -53,6 +53,29 @@ export function pointsOf(base, links) {
   }, [base]);
 }
 
+/** Return the positions [m] of the base and of the end of each link at the start; `base`: position of the base, if no parameters set it. */
+export function startOf({ links }, valueOf, base = [valueOf("initial.x") ?? 0, valueOf("initial.y") ?? 0]) {
+  const numbers = Array.from({ length: links }, (_, k) => k + 1);
+  return pointsOf(base, numbers.map((link) => [valueOf(`link[${link}].length`), valueOf(`initial.angle[${link}]`)]));
+}
+
+/** Return the positions [m] of the points of links at the start; `positions`: those of the base and of the end of each link. */
+export function sitesAt(positions, sites, valueOf) {
+  return sites.map((site) => {
+    const [x, y] = discOf(site, valueOf);
+    const angle = valueOf(`initial.angle[${site.link + 1}]`);
+    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+    const [x0, y0] = positions[site.link];
+    return [x0 + cos * x - sin * y, y0 + sin * x + cos * y];
+  });
+}
+
+/** Return the radius [m] of the point with a number, which is the end of a link or a point of one. */
+export function radiusOf({ sites, links }, valueOf, point) {
+  const site = sites[point - links - 1];
+  return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;
+}
+
 /** Return name of a wall → unit normal and offset [m] of its free side n·p ≥ offset, for the present parameters. */
 export function wallsAt(scene, valueOf) {
   const sides = Object.entries(scene.walls).map(([name, wall]) => {

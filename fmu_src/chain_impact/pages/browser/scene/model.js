@@ -125,6 +125,7 @@ export function describe(kit, file, command) {
     sites,
     sliderStops: structure.sliderStops,
     pointNames,
+    pairs: structure.pairs.map(([point, wall]) => [point, wallNames[wall]]),
     contactPoints: [...new Set(structure.pairs.map(([point]) => point))],
     record,
     layout: wordIndices(kit.layout, known),

@@ -6,7 +6,7 @@ import { framesOf, impactsUntil, timesOf } from "../recording/frames.js";
 import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
 import { ballOf, sizeOf, VIEW } from "../recording/view.js";
-import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
+import { pointText, radiusOf, STOPS, wallsAt } from "../scene/geometry.js";
 import { boxWallText, inputText } from "../scene/words.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./bodies.js";
@@ -48,12 +48,6 @@ function rangesOf(scene, valueOf) {
     const to = Math.min(high ?? low + SHARED.jointStops.OPEN, from + 2 * Math.PI);
     return { joint, arc: [from, to], marks: [low, high].filter((end) => end !== undefined) };
   });
-}
-
-/** Return the radius [m] of the point with a number, which is the end of a link or a point of one. */
-function radiusOf({ sites, links }, valueOf, point) {
-  const site = sites[point - links - 1];
-  return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;
 }
 
 /**

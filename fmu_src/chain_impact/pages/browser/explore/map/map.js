@@ -3,7 +3,7 @@
 import { find } from "../../base/dom.js";
 import { numberText, readable, textWithUnit } from "../../base/format.js";
 import { presentlyShown } from "../parameters/parameter_fields.js";
-import { mainParametersOf, wordsFor } from "../parameters/sliders.js";
+import { mainParametersOf, withControls, wordsFor } from "../parameters/main_parameters.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
 import { connectFiles } from "./map_files.js";
@@ -281,7 +281,7 @@ export class GridMap {
       this.changes.with(valuesAt(this.shown, index), this.shown.values);
       return "";
     } catch (error) {
-      return error.message;
+      return withControls(error.message, this.changes);
     }
   }
 

@@ -1,6 +1,6 @@
 // The outputs that a map can show.
 
-import { idleLaw } from "../parameters/sliders.js";
+import { idleLaw } from "../parameters/main_parameters.js";
 
 // a map first shows the first of these outputs that the scene has and no rigid law leaves unknown (`rigidLaw`)
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];

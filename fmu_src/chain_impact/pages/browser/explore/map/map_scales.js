@@ -1,8 +1,9 @@
 // The scales of a map: ranges and ticks of the axes, titles and units of parameters and outputs.
 
+import { withPoint } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
 import { shownIn, shownUpTo } from "../../scene/angles.js";
-import { MAIN_PARAMETERS } from "../parameters/sliders.js";
+import { MAIN_PARAMETERS } from "../parameters/main_parameters.js";
 
 /** Return whether the axis of a parameter is logarithmic, as the parameter's entry in MAIN_PARAMETERS says. */
 export function isLogarithmic(name) {
@@ -27,7 +28,7 @@ export function rangeOf({ name, low, high }, value) {
  */
 export function limitOf(changes, name, field, words) {
   const { factor } = shownIn(changes.parameters.get(name));
-  const text = field.value;
+  const text = withPoint(field.value);
   const isShown = factor !== 1 && text.trim() !== "" && Number.isFinite(Number(text));
   try {
     return changes.numberOf(name, isShown ? Number(text) / factor : text);

@@ -1,8 +1,9 @@
 // The fields for values of parameters. Each shows why a value is refused, and has a button that restores the scene's value.
 
 import { make } from "../../base/dom.js";
-import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
+import { raised, readable, unitOfPower, unitText, withPoint } from "../../base/format.js";
 import { shortText, shownIn, valueText } from "../../scene/angles.js";
+import { withControls } from "./main_parameters.js";
 
 /** Remove the marks of a refused and of a failing value from a field. */
 function release(field) {
@@ -11,14 +12,16 @@ function release(field) {
 }
 
 /**
- * Call the function `change`; if it throws an error, because it refuses the field's value, mark the field, and show the reason in its row.
+ * Call the function `change`; if it throws an error, because it refuses the field's value, mark the field, and show the reason in its row,
+ * with the words of controls. `changes`: those of the scene that the field belongs to.
  */
-export function attempt(field, change) {
+export function attempt(changes, field, change) {
   try {
     release(field);
     change();
   } catch (error) {
-    field.setCustomValidity(error.message);
+    const advice = /\d,\d/.test(field.value) ? "; the decimal sign is a point" : "";
+    field.setCustomValidity(withControls(error.message, changes) + advice);
   }
   const row = field.closest(".main-parameter, .parameter");
   explain(row);
@@ -78,7 +81,7 @@ export function valueField(changes, parameter) {
   field.title = readable(`${name}: ${text}; ${allowed}${derived?.text ?? ""}`);
   field.setAttribute("aria-label", name);
   field.dataset.parameter = name;
-  field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
+  field.addEventListener("change", () => attempt(changes, field, () => changes.set({ [name]: withPoint(field.value) })));
   const isActive = () => document.activeElement === field;
   let written;
   const write = (value = written) => {
@@ -92,7 +95,7 @@ export function valueField(changes, parameter) {
     rewrite();
     if (isWhole) field.select();
   });
-  field.addEventListener("keydown", ({ key }) => key === "Escape" && attempt(field, () => write()));
+  field.addEventListener("keydown", ({ key }) => key === "Escape" && attempt(changes, field, () => write()));
   const refresh = () => {
     if (!isActive() || items.length || field.dataset.fails) release(field);
     if (field.checkValidity()) write(changes.valueOf(name));
@@ -103,6 +106,6 @@ export function valueField(changes, parameter) {
 export function resetButton(changes, name, field) {
   const button = make("button", { type: "button", className: "reset", textContent: "↺", title: `As in the scene: ${name}` });
   button.setAttribute("aria-label", `Reset ${name}`);
-  button.addEventListener("click", () => attempt(field, () => changes.reset(name)));
+  button.addEventListener("click", () => attempt(changes, field, () => changes.reset(name)));
   return button;
 }

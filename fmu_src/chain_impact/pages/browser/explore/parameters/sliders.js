@@ -2,29 +2,10 @@
 
 import { make } from "../../base/dom.js";
 import { numberText, readable } from "../../base/format.js";
-import { boxWallText, inputText, parameterText, signalText } from "../../scene/words.js";
+import { idleLaw, lawOf, mainParametersOf, signalSliders } from "./main_parameters.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
-/**
- * The main parameters, each with a name, a label, and the ends of its slider: `ends` (exponents of ten on a logarithmic slider); or the
- * nearest powers of ten that are at least `decades` powers below and above the scene's value; or 0 and `spread` times this value. A
- * parameter without any of these is a choice, or has no slider.
- */
-export const MAIN_PARAMETERS = [
-  { name: "contact.model", label: "Contact law" },
-  { name: "contact.stiffness", label: "Stiffness", logarithmic: true, decades: 3 },
-  { name: "contact.restitution", label: "Restitution", ends: [0, 1] },
-  { name: "contact.friction", label: "Friction", ends: [0, 1.5] },
-  { name: "contact.static_friction", label: "Static friction", ends: [0, 1.5] },
-  { name: "stop.stiffness", label: "Stiffness of stops", logarithmic: true, decades: 3 },
-  { name: "stop.restitution", label: "Restitution of stops", ends: [0, 1] },
-  { name: "gravity.y", label: "Gravity, y", ends: [-20, 20] },
-  { name: "solver.tolerance", label: "Solver tolerance", logarithmic: true, isListed: true }, // it has no slider
-  { name: "simulation.stop_time", label: "Stop time", spread: 3 },
-];
 const STEPS = 400; // number of steps from one end of a slider to the other
-// keys of a signal whose default is 0: such a key has a slider only if the signal gives another value
-const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
 /**
  * Return two functions for the slider of an entry (`MAIN_PARAMETERS`): `toValue`, from its position (0 to 1) to the value of the parameter,
@@ -97,23 +78,6 @@ function mainParameter(changes, entry, now) {
   } };
 }
 
-/**
- * Return the name of the law of walls or, if `ofStops`, of stops of joints, if this law does not use the number `key`: an impulse needs no
- * stiffness, and a law without losses no restitution; "" if the law uses the number.
- */
-export function idleLaw(changes, key, ofStops) {
-  const law = lawOf(changes, ofStops);
-  const fact = { stiffness: "impulsive", restitution: "lossless" }[key];
-  return SHARED.laws[law]?.[fact] ? law : "";
-}
-
-/** Return the name of the present law of walls or, if `ofStops`, of stops of joints. */
-function lawOf(changes, ofStops) {
-  const { contact, stops } = changes.scene.file;
-  const model = changes.parameters.get("contact.model");
-  return (ofStops && stops.model) || (model?.items[changes.valueOf(model.name) - 1]?.[0] ?? contact.model);
-}
-
 /** Return the least value that the slider of a parameter may set: above 0 if the slider begins at 0 and 0 is not allowed, else −∞. */
 function leastOf(changes, { name, spread }) {
   if (spread) return rounded(changes.starts[name] / 100);
@@ -154,8 +118,8 @@ function slider(changes, entry, { field, write, now, unit }) {
     const { isPlaying, time } = now();
     const from = Number(time.toFixed(6));
     isDragged = true;
-    if (entry.isInput && isPlaying && from > 0) attempt(element, () => changes.setFrom(name, value, from));
-    else attempt(element, () => changes.set({ [name]: Math.max(value, leastOf(changes, entry)) }));
+    if (entry.isInput && isPlaying && from > 0) attempt(changes, element, () => changes.setFrom(name, value, from));
+    else attempt(changes, element, () => changes.set({ [name]: Math.max(value, leastOf(changes, entry)) }));
   });
   // dragging a slider back to its first value causes no event `change`, so other events end the drag, too
   ["change", "pointerup", "pointercancel"].forEach((end) => element.addEventListener(end, () => {
@@ -175,88 +139,6 @@ function slider(changes, entry, { field, write, now, unit }) {
     element.setCustomValidity("");
     follow();
   } };
-}
-
-/**
- * Return the entries for sliders of the inputs, each from −x to x. The unit decides x: weight of the chain [N], weight times length [N·m],
- * half a turn [rad], 10 rad/s, length of the chain [m], speed after a fall through this length [m/s]; 1 for any other unit. Weight and
- * fall are those at 10 m/s² for any gravity.
- */
-function inputSliders({ scene, starts, valueOf }) {
-  const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
-  const [weight, length] = [10 * sum("mass"), sum("length")]; // weight [N] and length [m] of the chain
-  const ends = { "N.m": weight * length, N: weight, rad: Math.PI, "rad/s": 10, m: length, "m/s": Math.sqrt(2 * 10 * length) };
-  return scene.inputs.map((name) => {
-    const { unit } = scene.parameters.find((parameter) => parameter.name === name);
-    const end = Number((ends[unit] ?? 1).toPrecision(3));
-    return { name, get label() { return inputText(name, valueOf); }, ends: [-end, end], isInput: true };
-  });
-}
-
-/**
- * Return the ends of the slider for a number of a signal, which follow from its key, its value in the scene, similar numbers of the signal
- * (`beside`), and the stop time [s].
- */
-function endsOfSignal(key, value, beside, stop) {
-  if (key === "phase") return [-Math.PI, Math.PI];
-  if (["start", "rise", "duration", "time"].includes(key)) return [0, Math.max(stop, 2 * value)];
-  if (key === "frequency" && value > 0) return [0, 3 * value];
-  const size = Math.max(...beside.map(Math.abs)) || 1;
-  return key === "frequency_rate" ? [-size / stop, size / stop] : [key === "amplitude" ? 0 : -2 * size, 2 * size];
-}
-
-/**
- * Return the entries for sliders of the signals' numbers. A number has no slider if its default and its value in the scene are 0; the list
- * of all parameters has it.
- */
-function signalSliders({ scene, starts }) {
-  const parts = scene.parameters.flatMap(({ name }) => {
-    const [, signal, all, key] = /^signal\.([^.]+)\.((\w+).*)$/.exec(name) ?? [];
-    return signal ? [{ name, signal, label: signalText(signal, all), key, value: starts[name] }] : [];
-  });
-  const alike = (key) =>
-    (["frequency", "frequency_rate"].includes(key) ? ["frequency"] : ["value", "mean", "amplitude", "initial", "final"]);
-  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, label, key, value }) => {
-    const beside = parts.filter((other) => other.signal === signal && alike(key).includes(other.key)).map((other) => other.value);
-    return { name, label, ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
-  });
-}
-
-/**
- * Return the entries, like those of `MAIN_PARAMETERS`, for the sliders of the scene's main parameters and inputs. A wall with its own
- * friction or restitution has entries of its own; if all walls have, the entry of the common value is left out.
- */
-export function mainParametersOf(changes) {
-  const { parameters, scene } = changes;
-  const walls = Object.keys(scene.walls);
-  return MAIN_PARAMETERS.flatMap((entry) => {
-    const [, key] = /^contact\.(friction|static_friction|restitution)$/.exec(entry.name) ?? [];
-    const ofWalls = key ? walls.filter((wall) => parameters.has(`wall.${wall}.${key}`)) : [];
-    const common = ofWalls.length > 0 && ofWalls.length === walls.length ? [] : [entry];
-    return [...common, ...ofWalls.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, get label() {
-      const words = boxWallText(wall, changes.valueOf); // the words change with gravity
-      return `${entry.label} at ${words ? `the ${words}` : wall}`;
-    } }))];
-  }).filter(({ name }) => parameters.has(name)).concat(startSlider(changes), inputSliders(changes));
-}
-
-/** Return a list with the slider for the start: height y of a free base, ± the larger of chain length and |y|; else angle of link 1. */
-function startSlider({ scene: { links, file }, starts }) {
-  const { "initial.y": y, "initial.angle[1]": angle } = starts;
-  const length = Array.from({ length: links }, (_, k) => starts[`link[${k + 1}].length`]).reduce((a, b) => a + b, 0);
-  const reach = Number(Math.max(length, Math.abs(y)).toPrecision(2));
-  if (file.chain.base === "free" && y !== undefined) return [{ name: "initial.y", label: "Initial height", ends: [y - reach, y + reach] }];
-  return angle === undefined ? [] : [{ name: "initial.angle[1]", label: "Initial angle of link\u00a01", ends: [-Math.PI, Math.PI] }];
-}
-
-/** Return a function from the name of a parameter of the scene to its words: those of its slider, or else words made from the name. */
-export function wordsFor(changes) {
-  const labels = new Map(mainParametersOf(changes).map(({ name, label }) => [name, label]));
-  return (name) => {
-    const [, signal, key] = /^signal\.([^.]+)\.(.+)$/.exec(name) ?? [];
-    const wall = boxWallText(name.replace(/^box\./, ""), changes.valueOf);
-    return labels.get(name) ?? (signal ? signalText(signal, key) : wall ? `Position of the ${wall}` : parameterText(name));
-  };
 }
 
 /**

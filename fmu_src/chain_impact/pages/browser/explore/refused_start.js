@@ -1,0 +1,55 @@
+// The start that the solver refuses because a point lies beyond a wall: how far, in words, and in the drawing.
+
+import { textWithUnit } from "../base/format.js";
+import { edgesOf } from "../recording/free_region.js";
+import { shownUpTo } from "../scene/angles.js";
+import { radiusOf, sitesAt, startOf, wallsAt } from "../scene/geometry.js";
+import { faultText } from "./console.js";
+
+const BEYOND_RING = 20; // [pixels] diameter of the ring around the point
+// inputs whose signals move walls, or the base, away from where the parameters put them
+const MOVES = /^(base|wall)\./;
+
+/**
+ * Return the point that starts beyond a wall, for the `status` and the `part` of a run: the point's position (`at`), the `positions` of base
+ * and link ends [m], the `wall` with its free side, and `depth` [m], the distance beyond the wall. The result is undefined for any other
+ * fault, and if signals move base or walls. `valueOf`: function from the name of a parameter to its value in the run.
+ */
+export function overlapOf({ status, part }, scene, valueOf) {
+  const [point, name] = scene.pairs[part - 1] ?? [];
+  const isMoved = scene.driven.some((input) => MOVES.test(input.name));
+  if (status !== SHARED.kernel.STARTS_INSIDE_WALL || !name || isMoved) return undefined;
+  const positions = startOf(scene, valueOf);
+  const at = [...positions, ...sitesAt(positions, scene.sites, valueOf)][point];
+  const wall = wallsAt(scene, valueOf)[name];
+  const depth = radiusOf(scene, valueOf, point) + wall.offset - wall.normal[0] * at[0] - wall.normal[1] * at[1];
+  return { at, positions, wall, depth };
+}
+
+/** Return words for the fault of a run that cannot start; for a part beyond a wall or stop which part, which wall or stop, and how far. */
+export function startText(run, scene, overlap) {
+  const words = scene.partsInWords[run.part - 1];
+  if (run.status !== SHARED.kernel.STARTS_INSIDE_WALL || !words) return faultText(run, scene);
+  const far = overlap ? `${textWithUnit(overlap.depth, shownUpTo({ unit: "m" }, overlap.depth), 2)} ` : "";
+  return words.replace(/ at (?=(?:its|the wall) \w+$)/, ` starts ${far}beyond `);
+}
+
+/** A layer of the player, which draws the refused start in front of the last motion. */
+export class RefusedStart {
+  overlap = undefined; // the result of `overlapOf` for the last run
+
+  constructor(drawing) {
+    this.drawing = drawing;
+  }
+
+  /** Draw the chain at the refused start, the wall and a ring around the point beyond it; nothing if there is no refused start. */
+  draw() {
+    if (!this.overlap) return;
+    const { at, positions, wall } = this.overlap;
+    const { above, camera } = this.drawing;
+    const screen = (points) => points.map((point) => camera.toScreen(...point));
+    edgesOf({ wall }, "wall", camera.rectangle).forEach((ends) => above.polyline(screen(ends)).addClass("refused").fill("none"));
+    above.polyline(screen(positions)).addClass("pose").fill("none");
+    above.circle(BEYOND_RING).center(...camera.toScreen(...at)).addClass("refused").fill("none");
+  }
+}

@@ -1,0 +1,102 @@
+"""A start that the solver refuses: the sentence, its place in the drawing, and the names in refusals."""
+
+# Tests: pages/browser/explore/refused_start.js, pages/browser/explore/parameters/main_parameters.js
+
+import numpy as np
+import pytest
+
+from chain_impact import SceneError, load_scene, simulate
+from tests.pages.in_pages import DESK, PHONE, enter, go_to, impacts_of, page_contents, until, until_told
+from tests.pages.javascript import function_of
+from tests.tiers import needs_browser
+
+MIDDLE = """(one) => { const box = one.getBoundingClientRect();
+  return [box.x + box.width / 2, box.y + box.height / 2]; }"""
+
+
+DEPTHS = function_of("refused_start", "depths")
+"""Each wall that a point may touch, and the distance [m] of the point beyond it at the start."""
+TOLD = function_of("refused_start", "told")
+
+
+def starts_of(model):
+    """Return the coordinates [x, y] of base and link ends of a model at the start."""
+    run = simulate(load_scene(model).with_values({"simulation.stop_time": 1e-3}))
+    return np.array(
+        [[run[f"point[{k}].{axis}"][0] for axis in "xy"] for k in range(len(run.scene.chain.links) + 1)]
+    )
+
+
+@needs_browser
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_the_wall_is_dashed_and_the_point_beyond_it_has_a_ring(show, size):
+    page = show(viewport=size)
+    go_to(page, 0.3)
+    wall = starts_of("four_link_box")[4, 0] - 0.012
+    page.evaluate("x => chainImpact.show({'box.x_max': x})", wall)
+    told = "The simulation cannot start: point 4 starts 12\u202fmm beyond the right wall."
+    until_told(page, told, "status")
+    refused = page.locator("#scene .refused")
+    assert refused.count() == 2
+    line, ring = (refused.nth(k).evaluate(MIDDLE) for k in (0, 1))
+    tip = page.locator("#scene .pose").evaluate("one => one.points[4].x - one.points[3].x")
+    assert tip > 0.0
+    scale = tip / (starts_of("four_link_box")[4, 0] - starts_of("four_link_box")[3, 0])
+    assert ring[0] - line[0] == pytest.approx(0.012 * scale, abs=1.0)
+    assert refused.first.evaluate("one => getComputedStyle(one).strokeDasharray") != "none"
+    pale = "one => Number(getComputedStyle(one.parentNode).opacity)"
+    assert page.locator("#scene .pose").evaluate(pale) == 1.0
+    assert page.locator("#scene .link").first.evaluate(pale) == 0.45
+    page.get_by_role("button", name="Undo the change of Position of the right wall").click()
+    until(page, "document.querySelectorAll('#scene .refused').length === 0")
+
+
+@needs_browser
+def test_refusals_have_the_words_of_controls_and_take_a_decimal_comma(show):
+    page = show()
+    field = enter(page, "contact.restitution", "2")
+    refusal = page.locator(".main-parameter .refusal").filter(has_text="Not taken")
+    assert refusal.inner_text().startswith("Not taken: Restitution = 2 must be a finite number")
+    enter(page, "contact.restitution", "0,5")
+    until_told(page, impacts_of({"contact.restitution": 0.5}))
+    field.blur()
+    assert (field.input_value(), refusal.count()) == ("0.5", 0)
+    enter(page, "simulation.stop_time", "1,500")
+    assert refusal.inner_text().endswith("; the decimal sign is a point.")
+    page.evaluate("chainImpact.show({'solver.work_limit': 2000})")
+    until_told(page, "raise Work limit of solver, loosen Solver tolerance, or lower Stiffness", "status")
+
+
+@pytest.mark.parametrize(
+    ("model", "key", "slope"),
+    [("hopper", "box.y_min", 1.0), ("thrown_pole", "box.y_min", 1.0), ("thrown_brick", "box.y_min", 1.0),
+     ("ramp", "wall.ramp.y", 0.8)],
+)  # fmt: skip
+def test_a_wall_may_be_moved_to_the_nearest_point_and_not_further(script, model, key, slope):
+    scene = load_scene(model)
+    name = key.split(".")[1]
+    start = scene.values[key]
+
+    def deepest(value):
+        given = {"contents": page_contents(scene), "values": {key: value}}
+        return max(depth for wall, depth in script.evaluate(DEPTHS, given) if wall == name)
+
+    room = -deepest(start) / slope
+    assert room > 0.0
+    assert deepest(start + room) == pytest.approx(0.0, abs=1e-12)
+    scene.with_values({key: start + room - 1e-6})
+    with pytest.raises(SceneError, match=f"deep in the wall {name}"):
+        scene.with_values({key: start + room + 1e-6})
+
+
+@pytest.mark.parametrize(
+    ("model", "part", "told"),
+    [
+        ("kneed_leg", "joint 3 at its joint_max", "joint 3 starts beyond its joint_max"),
+        ("cart_pole", "the slider at its slider_min", "the slider starts beyond its slider_min"),
+        ("cart_pole", "joint 1", "joint 1"),
+    ],
+)
+def test_stops_are_named_without_a_distance(script, model, part, told):
+    given = {"contents": page_contents(load_scene(model)), "part": part}
+    assert script.evaluate(TOLD, given) == told
