@@ -23,7 +23,7 @@ def test_angles_in_degrees_are_taken_in_every_field(show):
     assert float(page.evaluate(shown)) == pytest.approx(math.radians(20.0), rel=1e-15)
     page.locator("#list-of-parameters summary").click()
     for name, text in (("initial.angle[1]", "-30deg"), ("initial.angular_velocity[1]", "90 deg/s")):
-        field = page.locator(f"#list-of-parameters input[aria-label='{name}']")
+        field = page.locator(f"#list-of-parameters input[data-parameter='{name}']")
         field.fill(text)
         field.press("Enter")
         number = math.radians(float(re.match(r"-?\d+", text)[0]))

@@ -232,6 +232,54 @@ def test_the_list_has_every_parameter_and_is_searched(show):
     assert page.get_by_text("No parameter has such a name.").is_visible()
 
 
+@pytest.mark.parametrize(
+    ("typed", "found"),
+    [
+        ("initial height", {"initial.y"}),
+        ("mass of link 2", {f"link[2].{key}" for key in ("mass", "center_of_mass", "inertia")}),
+        ("link[2].mass", {"link[2].mass"}),
+        ("position right wall", {"box.x_max"}),
+        ("Contact LAW", {"contact.model"}),
+    ],
+)
+def test_words_and_keys_find_a_parameter(show, typed, found):
+    page = show()
+    page.get_by_text("All parameters").click()
+    page.get_by_role("searchbox").fill(typed)
+    seen = page.locator(".parameter:visible .key")
+    assert found <= {key.replace("\u200b", "") for key in seen.all_inner_texts()}
+    assert seen.count() < 4
+
+
+def test_the_list_has_groups_with_titles_and_the_changed_ones_first(show):
+    page = show("pinned_arm", hash_="#link[2].mass=2")
+    page.get_by_text("All parameters").click()
+    titles = page.locator(".parameters h2:visible")
+    expected = [
+        "Changed",
+        "Gravity",
+        "Link 1",
+        "Link 2",
+        "Box",
+        "Contact",
+        "Start",
+        "Solver",
+        "Inputs",
+        "Simulation",
+    ]
+    assert titles.all_inner_texts() == expected
+    names = "one => [...one.parentNode.querySelectorAll('.parameter-name')].map((name) => name.textContent)"
+    assert titles.first.evaluate(names) == ["Mass of link 2 link[2].\u200bmass"]
+    assert titles.nth(2).evaluate(names)[:2] == ["Length link[1].\u200blength", "Mass link[1].\u200bmass"]
+    page.get_by_role("searchbox").fill("radius")
+    assert titles.all_inner_texts() == ["Contact"]
+    page.get_by_role("searchbox").fill("radus of contact")
+    nearest = "No parameter has such a name; the nearest is Radius of contact."
+    assert page.locator(".nothing").first.inner_text() == nearest
+    page.get_by_role("button", name="Reset all").click()
+    until(page, "document.querySelector('.parameters h2').checkVisibility() === false")
+
+
 def test_a_choice_that_is_none_is_answered_with_names(show):
     with pytest.raises(Exception, match=r"contact.model = foo must be one of hertz, hunt_crossley"):
         show().evaluate("chainImpact.show({ 'contact.model': 'foo' })")
@@ -322,7 +370,7 @@ def test_an_empty_field_and_a_wrong_word_for_degrees_are_told(show):
         ("contact.restitution", "", "Restitution is empty"),
         ("initial.angle[1]", "45 grad", '"90 deg"'),
     ):
-        field = page.locator(f"#list-of-parameters input[aria-label='{name}']")
+        field = page.locator(f"#list-of-parameters input[data-parameter='{name}']")
         field.fill(text)
         field.press("Enter")
         assert told in page.locator(".parameter .refusal:not(:empty)").last.inner_text()
@@ -366,7 +414,7 @@ def test_the_field_of_a_value_with_which_the_run_fails_tells_why(show):
 def test_typing_after_tab_replaces_a_rounded_angle(show):
     page = show()
     page.locator("#list-of-parameters summary").click()
-    field = page.locator("#list-of-parameters input[aria-label='initial.angle[1]']")
+    field = page.locator("#list-of-parameters input[data-parameter='initial.angle[1]']")
     page.get_by_role("searchbox").fill("initial.angle[1]")
     for _ in range(20):
         page.keyboard.press("Tab")

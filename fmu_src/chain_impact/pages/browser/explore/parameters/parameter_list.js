@@ -3,22 +3,33 @@
 import { make } from "../../base/dom.js";
 import { breakable, readable } from "../../base/format.js";
 import { nearestText } from "../../base/similar_names.js";
+import { capitalized } from "../../scene/words.js";
+import { wordsFor } from "./main_parameters.js";
 import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
+const CHANGED = "Changed"; // the title of the group of changed parameters, which comes first
+// first part of a name → title of the group of such parameters, if it is not this part with a capital letter
+const GROUP_TITLES = { initial: "Start", stop: "Stops", tip: "Inputs", base: "Inputs", joint: "Inputs" };
+
 /**
- * Fill the list of all parameters, the element `details`, when the reader first opens it for a scene. Its field `search` keeps only the
- * parameters for which each word in the field is in the name or in the meaning. Its title tells the number of changed parameters, which
- * come first.
+ * Fill the list of all parameters, the element `details`, when the reader first opens it for a scene. The parameters are in groups with
+ * titles. The field `search` keeps only the parameters for which each word in the field is in the name, in the words for the parameter or
+ * in the meaning. The title of the list tells the number of changed parameters.
  */
 export function showParameterList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
   const count = details.querySelector("summary span");
   let [rows, first] = []; // first: the names of the changed parameters, as the list is sorted
   const refreshRows = () => {
-    rows.forEach((row) => row.refresh());
+    const wordsOf = wordsFor(changes);
+    rows.forEach((row) => row.refresh(wordsOf(row.name)));
     const changed = changes.scene.parameters.map(({ name }) => name).filter((name) => changes.isChanged(name)).join();
     if (changed === first || body.contains(document.activeElement)) return; // a row with the focus stays in its place
-    body.append(...rows.toSorted((a, b) => changes.isChanged(b.name) - changes.isChanged(a.name)).map(({ row }) => row));
+    const groupOf = ({ name }) => (changes.isChanged(name) ? CHANGED : groupTitle(name));
+    const titles = [...new Set([CHANGED, ...rows.map(groupOf)])];
+    body.replaceChildren(...titles.map((title) =>
+      make("div", {}, make("h2", { textContent: title }), ...rows.filter((row) => groupOf(row) === title).map(({ row }) => row))));
+    filter();
     first = changed;
   };
   const refresh = () => {
@@ -27,21 +38,22 @@ export function showParameterList(details, changes) {
   };
   const filter = () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    rows.forEach(({ row, text }) => {
-      row.hidden = !words.every((word) => text.includes(word));
+    rows.forEach(({ row, texts }) => {
+      row.hidden = !words.every((word) => texts.some((text) => text.toLowerCase().includes(word)));
+    });
+    [...body.children].forEach((group) => {
+      group.hidden = !group.querySelector(".parameter:not([hidden])");
     });
     const nothing = details.querySelector(".nothing");
     nothing.hidden = rows.some(({ row }) => !row.hidden);
-    const near = nothing.hidden ? "" : nearestText(search.value.trim(), rows.map(({ name }) => name));
+    const near = nothing.hidden ? "" : nearestText(search.value.trim(), rows.flatMap(({ texts: [name, shown] }) => [name, shown]));
     nothing.textContent = `No parameter has such a name${near}.`;
   };
   const fill = () => {
     if (rows) return refreshRows();
     rows = changes.scene.parameters.map((parameter) => listRow(changes, parameter));
-    body.replaceChildren();
     first = undefined;
     refreshRows();
-    filter();
   };
   details.firstElementChild.addEventListener("click", fill); // before the list opens: the event "toggle" comes later
   details.addEventListener("toggle", () => {
@@ -56,18 +68,35 @@ export function showParameterList(details, changes) {
   changes.onChange(refresh);
 }
 
+/** Return the title of the group of a parameter: "Link 1" for link[1].mass, "Wall ramp", "Signal push", "Contact", "Inputs". */
+function groupTitle(name) {
+  const [head, second] = name.split(".");
+  const [, kind, number] = /^(\w+)(?:\[(\d+)\])?/.exec(head);
+  return GROUP_TITLES[kind] ?? capitalized([kind, number ?? (["wall", "signal"].includes(kind) && second)].filter(Boolean).join(" "));
+}
+
+/**
+ * Return the row of a parameter, its `name`, and `texts` in which the reader can search: the name, the words for the parameter and its
+ * meaning. `refresh` shows the present value, and the given words; below the title of the parameter's group without that title.
+ */
 function listRow(changes, parameter) {
   const { name, text, allowed } = parameter;
   const { field, refresh } = valueField(changes, parameter);
-  const words = make("span", { className: "parameter-name", title: readable(`${text}; ${allowed}`) }, breakable(name));
+  const [words, key] = [make("span"), make("span", { className: "key", textContent: breakable(name) })];
+  const label = make("span", { className: "parameter-name", title: readable(`${text}; ${allowed}`) }, words, " ", key);
+  const ofGroup = new RegExp(` of (the )?${groupTitle(name).replace(/s$/, "s?")}$`, "i");
+  const texts = [name, "", text];
   const unitElement = make("small");
-  const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field, unitElement, refusal());
+  const row = make("div", { className: "parameter" }, label, resetButton(changes, name, field), field, unitElement, refusal());
   return {
     name,
     row,
-    text: `${name} ${text}`.toLowerCase(),
-    refresh: () => {
+    texts,
+    refresh: (shown) => {
       refresh();
+      texts[1] = shown;
+      words.textContent = changes.isChanged(name) ? shown : shown.replace(ofGroup, "");
+      field.setAttribute("aria-label", `${shown}, ${name}`);
       // a text such as "90 deg" contains its unit, so no unit is shown beside it
       unitElement.textContent = /deg/.test(field.value) ? "" : breakable(presentUnit(changes, name));
       explain(row);
