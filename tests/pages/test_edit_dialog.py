@@ -22,11 +22,12 @@ SPRING = {"damping": 3.0, "stiffness": 40.0, "rest_position": 0.05}
 """Keys of the slider → values that the test of a slider gives."""
 
 
-def downloaded(page, tmp_path):
-    """Return the scene of the file that the page saves."""
+def downloaded(page, tmp_path, *told):
+    """Return the scene of the file that the page saves; ``told``: what the dialog tells besides."""
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Export…").click()
-    assert page.locator("#export-text").inner_text() == "The command needs the scene file: save it first."
+    told = " ".join(["The command needs the scene file: save it first.", *told])
+    assert page.locator("#export-text").inner_text() == told
     assert page.locator("#command").input_value().startswith("chain-impact simulate FourLinkBox.toml")
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Scene file", exact=True).click()
@@ -121,7 +122,7 @@ def test_changes_stay_changes_and_pins_are_of_the_scene_before_an_edit(show, tmp
     until(page, "document.querySelectorAll('.pin-text')[1].textContent === 'another scene'")
     changed_labels = page.locator(".changed > .main-parameter-label").all_text_contents()
     assert [text.split()[0] for text in changed_labels] == ["Restitution"]
-    scene = downloaded(page, tmp_path)
+    scene = downloaded(page, tmp_path, "The link has no pins of other scenes.")
     assert scene.contact.restitution == 0.4
     assert [link.mass for link in scene.chain.links[1:]] == [3.0, 1.0]
     assert_same_motion(page, scene, {"contact.restitution": 0.4})

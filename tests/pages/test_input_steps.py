@@ -163,8 +163,8 @@ def test_fields_keep_a_typed_text_and_a_refusal_while_inputs_are_held(show):
     assert page.evaluate(f"chainImpact.parameters['{name}']") == "0.31"
     refused = page.locator(".refusal").filter(has_text="Not taken").all_inner_texts()
     assert [told.split(" must")[0] for told in refused] == [
-        f"Not taken: {name} = 2",
-        f"Not taken: {SLIDER} = much",
+        "Not taken: Restitution = 2",
+        f"Not taken: {ITS_WORDS} = much",
     ]
     assert torque.input_value() == "much"
 
