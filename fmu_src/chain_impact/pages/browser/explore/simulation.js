@@ -23,8 +23,8 @@ export class Simulation {
 
   /**
    * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show(parts, about, overlap)`
-   * shows the parts of a motion (null if there is none) or, for a refused start, the result of `overlapOf`. `about` has the scene, the changes `values` and `inputSteps`, and the same changes in words
-   * (`changed`): words for a parameter → text of its value.
+   * shows the parts of a motion (null if there is none) or, for a refused start, the result of `overlapOf`. `about` has the scene, the
+   * changes `values` and `inputSteps`, and the same changes in words (`changed`): words for a parameter → text of its value.
    */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });

@@ -8,8 +8,8 @@ import { attempt, explain, presentUnit, refusal, resetButton, valueField } from 
 const STEPS = 400; // number of steps from one end of a slider to the other
 
 /**
- * Return two functions for the slider of an entry (`MAIN_PARAMETERS`): `toValue`, from its position (0 to 1) to the value of the parameter,
- * and `toPosition`, back. `start`: the parameter's value in the scene.
+ * Return two functions for the slider of an entry (`MAIN_PARAMETERS` in main_parameters.js): `toValue`, from its position (0 to 1) to the
+ * value of the parameter, and `toPosition`, back. `start`: the parameter's value in the scene.
  */
 function scaleOf({ ends, logarithmic, decades, spread }, start) {
   if (logarithmic) {
