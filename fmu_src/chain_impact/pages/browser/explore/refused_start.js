@@ -11,9 +11,10 @@ const BEYOND_RING = 20; // [pixels] diameter of the ring around the point
 const MOVES = /^(base|wall)\./;
 
 /**
- * Return facts on the point that starts beyond a wall, for the `status` and the `part` of a run: the point's position (`at`), the
- * `positions` of base and link ends [m], the `wall` with its free side, and `depth` [m], the distance beyond the wall. The result is undefined for any other
- * fault, and if signals move base or walls. `valueOf`: function from the name of a parameter to its value in the run.
+ * Return facts on the point that starts beyond a wall, for the `status` and the `part` of a run: the position of the point (`at`), the
+ * `positions` of base and link ends [m], the `wall` with its free side, and `depth` [m], the distance of the point beyond the wall. The
+ * result is undefined for any other fault, and if signals move base or walls. `valueOf`: function from the name of a parameter to its value
+ * in the run.
  */
 export function overlapOf({ status, part }, scene, valueOf) {
   const [point, name] = scene.pairs[part - 1] ?? [];
