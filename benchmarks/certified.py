@@ -23,7 +23,7 @@ from benchmarks.step_equations import Step
 from chain_impact import load_scene
 from chain_impact.kernel.forces.candidate_laws import HARMLESS_DEPTH, USER_LAW
 from chain_impact.kernel.status import OK
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.helpers.campaigns.random_scenes import (

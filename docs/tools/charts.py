@@ -18,8 +18,8 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS, lossless_depth
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import DPI, GREY, STYLE, headline
+from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import load_scene, scene_from_dict
-from chain_impact.scene.tables import Contact
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.law_change import EXACT_LAW
 from docs.tools import DOCS

@@ -16,7 +16,7 @@ from pathlib import Path
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from docs.tools import DOCS
 
 IMAGES = DOCS / "images"

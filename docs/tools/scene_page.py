@@ -9,8 +9,8 @@ from itertools import groupby
 from typing import Any, get_args, get_origin
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.key_rules import Derived, allowed, simple_default, without_none
 from chain_impact.scene.reading import entry_type
+from chain_impact.scene.rules.key_rules import Derived, allowed, simple_default, without_none
 from chain_impact.scene.scene import scene_keys
 from docs.tools.markdown_text import code, short_description
 from docs.tools.scene_schema import ALTERNATIVES

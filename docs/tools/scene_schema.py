@@ -10,12 +10,12 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any, cast, get_args, get_origin
 
-from chain_impact.scene.angles import DEGREES, degrees_pattern
-from chain_impact.scene.key_rules import Derived, keys, simple_default, without_none
+from chain_impact.scene.keys.tables import Initial, Wall
 from chain_impact.scene.reading import entry_type
+from chain_impact.scene.rules.key_rules import Derived, keys, simple_default, without_none
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import Initial, Wall
-from chain_impact.scene.unit_text import in_brackets
+from chain_impact.scene.words.angles import DEGREES, degrees_pattern
+from chain_impact.scene.words.unit_text import in_brackets
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 ALTERNATIVES = {Wall: ("angle", "normal"), Initial: ("angles", "joint_angles")}

@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 
 from chain_impact import explore, load_scene, model_names
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.files.models import models_folder
 from docs.tools import DOCS
 
 PAGE = DOCS / "try_it.md"

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.scene.facts import ALWAYS
-from chain_impact.scene.names import AXES, INPUTS_OF
 from chain_impact.scene.scene import load_scene, scene_keys
-from chain_impact.scene.unit_text import unit_text
+from chain_impact.scene.words.names import AXES, INPUTS_OF
+from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.variables.kind import LINE, Kind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from chain_impact.results.animate import AnimationError as AnimationError
     from chain_impact.results.ranking import Effect as Effect, Ranking as Ranking
     from chain_impact.results.result import Result as Result
-    from chain_impact.scene.models import model_names as model_names
+    from chain_impact.scene.files.models import model_names as model_names
     from chain_impact.scene.reading import (
         SceneError as SceneError,
         SceneWarning as SceneWarning,
@@ -67,7 +67,7 @@ _MODULES = {
     "results.result": ("Result",),
     "recording.sensitivity": ("Sensitivities",),
     "recording.stick_slip": ("STICK_SLIP_DTYPE",),
-    "scene.models": ("model_names",),
+    "scene.files.models": ("model_names",),
     "scene.reading": ("SceneError", "SceneWarning", "UnknownNameError"),
     "scene.scene": ("Scene", "load_scene", "parse_scene", "with_values"),
     "scene.stiffness": ("sphere_plane_stiffness",),

@@ -7,7 +7,7 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.cli import progress
 from chain_impact.compilation.library import kernel_library
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 
 
 @pytest.fixture(scope="package", autouse=True)

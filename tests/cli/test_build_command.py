@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.files.models import models_folder
 from chain_impact.simulation import instance
 from tests.cli.results import PNG, impact_lines, read_csv
 

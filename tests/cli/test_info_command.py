@@ -12,7 +12,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene.models import model_names, models_folder
+from chain_impact.scene.files.models import model_names, models_folder
 from chain_impact.variables.prepared import PreparedScene
 from tests.cli.results import program
 

@@ -10,7 +10,7 @@ from chain_impact.cli import main
 from chain_impact.conversion.convert import convert, of_robot
 from chain_impact.conversion.planar import Choices
 from chain_impact.conversion.to_mjcf import mjcf_of
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.files.models import models_folder
 from chain_impact.scene.scene import scene_from_dict, scene_of
 from tests.tiers import needs_interop
 

@@ -25,7 +25,7 @@ from chain_impact.fmu.references import REFERENCE_FILE
 from chain_impact.fmu.scene_data import SCENE_DATA_FILE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.importer import Instance

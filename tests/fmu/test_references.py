@@ -18,7 +18,7 @@ from chain_impact.fmu.references import (
     check_references,
     reference,
 )
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.tools.planted_faults import spoiled
 

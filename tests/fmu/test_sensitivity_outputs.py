@@ -7,8 +7,8 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.fmu.build import build_fmu
-from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import SceneError
+from chain_impact.scene.words.names import sensitivity_name
 from tests.fmu.clean import importing
 from tests.fmu.importer import Instance
 from tests.fmu.scenes import KINDS, scene_of

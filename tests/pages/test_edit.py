@@ -13,7 +13,7 @@ from quickjs import JSException
 
 from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.asked_inputs import with_inputs
-from chain_impact.scene.models import scene_path
+from chain_impact.scene.files.models import scene_path
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.variables.owners import OWNER_KINDS
 from chain_impact.variables.prepared import PreparedScene

@@ -10,7 +10,7 @@ import pytest
 import tomlkit
 
 from chain_impact import load_scene, simulate
-from chain_impact.scene.models import scene_path
+from chain_impact.scene.files.models import scene_path
 from chain_impact.scene.scene import scene_to_dict
 from tests.pages.in_pages import TEXTS, bits, until, until_told
 from tests.pages.javascript import function_of

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
-from chain_impact.scene.models import scene_path
+from chain_impact.scene.files.models import scene_path
 from tests.tiers import FIREFOX, needs_browser
 
 pytestmark = needs_browser

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from chain_impact import SceneError, load_scene, model_names
-from chain_impact.scene.models import scene_path
-from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES
+from chain_impact.scene.files.models import scene_path
+from chain_impact.scene.rules.refusals import RULES, SENTENCES, SIGNAL_RULES
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.prepared import PreparedScene

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.facts import FACTS, LISTS
-from chain_impact.scene.refusals import RULES, SIGNAL_RULES
-from chain_impact.scene.rules import holds, names_in, number_in, tree
+from chain_impact.scene.rules.refusals import RULES, SIGNAL_RULES
+from chain_impact.scene.rules.rule_language import holds, names_in, number_in, tree
 from chain_impact.variables.owners import COUNTS_OF, OWNER_KINDS, RECORD
 from tests.pages.javascript import function_of
 from tests.scene.rule_cases import CASES, VALUES

@@ -4,7 +4,8 @@ The comparisons allow for a few last digits: a compiler may join a product and a
 libraries round sines differently.
 """
 
-# Tests: pages/drawn.py, pages/shared.py, pictures/film/arrow_scale.py, pictures/film/film.py, scene/bodies.py
+# Tests: pages/drawn.py, pages/shared.py, pictures/film/arrow_scale.py, pictures/film/film.py
+# Tests: scene/display/bodies.py
 # Tests: pages/browser/base/mapped.js, pages/browser/base/similar_names.js
 # Tests: pages/browser/drawing/arrow_scale.js, pages/browser/explore/map/map_colours.js
 # Tests: pages/browser/recording/pacing.js, pages/browser/recording/view.js
@@ -33,11 +34,11 @@ from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
 from chain_impact.recording.view import framed, free_room, pin_mark, places_of, radius_of
-from chain_impact.scene.angles import in_radians
-from chain_impact.scene.bodies import outlines_from, rail_from
+from chain_impact.scene.display.bodies import outlines_from, rail_from
 from chain_impact.scene.half_planes import half_planes
-from chain_impact.scene.similar_names import proposed
-from chain_impact.scene.unit_text import of_power, unit_text
+from chain_impact.scene.words.angles import in_radians
+from chain_impact.scene.words.similar_names import proposed
+from chain_impact.scene.words.unit_text import of_power, unit_text
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled
 from tests.helpers.scenes.stops import knee

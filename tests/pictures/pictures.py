@@ -13,8 +13,8 @@ from chain_impact.pictures.drawing.dark_ground import GLARE, luminance
 from chain_impact.pictures.drawing.style import styled
 from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.recording.recording import Recording
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.half_planes import half_planes
-from chain_impact.scene.models import model_names
 from tests.helpers.scenes.model_files import inputs_of
 
 WITHOUT_IMPACTS = {"shaken_pendulum", "simple_pendulum", "triple_pendulum"}

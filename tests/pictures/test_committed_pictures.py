@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from chain_impact.pictures.drawing.style import words_of
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from docs.tools.images import OTHERS
 from tests.pictures.pictures import drawn, recorded
 

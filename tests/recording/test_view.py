@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.recording.view import NEAR, PIN, pin_mark, seen
-from chain_impact.scene.bodies import Rail
+from chain_impact.scene.display.bodies import Rail
 from chain_impact.scene.half_planes import half_planes
 
 SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])

@@ -17,7 +17,7 @@ import pytest
 from chain_impact import cli
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import scene_keys
 from docs.tools import build_site, generate, images, try_it
 from tests.helpers.tools.processes import Processes

@@ -14,7 +14,7 @@ from pathlib import Path
 import chain_impact
 from chain_impact import cli
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import load_scene, scene_from_dict, scene_keys
 from chain_impact.variables.prepared import PreparedScene
 

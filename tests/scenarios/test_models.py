@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Recording, load_scene, simulate
-from chain_impact.scene.models import SCENE_FILE, model_names, models_folder
+from chain_impact.scene.files.models import SCENE_FILE, model_names, models_folder
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.derivative_scenes import Case, exact as kept_motion
 from tests.helpers.scenes.model_files import CO_SIMULATED, inputs_of, reference

@@ -17,8 +17,8 @@ from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
 from chain_impact.progress import log_once
 from chain_impact.recording.equality import equal
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.models import model_names
 from chain_impact.simulation import instance
 from chain_impact.simulation.record_scene import RunError, record_scene
 from chain_impact.variables.prepared import PreparedScene

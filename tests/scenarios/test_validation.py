@@ -4,7 +4,7 @@ from decimal import Decimal
 
 import pytest
 
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from tests.helpers.literature import coulomb_literature, stored
 from tests.helpers.literature.asked_elsewhere import QUESTIONS
 from tests.helpers.literature.validation import PROBLEMS

@@ -1,6 +1,6 @@
 """Derived values stay derived until a file gives them, after any change, write or comparison."""
 
-# Tests: scene/completion.py, scene/default_rules.py
+# Tests: scene/completion.py, scene/keys/default_rules.py
 
 import pickle
 import tomllib
@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from chain_impact.scene.derived import above
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict, scene_to_dict
 from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
 from tests.helpers.tools.refusal import refusal

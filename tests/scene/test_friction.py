@@ -1,13 +1,13 @@
 """Dry friction in the scene: keys, defaults, names, and refused values."""
 
-# Tests: scene/contents.py, scene/facts.py, scene/tables.py
+# Tests: scene/contents.py, scene/facts.py, scene/keys/tables.py
 
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.scene.checks import coefficients
+from chain_impact.scene.checks.checks import coefficients
+from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
-from chain_impact.scene.tables import Material
 from tests.helpers.scenes.friction import pendulum, sled
 
 BOX = load_scene("four_link_box")

@@ -11,15 +11,9 @@ from dataclasses import fields
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.scene import (
-    Scene,
-    load_scene,
-    parse_scene,
-    scene_from_dict,
-    scene_to_dict,
-)
+from chain_impact.scene.scene import Scene, load_scene, parse_scene, scene_from_dict, scene_to_dict
 from tests.helpers.tools.refusal import refusal
 from tests.scene.scene_files import scene_dicts
 

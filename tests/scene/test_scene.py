@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.chain_tables import MAX_LINKS, Link
-from chain_impact.scene.models import model_names, models_folder
+from chain_impact.scene.files.models import model_names, models_folder
+from chain_impact.scene.keys.chain_tables import MAX_LINKS, Link
 from chain_impact.scene.scene import (
     SOLVER_METHODS,
     SceneError,

@@ -15,7 +15,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.record.instance import STATE_OUTPUTS
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.files.models import models_folder
 from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
 from chain_impact.simulation import instance as instance_module
 from chain_impact.simulation.instance import Instance, SimulationError

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SceneWarning, load_scene, simulate
-from chain_impact.scene.models import scene_path
+from chain_impact.scene.files.models import scene_path
 
 TIMES = np.linspace(0.0, 0.05, 40)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, SceneError, compare, load_scene, simulate, with_law
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.files.models import models_folder
 from chain_impact.scene.scene import with_values
 from tests.helpers.models.reference import exact_damping_factor, realised_restitution as exact_restitution
 from tests.helpers.scenes.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball

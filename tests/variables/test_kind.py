@@ -8,7 +8,7 @@ from chain_impact import load_scene
 from chain_impact.fmu.model_description import nominal_values
 from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.scene.facts import ALWAYS
-from chain_impact.scene.names import INPUTS_OF, is_like
+from chain_impact.scene.words.names import INPUTS_OF, is_like
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import PARAMETERS

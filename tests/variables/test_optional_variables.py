@@ -11,10 +11,10 @@ from chain_impact import Chain
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.chain_tables import Link, Site, Slider
-from chain_impact.scene.key_rules import keys, simple_default
+from chain_impact.scene.keys.chain_tables import Link, Site, Slider
+from chain_impact.scene.keys.tables import Contact, Initial, Material, Solver, Stops
+from chain_impact.scene.rules.key_rules import keys, simple_default
 from chain_impact.scene.scene import scene_from_dict, with_values
-from chain_impact.scene.tables import Contact, Initial, Material, Solver, Stops
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.stops import knee

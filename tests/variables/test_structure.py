@@ -10,19 +10,14 @@ import pytest
 from chain_impact import load_scene, model_names
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.chain_tables import Link
 from chain_impact.scene.facts import FACTS, LISTS
-from chain_impact.scene.names import INPUTS_OF
-from chain_impact.scene.rules import names_in, tree
+from chain_impact.scene.keys.chain_tables import Link
+from chain_impact.scene.keys.tables import Inputs, Material, Outputs
+from chain_impact.scene.rules.rule_language import names_in, tree
 from chain_impact.scene.scene import scene_keys
-from chain_impact.scene.tables import Inputs, Material, Outputs
+from chain_impact.scene.words.names import INPUTS_OF
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
-from chain_impact.variables.owners import (
-    COUNTS_OF,
-    OWN_CONDITIONS,
-    OWNER_KINDS,
-    RECORD,
-)
+from chain_impact.variables.owners import COUNTS_OF, OWN_CONDITIONS, OWNER_KINDS, RECORD
 from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.row_text import rows_block
 from chain_impact.variables.structure import structure_of

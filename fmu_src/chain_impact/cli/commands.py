@@ -37,7 +37,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.animate import AnimationError
 from chain_impact.scene.reading import SceneError, SceneWarning
-from chain_impact.scene.similar_names import nearest
+from chain_impact.scene.words.similar_names import nearest
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import prepare_console
 

@@ -23,7 +23,7 @@ from chain_impact.cli.options import (
     write_picture,
 )
 from chain_impact.cli.progress import progress, say
-from chain_impact.scene.models import scene_path
+from chain_impact.scene.files.models import scene_path
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.inputs import INTERPOLATIONS
 from chain_impact.simulation.record_scene import with_settings

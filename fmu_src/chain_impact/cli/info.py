@@ -19,7 +19,7 @@ from chain_impact.fmu.platforms import platforms_of
 from chain_impact.fmu.run import TIMES
 from chain_impact.fmu.scene_data import read_scene_data
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import load_scene
 from chain_impact.variables.prepared import PreparedScene
 

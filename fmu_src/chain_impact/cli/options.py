@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
 from chain_impact.cli.progress import say
 from chain_impact.scene.asked_inputs import with_inputs
-from chain_impact.scene.models import model_names, scene_path
+from chain_impact.scene.files.models import model_names, scene_path
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.scene.similar_names import nearest, nearest_file
+from chain_impact.scene.words.similar_names import nearest, nearest_file
 from chain_impact.simulation.record_scene import with_settings
 
 if TYPE_CHECKING:

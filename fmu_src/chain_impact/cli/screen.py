@@ -31,8 +31,8 @@ from chain_impact.recording.summary import (
 )
 from chain_impact.recording.text import TextTable, plural
 from chain_impact.results.result import Result
-from chain_impact.scene.tables import Box
-from chain_impact.scene.unit_text import unit_text
+from chain_impact.scene.keys.tables import Box
+from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 

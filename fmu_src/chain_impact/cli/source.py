@@ -19,10 +19,10 @@ from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.recording import Recording
 from chain_impact.results.ranking import Ranking
-from chain_impact.scene.names import input_key
+from chain_impact.scene.keys.tables import Solver
 from chain_impact.scene.reading import SceneError, SceneWarning
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.scene.tables import Solver
+from chain_impact.scene.words.names import input_key
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import record_scene, value_of, with_settings
 from chain_impact.simulation.simulate import simulate

@@ -12,7 +12,7 @@ from chain_impact.cli.options import UsageError, Verbs, add_verb
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.fmu.findings import Finding, finding_lines
 from chain_impact.fmu.validate import TIMEOUT, Validation, validation
-from chain_impact.scene.models import scene_path
+from chain_impact.scene.files.models import scene_path
 
 
 def add(verbs: Verbs) -> None:

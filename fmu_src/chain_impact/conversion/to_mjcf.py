@@ -13,7 +13,7 @@ from chain_impact.conversion.mjcf import CARRIED, UNLIMITED
 from chain_impact.conversion.mjcf_contacts import point_name
 from chain_impact.conversion.robot import JOINT_KEYS
 from chain_impact.recording.text import few
-from chain_impact.scene.chain_tables import Link, Slider
+from chain_impact.scene.keys.chain_tables import Link, Slider
 from chain_impact.scene.scene import Scene, scene_to_dict
 
 # axis of a hinge: the scene's x and y are x and z in MJCF, because z points up in MuJoCo's pictures

@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.names import AXES, input_key
+from chain_impact.scene.checks.signal_checks import check_table
+from chain_impact.scene.files.table_file import TIME, gap_hints, read_table, samples_of
+from chain_impact.scene.keys.signal_tables import Samples, Signal
 from chain_impact.scene.reading import SceneError, UnknownNameError
-from chain_impact.scene.signal_checks import check_table
 from chain_impact.scene.signal_inputs import family
-from chain_impact.scene.signal_keys import Samples, Signal
 from chain_impact.scene.signal_polynomials import is_motion, table_of, values_of
-from chain_impact.scene.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
+from chain_impact.scene.words.names import AXES, input_key
 
 # An input jumps at a row if its values just before and just after the row's time differ by more than JUMP ×
 # the input's largest absolute value in the run; a smaller difference is round-off.

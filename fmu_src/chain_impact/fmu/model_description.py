@@ -10,9 +10,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.fmu.versions import FMI_2, FMI_3
 from chain_impact.kernel.forces.laws import lossless_depth
-from chain_impact.scene.angles import DEGREES
-from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.words.angles import DEGREES
+from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS, in_order, unit_of
 from chain_impact.variables.variable import Variable

@@ -21,8 +21,8 @@ import numpy as np
 from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.fmu.model_description import nominal_values
 from chain_impact.progress import log
+from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import STEP_ROUND_OFF
 from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError

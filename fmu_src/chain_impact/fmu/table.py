@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 from chain_impact.fmu.model_description import TOKEN
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import parts_in_words
-from chain_impact.scene.names import DataPath
+from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene

@@ -27,12 +27,12 @@ from chain_impact.pages.drawn import DRAWN
 from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.facts import ALWAYS, FACTS, LISTS
-from chain_impact.scene.key_rules import Derived, allowed, keys, without_none
-from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.rules import Tree, tree
+from chain_impact.scene.rules.key_rules import Derived, allowed, keys, without_none
+from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, family
+from chain_impact.scene.words.names import AT, DataPath
 from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of

@@ -26,15 +26,18 @@ from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_
 from chain_impact.pages.drawn import GROUPS, OF_IMPACT
 from chain_impact.recording import curves, joint_stops, map_colours, pacing, view
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.scene import angles, bodies, chain_tables, names, reading, similar_names, unit_text
+from chain_impact.scene import reading
+from chain_impact.scene.checks.signal_checks import AT_REST
 from chain_impact.scene.contents import PARALLEL
-from chain_impact.scene.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULES, Rule
-from chain_impact.scene.rules import tree
-from chain_impact.scene.signal_checks import AT_REST
+from chain_impact.scene.display import bodies
+from chain_impact.scene.keys import chain_tables
+from chain_impact.scene.keys.signal_tables import FORMS, SHAPES
+from chain_impact.scene.keys.tables import STEP_ROUND_OFF
+from chain_impact.scene.rules.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULES, Rule
+from chain_impact.scene.rules.rule_language import tree
 from chain_impact.scene.signal_inputs import TARGET_RATE
-from chain_impact.scene.signal_keys import FORMS, SHAPES
 from chain_impact.scene.signal_polynomials import NUMBERS
-from chain_impact.scene.tables import STEP_ROUND_OFF
+from chain_impact.scene.words import angles, names, similar_names, unit_text
 from chain_impact.variables import indices
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 

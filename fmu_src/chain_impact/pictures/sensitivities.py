@@ -39,8 +39,8 @@ from chain_impact.recording.contact_times import SEEN_CONTACT
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
 from chain_impact.recording.text import LOAD_UNITS, WHOLE, number, plural, prefixed
-from chain_impact.scene.names import AXES
-from chain_impact.scene.unit_text import in_brackets, with_unit
+from chain_impact.scene.words.names import AXES
+from chain_impact.scene.words.unit_text import in_brackets, with_unit
 
 # a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12

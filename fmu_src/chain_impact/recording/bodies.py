@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from chain_impact.scene.bodies import discs_of_links
-from chain_impact.scene.names import name_parts
+from chain_impact.scene.display.bodies import discs_of_links
+from chain_impact.scene.words.names import name_parts
 
 
 def is_of_body(name: str) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.names import STOPS
+from chain_impact.scene.words.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # number of times at which the course of an impact is computed

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.words.names import STOPS
 
 # [1] radius of the arc that shows the range of a joint, relative to the length of the joint's link
 ARC = 0.25

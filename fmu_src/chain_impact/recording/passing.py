@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from chain_impact.recording.text import few
-from chain_impact.scene.bodies import size_of_motion
+from chain_impact.scene.display.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
 # [1] A point passes through a wall if, at different times, its distances from the wall on the free side and

@@ -20,10 +20,10 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import FRICTION, NO_PHASES, SLIDER_STOP, WALL, Touch
 from chain_impact.recording.tables import save_impacts
 from chain_impact.recording.text import plural, toucher_name
-from chain_impact.scene.bodies import Rail, outlines_from, rail_from
+from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.names import AXES, SLIDER_STOPS, by_owner
 from chain_impact.scene.reading import names_matching
+from chain_impact.scene.words.names import AXES, SLIDER_STOPS, by_owner
 from chain_impact.system import written_whole
 from chain_impact.variables.hints import output_hint
 

@@ -14,7 +14,7 @@ import numpy as np
 from chain_impact.extras import require
 from chain_impact.recording.stick_slip import JOINT, MODES
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.names import AXES
+from chain_impact.scene.words.names import AXES
 from chain_impact.system import written_whole
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.variables.indices import JOINT_FORCE

@@ -9,7 +9,7 @@ from html import escape
 from itertools import groupby, zip_longest
 from typing import NamedTuple
 
-from chain_impact.scene.names import SLIDER_STOPS, point_label
+from chain_impact.scene.words.names import SLIDER_STOPS, point_label
 from chain_impact.variables.impact_units import unit_at
 
 

@@ -17,7 +17,7 @@ from chain_impact.recording.summary import digits
 from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed, signed
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.reading import names_matching
-from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ from typing import Any
 
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.facts import SceneFacts
-from chain_impact.scene.names import INPUTS_OF, input_asked, input_key
+from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal_inputs import driven_alone
-from chain_impact.scene.similar_names import nearest
-from chain_impact.scene.table_file import read_table, samples_of
+from chain_impact.scene.words.names import INPUTS_OF, input_asked, input_key
+from chain_impact.scene.words.similar_names import nearest
 
 
 def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:

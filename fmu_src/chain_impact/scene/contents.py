@@ -13,13 +13,10 @@ from typing import TypeVar
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.scene.chain_tables import ChainTable
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.key_rules import NO_KEY, quantity
-from chain_impact.scene.names import STOPS, DataPath, point_label
-from chain_impact.scene.signal_keys import Signal
-from chain_impact.scene.signal_polynomials import value_at_start
-from chain_impact.scene.tables import (
+from chain_impact.scene.keys.chain_tables import ChainTable
+from chain_impact.scene.keys.signal_tables import Signal
+from chain_impact.scene.keys.tables import (
     MODEL_NAME,
     XML_TEXT,
     Box,
@@ -32,6 +29,9 @@ from chain_impact.scene.tables import (
     Stops,
     Wall,
 )
+from chain_impact.scene.rules.key_rules import NO_KEY, quantity
+from chain_impact.scene.signal_polynomials import value_at_start
+from chain_impact.scene.words.names import STOPS, DataPath, point_label
 
 # [1] a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
 # normal is smaller than this value, which allows for round-off

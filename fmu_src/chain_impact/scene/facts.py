@@ -16,14 +16,21 @@ from typing import Any, NamedTuple
 
 from chain_impact.kernel.rows.geometry import AT_WALL, STOP_CODES
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.chain_tables import Link, Slider
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.default_rules import OFF
-from chain_impact.scene.key_rules import keys
-from chain_impact.scene.names import INPUTS_OF, DataPath
-from chain_impact.scene.rules import holds, members_in, number_in, of_members, value_at, value_within
+from chain_impact.scene.keys.chain_tables import Link, Slider
+from chain_impact.scene.keys.default_rules import OFF
+from chain_impact.scene.keys.tables import Contact
+from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.rule_language import (
+    holds,
+    members_in,
+    number_in,
+    of_members,
+    value_at,
+    value_within,
+)
 from chain_impact.scene.signal_inputs import driven_by
-from chain_impact.scene.tables import Contact
+from chain_impact.scene.words.names import INPUTS_OF, DataPath
 
 ALWAYS = "always"
 """The name of the fact that is true for all scenes."""

@@ -13,14 +13,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
-from chain_impact.scene.angles import radians_hint
-from chain_impact.scene.chain_tables import Link
-from chain_impact.scene.checks import check_joint_angles, check_start, start_hints
+from chain_impact.scene.checks.checks import check_joint_angles, check_start, start_hints
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.key_rules import keeps, keys
-from chain_impact.scene.names import AXES, DataPath, name_of
+from chain_impact.scene.keys.chain_tables import Link
+from chain_impact.scene.keys.tables import Contact, Initial, Simulation, Solver
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.tables import Contact, Initial, Simulation, Solver
+from chain_impact.scene.rules.key_rules import keeps, keys
+from chain_impact.scene.words.angles import radians_hint
+from chain_impact.scene.words.names import AXES, DataPath, name_of
 
 SceneTable = TypeVar("SceneTable")
 LARGEST_NUMBER = sys.float_info.max

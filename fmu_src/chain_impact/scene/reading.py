@@ -10,12 +10,12 @@ from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
-from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.key_rules import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.names import DataPath, fmu_name, path_text
-from chain_impact.scene.refusals import sentence
-from chain_impact.scene.similar_names import nearest, one_typo, proposed
-from chain_impact.scene.unit_text import number_hint, power_hint
+from chain_impact.scene.rules.key_rules import Derived, allowed, extended, keeps, keys, without_none
+from chain_impact.scene.rules.refusals import sentence
+from chain_impact.scene.words.angles import in_radians, or_degrees
+from chain_impact.scene.words.names import DataPath, fmu_name, path_text
+from chain_impact.scene.words.similar_names import nearest, one_typo, proposed
+from chain_impact.scene.words.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
 ALIKE = 0.7

@@ -1,9 +1,8 @@
 """The scene: the content of a scene file, read from TOML into frozen dataclasses and checked.
 
-The fields of the dataclasses in contents.py, tables.py, chain_tables.py and signal_keys.py define all keys of
-a scene. The metadata of a field have unit, description, range and default; the validation, the scene
-reference in the docs and the parameters of the FMU follow from these metadata. All values are in SI units,
-angles in radians.
+The fields of the dataclasses in contents.py and keys/ define all keys of a scene. The metadata of a field
+have unit, description, range and default; the validation, the scene reference in the docs and the parameters
+of the FMU follow from these metadata. All values are in SI units, angles in radians.
 """
 
 import functools
@@ -18,16 +17,21 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.scene import checks, completion, drawing, scene_text, shapes
-from chain_impact.scene.chain_tables import Link
+from chain_impact.scene import completion, shapes
+from chain_impact.scene.checks import checks
 from chain_impact.scene.contents import Contents, named_point_hint, slider_hint
 from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
+from chain_impact.scene.display import drawing, scene_text
 from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
-from chain_impact.scene.key_rules import Derived, keys
-from chain_impact.scene.lines import fault_hint, line_of
-from chain_impact.scene.models import scene_path, unreadable
-from chain_impact.scene.names import (
+from chain_impact.scene.files.lines import fault_hint, line_of
+from chain_impact.scene.files.models import scene_path, unreadable
+from chain_impact.scene.files.text_file import text_of
+from chain_impact.scene.keys.chain_tables import Link
+from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, value_text
+from chain_impact.scene.rules.key_rules import Derived, keys
+from chain_impact.scene.warning import warn
+from chain_impact.scene.words.names import (
     DataPath,
     as_typed,
     fmu_name,
@@ -36,9 +40,6 @@ from chain_impact.scene.names import (
     parameter_hint,
     path_text,
 )
-from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, value_text
-from chain_impact.scene.text_file import text_of
-from chain_impact.scene.warning import warn
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 """A scene, or an argument of ``load_scene``."""
@@ -313,8 +314,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     return replace(changed, has_joint_angles=kept or changed.has_joint_angles)
 
 
-JOINT_ANGLES_PATH = ("initial", "joint_angles")
-"""The path of the key for joint angles, which a file may have in place of ``initial.angles``."""
+JOINT_ANGLES_PATH = ("initial", "joint_angles")  # this key may be given in place of ``initial.angles``
 
 
 def _path_and_value(

@@ -12,10 +12,10 @@ from dataclasses import replace
 from typing import Any
 
 from chain_impact.kernel.chain.inertia import corner_of_box
-from chain_impact.scene.chain_tables import CORNERS, Site
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.names import DataPath
+from chain_impact.scene.keys.chain_tables import CORNERS, Site
 from chain_impact.scene.reading import SceneError, refusal
+from chain_impact.scene.words.names import DataPath
 
 _APART = object()
 """The mark that stands in plain data for a corner of a box, which follows from length and height."""

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.files.table_file import read_table, samples_of
+from chain_impact.scene.keys.signal_tables import FORMS, Samples, Signal
 from chain_impact.scene.reading import SceneError, refusal, refused
-from chain_impact.scene.signal_keys import FORMS, Samples, Signal
 from chain_impact.scene.signal_polynomials import is_motion, knots_of
-from chain_impact.scene.similar_names import nearest
-from chain_impact.scene.table_file import read_table, samples_of
+from chain_impact.scene.words.similar_names import nearest
 
 Numbers = tuple[float, ...]
 TARGET_RATE = ".target_velocity"

@@ -13,7 +13,7 @@ import numpy as np
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS, derive_signals, signal_at
 from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
 from chain_impact.scene.kernel_view import signals_view
-from chain_impact.scene.signal_keys import FORMS, SHAPES, Signal
+from chain_impact.scene.keys.signal_tables import FORMS, SHAPES, Signal
 
 NUMBERS = (
     *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),

@@ -18,12 +18,12 @@ from chain_impact.kernel.status import OK
 from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.recording.text import plural
-from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.asked_inputs import how_asked
-from chain_impact.scene.names import input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
+from chain_impact.scene.words.angles import in_radians, or_degrees
+from chain_impact.scene.words.names import input_key
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, spans_of
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint

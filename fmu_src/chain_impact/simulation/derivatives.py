@@ -21,9 +21,9 @@ from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import LOG_DTYPE, POSITION, in_order
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.text import toucher_name
-from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
+from chain_impact.scene.words.names import DataPath
 from chain_impact.simulation.inputs import Given, InputCourse, by_name, input_course
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows
 from chain_impact.simulation.one_sided import bends_at_start

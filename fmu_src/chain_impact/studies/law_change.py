@@ -11,8 +11,8 @@ import numpy as np
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, lossless_depth
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import Scene, with_values
-from chain_impact.scene.tables import Contact
 
 EXACT_LAW = "zhang_sharf"
 """The exact law: it gives a free impact the prescribed restitution, unless the impact is slower than

@@ -16,11 +16,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from chain_impact.scene.chain_tables import ChainTable, Link, Slider
-from chain_impact.scene.key_rules import keys
-from chain_impact.scene.names import AT, DataPath
+from chain_impact.scene.keys.chain_tables import ChainTable, Link, Slider
+from chain_impact.scene.keys.tables import Contact
+from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import Contact
+from chain_impact.scene.words.names import AT, DataPath
 from chain_impact.variables.parameters import PARAMETERS
 
 Part = TypeVar("Part")

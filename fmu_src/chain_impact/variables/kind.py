@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from chain_impact.scene.key_rules import Derived
-from chain_impact.scene.names import DataPath, NameParts, name_parts, sensitivity_name
+from chain_impact.scene.rules.key_rules import Derived
+from chain_impact.scene.words.names import DataPath, NameParts, name_parts, sensitivity_name
 
 NEXT = "{next}"
 MOTION = "motion"

@@ -12,8 +12,8 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.derived import rule_at
-from chain_impact.scene.names import DataPath, is_like, sensitivity_name
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.words.names import DataPath, is_like, sensitivity_name
 from chain_impact.user_laws.law_file import read_law
 from chain_impact.variables.kind import Block, Kind, filled
 from chain_impact.variables.outputs import INPUTS, OUTPUTS

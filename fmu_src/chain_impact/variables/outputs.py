@@ -3,17 +3,8 @@
 The value references follow the order of the rows.
 """
 
-from chain_impact.scene.names import INPUTS_OF
-from chain_impact.variables.kind import (
-    CONTACT,
-    IMPACT,
-    JOINT,
-    LINK,
-    MOTION,
-    POINT,
-    SLIDER,
-    WALL,
-)
+from chain_impact.scene.words.names import INPUTS_OF
+from chain_impact.variables.kind import CONTACT, IMPACT, JOINT, LINK, MOTION, POINT, SLIDER, WALL
 from chain_impact.variables.row_text import rows_block
 
 INPUTS = (

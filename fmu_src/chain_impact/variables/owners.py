@@ -1,8 +1,8 @@
 """Tables of rules that find the owners of a scene's variables, their conditions, and numbers of the record.
 
 An owner is a part of a scene that has variables, such as a link. Python (structure.py) and a page
-(pages/browser/scene/owners.js) evaluate the rules, which are in the language of scene/rules.py and name facts
-and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint with
+(pages/browser/scene/owners.js) evaluate the rules, which are in the language of rule_language.py and name
+facts and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint with
 friction", which has the outputs of dry friction; the record has room for these outputs, because the fact
 "friction" is true.
 """
@@ -17,10 +17,10 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.facts import ALWAYS, FACTS, LISTS, SceneFacts
-from chain_impact.scene.names import AT, DataPath
-from chain_impact.scene.rules import ValueOf, holds, members_in, number_in, value_at
+from chain_impact.scene.keys.tables import Inputs, Outputs
+from chain_impact.scene.rules.rule_language import ValueOf, holds, members_in, number_in, value_at
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import Inputs, Outputs
+from chain_impact.scene.words.names import AT, DataPath
 
 FLAGS = [
     f"{name}.{entry.name}"

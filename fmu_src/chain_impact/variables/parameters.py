@@ -1,6 +1,6 @@
 """The parameters in the table of variables: their kinds, whose attributes kind.py explains.
 
-The dataclasses of the scene (scene/tables.py and others) have the meaning, the unit and the range of each
+The dataclasses of the scene (in scene/keys) have the meaning, the unit and the range of each
 parameter. The kinds add the path of the value in the record, and which scenes have the parameter. The value
 references follow the order of the kinds.
 """
@@ -14,22 +14,13 @@ from functools import cache
 from typing import Any
 
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.scene.chain_tables import Link, Site, Slider
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.facts import ALWAYS
-from chain_impact.scene.key_rules import Derived, keys
-from chain_impact.scene.names import AT, AXES, ENTRY_AT, LINK_AT, DataPath, name_of
-from chain_impact.scene.signal_keys import Signal
-from chain_impact.scene.tables import (
-    Box,
-    Contact,
-    Initial,
-    Material,
-    Simulation,
-    Solver,
-    Stops,
-    Wall,
-)
+from chain_impact.scene.keys.chain_tables import Link, Site, Slider
+from chain_impact.scene.keys.signal_tables import Signal
+from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
+from chain_impact.scene.rules.key_rules import Derived, keys
+from chain_impact.scene.words.names import AT, AXES, ENTRY_AT, LINK_AT, DataPath, name_of
 from chain_impact.variables.kind import LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"

@@ -15,9 +15,9 @@ import numpy as np
 from chain_impact.compilation.compilers import GENERAL
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.scene.facts import SceneFacts
-from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_by
+from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.cache import common_of, in_common
 from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (
@@ -29,12 +29,7 @@ from chain_impact.variables.indices import (
     output_indices,
     word_index,
 )
-from chain_impact.variables.listing import (
-    derivatives,
-    inputs,
-    outputs_of,
-    parameters,
-)
+from chain_impact.variables.listing import derivatives, inputs, outputs_of, parameters
 from chain_impact.variables.selection import outputs_named, varied_by
 from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import TableRow, Variable, variable_row

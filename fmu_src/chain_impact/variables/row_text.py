@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from chain_impact.scene.names import AT, AXES
+from chain_impact.scene.words.names import AT, AXES
 from chain_impact.variables.kind import NEXT, Block, Kind, block
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from chain_impact.kernel.chain.input_fields import CHANNEL, NAMES
-from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_polynomials import write_signal
+from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import inputs_asked
 from chain_impact.variables.structure import Structure

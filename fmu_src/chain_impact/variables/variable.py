@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from chain_impact.scene.fast_values import LARGEST_NUMBER
-from chain_impact.scene.key_rules import Derived, allowed
-from chain_impact.scene.names import DataPath
+from chain_impact.scene.rules.key_rules import Derived, allowed
+from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.kind import Kind, filled
 from chain_impact.variables.owners import Owner
 

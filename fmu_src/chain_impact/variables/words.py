@@ -7,7 +7,7 @@ from typing import Any
 
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
-from chain_impact.scene.signal_keys import unit_of
+from chain_impact.scene.keys.signal_tables import unit_of
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.structure import Structure
 

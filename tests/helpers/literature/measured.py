@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from chain_impact import load_scene
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.files.models import models_folder
 from tests.helpers.literature.figures import Figure, Problem, problem, run
 from tests.helpers.models.derivatives import differentiate
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from docs.tools import DOCS
 from docs.tools.markdown_text import table
 from tests.helpers.literature.figures import Figure, Problem

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chain_impact.scene.signal_keys import Signal
+from chain_impact.scene.keys.signal_tables import Signal
 from tests.helpers.models.complex_laws import Law
 
 if TYPE_CHECKING:

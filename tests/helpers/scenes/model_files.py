@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 
-from chain_impact.scene.models import models_folder
+from chain_impact.scene.files.models import models_folder
 
 CO_SIMULATED = {
     "controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"},

@@ -2,7 +2,7 @@
 
 from chain_impact import load_scene
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.scene.models import model_names
+from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable

@@ -26,7 +26,7 @@ from chain_impact.pictures.film.writing import MOST_FRAMES, RATES, draw_frames, 
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
 from chain_impact.recording.view import LONGEST_ARROW
-from chain_impact.scene.models import scene_path
+from chain_impact.scene.files.models import scene_path
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.pictures import pictures as made
 from tests.tiers import needs_interop

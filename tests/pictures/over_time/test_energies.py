@@ -5,13 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from chain_impact.pictures.over_time.energies import (
-    VISIBLE_ELASTIC,
-    energy_curves,
-    energy_look,
-    without_gap,
-)
-from chain_impact.scene.models import model_names
+from chain_impact.pictures.over_time.energies import VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
+from chain_impact.scene.files.models import model_names
 from tests.pictures.pictures import drawn, recorded, swing
 
 

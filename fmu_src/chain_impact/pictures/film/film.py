@@ -32,7 +32,7 @@ from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import FRICTION, JOINT_STOP
 from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
-from chain_impact.scene.bodies import placed
+from chain_impact.scene.display.bodies import placed
 
 MUTED, CHAIN, TIP = "#566076", "#2b4a9f", "#c2255c"
 FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())

@@ -24,8 +24,8 @@ from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_peaks import BY_ROW, joint_peaks
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import number, plural, prefixed, speed_unit
-from chain_impact.scene.names import name_parts
-from chain_impact.scene.unit_text import of_power
+from chain_impact.scene.words.names import name_parts
+from chain_impact.scene.words.unit_text import of_power
 from chain_impact.variables.impact_units import unit_at
 
 # a dissipated energy up to this, relative to the largest |total energy|, is round-off, and not a loss

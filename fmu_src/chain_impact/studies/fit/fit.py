@@ -12,9 +12,9 @@ import numpy as np
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.text import plural
+from chain_impact.scene.files.table_file import TableSource, is_table
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
-from chain_impact.scene.table_file import TableSource, is_table
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.measured_tables import read_measurements

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.scene.angles import in_radians
-from chain_impact.scene.names import fmu_name, start_hint, value_at_start
 from chain_impact.scene.reading import SceneError, UnknownNameError, value_text
 from chain_impact.scene.scene import Scene, fixed_hint
-from chain_impact.scene.similar_names import nearest
+from chain_impact.scene.words.angles import in_radians
+from chain_impact.scene.words.names import fmu_name, start_hint, value_at_start
+from chain_impact.scene.words.similar_names import nearest
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable

@@ -43,7 +43,7 @@ from chain_impact.pictures.drawing.style import (
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.recording.text import number, plural
 from chain_impact.results.result import Result
-from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
+from chain_impact.scene.words.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT, Measurements

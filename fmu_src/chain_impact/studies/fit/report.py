@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.recording.text import TextTable, number, plural, prefixed
-from chain_impact.scene.unit_text import of_scene, with_unit
+from chain_impact.scene.words.unit_text import of_scene, with_unit
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of

@@ -13,7 +13,7 @@ from chain_impact.pictures.drawing.dark_ground import SKY
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.recording.map_colours import spread
-from chain_impact.scene.unit_text import with_unit
+from chain_impact.scene.words.unit_text import with_unit
 from chain_impact.studies.sweep.maps import NEVER, SCENE_MARK, WIDE_RANGE, is_logarithmic, label_of, own_value
 from chain_impact.studies.sweep.quantities import LOADS, Quantity
 from chain_impact.studies.sweep.runs import Runs

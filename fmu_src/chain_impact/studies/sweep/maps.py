@@ -22,7 +22,7 @@ from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import is_narrow, raised
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.recording.text import number
-from chain_impact.scene.unit_text import in_brackets, of_scene
+from chain_impact.scene.words.unit_text import in_brackets, of_scene
 from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation

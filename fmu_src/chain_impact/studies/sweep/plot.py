@@ -25,7 +25,7 @@ from chain_impact.pictures.drawing.sizes import Size, figure_size
 from chain_impact.pictures.drawing.style import COUNT_STEPS, headline, is_narrow, raised, styled
 from chain_impact.recording.text import number, plural
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.unit_text import unit_text
+from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.sweep.curves import COLOURS, CROSS, draw_curves, told_apart
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS, draw_samples, drawn_parameters, influence

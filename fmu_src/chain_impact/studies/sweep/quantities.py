@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.recording.text import few, prefixed
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError, names_matching
-from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.variables.impact_units import unit_at

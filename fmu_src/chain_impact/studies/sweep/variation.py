@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.contents import named_point_hint, slider_hint
-from chain_impact.scene.names import fmu_name, parameter_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.warning import warn
+from chain_impact.scene.words.angles import in_radians, or_degrees, radians_hint
+from chain_impact.scene.words.names import fmu_name, parameter_hint
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import EXPERIMENT

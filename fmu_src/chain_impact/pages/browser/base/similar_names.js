@@ -1,4 +1,4 @@
-// The known name that is most similar to an unknown one: as scene/similar_names.py finds it.
+// The known name that is most similar to an unknown one: as scene/words/similar_names.py finds it.
 
 const { LIKE_LAST, LIKE_NAME, NUMBER, SAME_LAST, SYNONYMS } = SHARED.nearest;
 const INDICES = new RegExp(NUMBER, "g");

@@ -1,4 +1,4 @@
-// Evaluates the rules of `scene/rules.py`, which Python has parsed to trees, as Python does.
+// Evaluates the rules of `scene/rules/rule_language.py`, which Python has parsed to trees, as Python does.
 
 import { range } from "../base/range.js";
 

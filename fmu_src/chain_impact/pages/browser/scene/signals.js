@@ -1,5 +1,5 @@
 // The signals of a scene: the inputs that each drives, their data in the record, and the checks, as in `scene/signal_inputs.py`,
-// `scene/signal_polynomials.py` and `scene/signal_checks.py`. The page has only the tables of the scene with which it was made.
+// `scene/signal_polynomials.py` and `scene/checks/signal_checks.py`. The page has only the tables of the scene with which it was made.
 
 import { numbersIn } from "../base/base64.js";
 import { unitText } from "../base/format.js";

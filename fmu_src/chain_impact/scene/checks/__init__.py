@@ -1,0 +1,1 @@
+"""Checks across several keys of a scene, and of its signals."""

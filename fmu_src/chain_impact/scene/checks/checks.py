@@ -1,0 +1,349 @@
+"""Checks of a scene across several keys, and warnings of valid values that are probably mistakes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from chain_impact.kernel.chain.inertia import loose_links
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
+from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
+from chain_impact.scene.checks.signal_checks import check_signals
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.files.table_file import gap_hints
+from chain_impact.scene.kernel_view import chain_view
+from chain_impact.scene.keys.chain_tables import ChainTable
+from chain_impact.scene.keys.tables import Contact, Material, Stops
+from chain_impact.scene.reading import SceneError, no_wall, refusal, refused, value_text
+from chain_impact.scene.rules.refusals import LAW_FACTS, RULES
+from chain_impact.scene.rules.rule_language import ValueOf, holds, number_in, of_members, value_at
+from chain_impact.scene.words.angles import radians_hint, turns_hint
+from chain_impact.scene.words.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
+
+# LONG [m], LIGHT [kg/m]: The length of a link is probably given in mm if it is above LONG and the mass per
+# length is below LIGHT: in metres, only a long rope would be so light.
+LONG, LIGHT = 20.0, 0.2
+IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the earth's gravity in mm/s²
+# [1] the coordinates of a point of a link are probably in mm if its distance from the link's proximal joint
+# is above FAR times the sum of the lengths of all links
+FAR = 30.0
+
+
+def check(scene: Contents) -> None:
+    """Raise a SceneError if the scene fails a check of this module or of signal_checks.py.
+
+    The error ends with the sentences of ``angle_hints``, because an angle in degrees by mistake is often the
+    cause.
+    """
+    try:
+        check_together(scene)
+        check_signals(scene)
+        check_start(scene)
+        check_joint_angles(scene)
+    except SceneError as error:
+        error.fault = "; ".join([error.fault, *angle_hints(scene)])
+        raise
+
+
+def check_masses(chain: ChainTable) -> None:
+    """Refuse links without inertia that can turn, in some position of the chain, without moving any mass.
+
+    Nothing would determine the angular acceleration of such links. ``loose_links`` in kernel/chain/inertia.py
+    finds them. The carriage of a slider counts as movable mass only if its own mass is > 0.
+    """
+    (first, last), other = loose_links(chain_view(chain), False), ""
+    if first < 0 and chain.slider is not None and chain.slider.mass == 0.0:
+        (first, last), other = loose_links(chain_view(chain), True), ", or slider.mass,"
+    if first < 0:
+        return
+    if first == last:
+        link = chain.links[first]
+        where = (
+            f"its centre of mass is {link.center_of_mass:g} m of {link.length:g} m from the proximal joint"
+        )
+        reason = f"the link could turn about its centre of mass without moving any mass ({where})"
+        path = ("chain", "links", first, "inertia")
+        raise refused(path, f"= {link.inertia}{other} must be > 0: {reason}")
+    path, end = (("chain", "links", i, "inertia") for i in (first, last))
+    reason = "on one line, these links could turn about their centres of mass without moving any mass"
+    raise refused(path, f"to {path_text(end)} = 0.0; one of them{other} must be > 0: {reason}")
+
+
+def check_together(scene: Contents) -> None:
+    """Refuse keys whose values are valid alone, but contradict each other, except signals and the start."""
+    check_masses(scene.chain)
+    contact, movable = scene.contact, scene.chain.movable_points
+    for point in contact.points:
+        if point not in movable or contact.points.count(point) > 1:
+            words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
+            raise refusal(("contact", "points"), "points", point=value_text(point), **words)
+    check_rules(scene)
+    check_moved_walls(scene)
+    check_reach(scene)
+    stops = (*STOPS * bool(scene.chain.stops), *SLIDER_STOPS * (scene.chain.slider is not None))
+    for i, wall in enumerate(scene.walls):
+        others = (*WALLS, *stops, *(other.name for other in scene.walls[:i]))
+        if wall.name in others:
+            words = {"value": value_text(wall.name), "others": ", ".join(others)}
+            raise refusal(("walls", i, "name"), "wall_name", **words)
+    for i, link in enumerate(scene.chain.links):
+        names = [point.name for point in link.points if point.name]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise refusal(("chain", "links", i, "points"), "point_names", name=value_text(twice[0]))
+
+
+def check_rules(scene: Contents) -> None:
+    """Raise the error of the first rule of ``RULES`` whose condition is true in the scene."""
+    whole = partial(value_at, scene)
+    tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
+        "": [((), whole)],
+        "link": [
+            (("chain", "links", i), of_link) for i, of_link in enumerate(of_members(scene.chain.links, whole))
+        ],
+        "law": [(path, table.get) for path, table in _of_laws(scene).items()],
+    }
+    for rule in RULES:
+        for path, value_of in tables[rule.of]:
+            if holds(rule.condition, value_of):
+                value = value_of(rule.key)
+                words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
+                if rule.least:
+                    words |= {"least": f"{number_in(rule.least, value_of):.15g}", "bound": rule.least}
+                if rule.of == "law":
+                    words["law"] = value_of("law.id")
+                raise refusal((*path, *rule.key.split(".")), rule.fault, **words)
+
+
+def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
+    """Return path → values of [contact], each table [contact.wall.<name>], and [stops] if a joint has a stop.
+
+    The values are by their names in ``RULES``: a key of the table, or a property of the contact law that the
+    table belongs to, such as "law.id".
+    """
+    contact = scene.contact
+    tables: dict[DataPath, Contact | Material] = {("contact",): contact}
+    tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
+    found = {path: _of_law(contact.model, own, *coefficients(contact, own)) for path, own in tables.items()}
+    if scene.chain.stops:
+        found["stops",] = _of_law(scene.stops.model or contact.model, scene.stops)
+    return found
+
+
+def _of_law(
+    model: str,
+    table: Contact | Material | Stops,
+    friction: float | None = None,
+    static_friction: float | None = None,
+) -> dict[str, Any]:
+    law, exponent = CONTACT_LAWS.get(model), getattr(table, "exponent", None)
+    known = {"friction": friction, "static_friction": static_friction, "exponent": exponent}
+    known |= {f"law.{key}": getattr(law, key, None) for key in LAW_FACTS}
+    return known | {"restitution": table.restitution}
+
+
+def check_reach(scene: Contents) -> None:
+    """Refuse an entry of ``walls`` that no point can reach, if the kernel's record has no room for it.
+
+    The record has room for as many entries of ``walls`` as there are pairs of a point and a wall, of
+    ``walls`` or of the box, that can touch. A wall is out of reach only if it is parallel to the line of a
+    slider, and all points that may touch are at the base.
+    """
+    if scene.chain.slider is None or not scene.may_touch:
+        return
+    points, planes = scene.touching_points, scene.half_planes
+    out_of_reach = [
+        wall.name for wall in scene.walls if all(scene.keeps_distance(k, planes[wall.name]) for k in points)
+    ]
+    pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
+    if out_of_reach and len(scene.walls) > pairs:
+        i = [wall.name for wall in scene.walls].index(out_of_reach[0])
+        raise refusal(("walls", i, "name"), "out_of_reach", value=value_text(out_of_reach[0]))
+
+
+def check_moved_walls(scene: Contents) -> None:
+    """Refuse a name in inputs.wall_motion that is neither that of an existing wall nor "*" (all walls)."""
+    walls = [*scene.half_planes]
+    for i, name in enumerate(scene.inputs.wall_motion):
+        if name != "*" and name not in walls:
+            raise no_wall(("inputs", "wall_motion", i), walls, f"= {value_text(name)} ")
+
+
+def coefficients(contact: Contact, material: Material | Contact) -> tuple[float, float]:
+    """Return the coefficients of sliding friction and of static friction at the wall with ``material``.
+
+    A coefficient that is None in ``material`` follows by the rule of the kernel's ``wall_friction``.
+    """
+    own = (-1.0 if value is None else value for value in (material.friction, material.static_friction))
+    sliding, static = wall_friction(contact.friction, contact.static_friction, *own)
+    return sliding, static
+
+
+def check_start(scene: Contents) -> None:
+    """Refuse a start in which a point penetrates an existing wall by more than OVERLAP.
+
+    Checked are the points in ``contact.points``, and all points of links beside their ends, with their radii.
+    """
+    walls, start, links = scene.walls_at_start, scene.start, len(scene.chain.links)
+    candidates = {k: start[k] for k in start if k > links or k in scene.contact.points}
+    for point, (x, y, radius) in candidates.items():
+        for name, wall in walls.items():
+            depth = radius - wall.clearance(x, y)
+            if depth > OVERLAP:
+                where = scene.point_label(point)
+                subject = f"{where} at {_position(x, y)} is {depth:.6g} m deep in"
+                beyond = name not in WALLS and all(
+                    wall.clearance(*at) < 0.0 for *at, _ in candidates.values()
+                )
+                turned = ["all points are inside: turn its normal?"] * (beyond and not angle_hints(scene))
+                asked = "".join(f"; {question}" for question in [*turned, *length_hints(scene)])
+                raise SceneError(f"initial: {subject} the wall {name}; must be outside{asked}")
+
+
+def _position(x: float, y: float) -> str:
+    """Return the text "(x, y) m" of a position [m]; a coordinate from −OVERLAP to OVERLAP is written as 0."""
+    x, y = (0.0 if abs(coordinate) <= OVERLAP else coordinate for coordinate in (x, y))
+    return f"({x:.6g}, {y:.6g}) m"
+
+
+def check_joint_angles(scene: Contents) -> None:
+    """Refuse a start in which the angle of a joint is more than OVERLAP [rad] beyond a stop of this joint."""
+    angles = (0.0, *scene.initial.angles)
+    for i, (low, high) in scene.chain.joint_ranges.items():
+        joint = angles[i] - angles[i - 1]
+        beyond = max(low - joint, joint - high)
+        if beyond > OVERLAP:
+            stop = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"
+            where = f"joint {i} at {joint:.6g} rad is {beyond:.6g} rad beyond its {stop} rad"
+            raise SceneError(f"initial: {where}; must be within{turns_hint(joint, low, high)}")
+
+
+def angle_hints(scene: Contents) -> list[str]:
+    """Return a sentence for each angle of more than one turn: this angle may be in degrees by mistake.
+
+    The angles are those of the start, of springs at rest, of stops, of the slider's line and of walls [rad].
+    """
+    links, name, angles = enumerate(scene.chain.links, 1), "angle", scene.initial.angles
+    if scene.has_joint_angles:
+        name = "joint_angles"
+        angles = tuple(after - before for before, after in pairwise((0.0, *angles)))
+    suspicious = {f"initial.{name}[{i}]": angle for i, angle in enumerate(angles, 1)}
+    suspicious |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
+    suspicious |= {f"link[{i}].{key}": getattr(scene.chain.links[i - 1], key) for i, key in scene.chain.stops}
+    if scene.chain.slider:
+        suspicious["slider.angle"] = scene.chain.slider.angle
+    suspicious |= {f"wall.{wall.name}.angle": wall.angle or 0.0 for wall in scene.walls}
+    return [hint for name, angle in suspicious.items() if (hint := radians_hint(name, angle, "rad"))]
+
+
+def hints(scene: Contents) -> list[str]:
+    """Return a sentence for each value of a scene that is allowed, but is probably a mistake of the user."""
+    texts = angle_hints(scene)
+    for i, link in enumerate(scene.chain.links, 1):
+        if link.center_of_mass > link.length:
+            where = f"link[{i}].center_of_mass = {link.center_of_mass:g} m"
+            texts.append(f"{where} lies beyond the end of the link, which is {link.length:g} m long")
+    stop, step = scene.simulation.stop_time, scene.simulation.step_size
+    if step > stop:
+        longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
+        texts.append(f"{longer}: there are two rows only, the start and the end")
+    for name, signal in scene.signals.items():
+        if signal.samples:
+            where = f"signal.{name}: {signal.file}"
+            texts += [f"{where}: {hint}" for hint in gap_hints(signal.samples.times)]
+    return [*texts, *size_hints(scene), *base_hints(scene), *start_hints(scene)]
+
+
+def size_hints(scene: Contents) -> list[str]:
+    """Return the questions of ``length_hints``, and a question on gravity if it is probably in mm/s²."""
+    texts, pull = length_hints(scene), math.hypot(*scene.gravity)
+    if IN_MM[0] < pull < IN_MM[1]:
+        strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
+        texts.append(f"{strong}: is it in mm/s²?")
+    return texts
+
+
+def length_hints(scene: Contents) -> list[str]:
+    """Return at most two questions whether a length is in mm.
+
+    One is on the first link that is long for its mass (LONG, LIGHT), one on the first point of a link that is
+    far from the proximal joint of the link (FAR).
+    """
+    links, whole = scene.chain.links, sum(link.length for link in scene.chain.links)
+    long = [
+        f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
+        for i, link in enumerate(links, 1)
+        if link.length > LONG and link.mass < LIGHT * link.length
+    ]
+    far = [
+        f"point {number} is {distance:g} m from the joint of its link, far for a chain of {whole:g} m: "
+        "is it in mm?"
+        for number, (_, site) in enumerate(scene.chain.sites, len(links) + 1)
+        if (distance := math.hypot(site.x, site.y)) > FAR * whole
+    ]
+    return long[:1] + far[:1]
+
+
+def start_hints(scene: Contents) -> list[str]:
+    """Return a sentence for each coordinate in which a pinned base does not start at initial.position.
+
+    If a signal gives a coordinate of the base, the base starts at the value of the signal at t = 0, and
+    initial.position has no effect.
+    """
+    if scene.chain.base != "pinned":
+        return []
+    starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
+    return [start_hint(axis, start, given) for axis, start, given in starts if abs(start - given) > OVERLAP]
+
+
+def start_hint(axis: str, start: float, given: float) -> str:
+    """Return the sentence of ``start_hints`` on the coordinate ``axis``, "x" or "y".
+
+    ``start`` [m] is the coordinate at which the base starts, ``given`` [m] that in initial.position.
+    """
+    return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
+
+
+def base_hints(scene: Contents) -> list[str]:
+    """Return a sentence for each wall beyond which a pinned base, taken without radius, is at the start.
+
+    Such a start is allowed, because walls do not act on a pinned base; but the wall is probably misplaced.
+    """
+    if scene.chain.base != "pinned":
+        return []
+    x, y = scene.base_at_start
+    deep = {name: -wall.clearance(x, y) for name, wall in scene.walls_at_start.items()}
+    where = f"initial: the pinned base at {_position(x, y)} is"
+    return [
+        f"{where} {depth:.6g} m beyond the wall {name}, which it cannot touch: is the wall misplaced?"
+        for name, depth in deep.items()
+        if depth > OVERLAP
+    ]
+
+
+def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
+    """Return a list with one sentence if ``changes`` set the start angle of a link, but not of the next link.
+
+    ``changes`` are names of parameters; paths are ignored. Angles are absolute, so the next link does not
+    turn with the link. The list is empty if there is no such link, or if the scene's file does not give
+    ``initial.joint_angles``: only then may the user expect that the further links turn, too.
+    """
+    if not scene.has_joint_angles:
+        return []
+    names, given = [f"initial.angle[{i}]" for i in range(1, len(scene.chain.links) + 1)], {*changes}
+    alone = [name for name, behind in pairwise(names) if name in given and behind not in given]
+    stay = "is set, and the absolute angles of the links behind it stay"
+    return [f"{alone[0]} {stay}; initial.joint_angles turns these, too"] if alone else []
+
+
+def law_hints(scene: Contents) -> list[str]:
+    """Return a sentence in a list if neither walls nor stops use the law of ``contact.law_file``, else []."""
+    if not scene.contact.law_file:
+        return []
+    law, model = Path(scene.contact.law_file).stem, scene.contact.model
+    if law in (model, scene.stops.model):
+        return []
+    return [f'contact.law_file gives the law {law}, but contact.model is "{model}"']

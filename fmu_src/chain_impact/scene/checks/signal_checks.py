@@ -1,0 +1,152 @@
+"""Checks of signals, which refuse a signal that cannot drive its inputs."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from chain_impact.scene.asked_inputs import how_asked, inputs_of
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
+from chain_impact.scene.reading import SceneError, refusal, refused, value_text
+from chain_impact.scene.rules.refusals import SIGNAL_RULES
+from chain_impact.scene.rules.rule_language import holds
+from chain_impact.scene.signal_inputs import driven_alone, family
+from chain_impact.scene.signal_polynomials import CLOSED, is_closed, is_motion, joined_by
+from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.words.unit_text import unit_text
+
+# [1] the speed of a sine at its start, divided by the largest speed of the sine, up to which the sine counts
+# as at rest at its start, because the speed may be round-off
+AT_REST = 1e-12
+
+
+def check_signals(scene: Contents) -> None:
+    """Refuse signals that cannot drive their inputs, and inputs that two signals drive."""
+    owners: dict[str, str] = {}
+    for name, signal in scene.signals.items():
+        _check_inputs(scene, name, signal)
+        _check_numbers(name, signal)
+        for input_name in signal.input:
+            for driven in driven_alone(input_name):
+                if driven in owners:
+                    other = owners[driven]
+                    by = f"signals.{other} drives {driven}" if other != name else "it is listed twice"
+                    raise refusal(_input(name), "driven_twice", value=value_text(input_name), by=by)
+            owners |= dict.fromkeys(driven_alone(input_name), name)
+            _check_motion(name, signal, input_name)
+
+
+def _input(name: str) -> DataPath:
+    return ("signals", name, "input")
+
+
+def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
+    """Refuse a signal without inputs, with inputs that the scene lacks, or with inputs in several units.
+
+    Only a table may drive inputs in several units, because a table has a column for each input.
+    """
+    there = list(inputs_of(scene))
+    if not signal.input:
+        raise refusal(_input(name), "no_input")
+    for input_name in signal.input:
+        if input_name in there:
+            continue
+        how = how_asked(scene, input_name)
+        raise refusal(_input(name), "strange_input", value=value_text(input_name), how=how)
+    units = {unit_of(input_name): input_name for input_name in signal.input}
+    if len(units) > 1 and signal.form != "table":
+        (unit, first), (other_unit, other) = list(units.items())[:2]
+        words = {"unit": unit_text(unit), "other_unit": unit_text(other_unit)}
+        raise refusal(_input(name), "units", first=first, other=other, **words)
+
+
+def _check_numbers(name: str, signal: Signal) -> None:
+    """Refuse steps whose times do not increase, or whose lists of times and values differ in length.
+
+    A periodic table that does not fit its period is refused, too.
+    """
+    times, values = signal.times, signal.values
+    if signal.samples is not None:
+        _check_period(name, signal, signal.samples)
+    if times is None or values is None:
+        return
+    if not times or len(times) != len(values):
+        raise refusal(("signals", name, "times"), "times", times=len(times), values=len(values))
+    for k, (before, after) in enumerate(pairwise(times), 1):
+        if not after > before:
+            raise refusal(("signals", name, "times", k), "late", value=after, before=before)
+
+
+def _check_period(name: str, signal: Signal, samples: Samples) -> None:
+    """Refuse a periodic table that lasts longer than its period, or whose end does not fit its beginning.
+
+    The end does not fit if the last row is one period after the first row and has other values. In a column
+    with the interpolation ``hold``, these values may differ. A table without a period is not refused.
+    """
+    period, lasts = signal.period, samples.times[-1] - samples.times[0]
+    if period is None:
+        return
+    if lasts > period * (1.0 + CLOSED):
+        fault = f"= {period:g} must be >= {lasts:g} [s], the duration of its table"
+        raise refused(("signals", name, "period"), fault)
+    for column, values in samples.columns:
+        if is_closed(signal) and values[-1] != values[0] and joined_by(signal, column) != "hold":
+            raise SceneError(
+                f"signals.{name}: {column} = {values[-1]:g} in the last row must be {values[0]:g}, as in the "
+                "first row, one period earlier; or leave out the last row",
+                ("signals", name, "file"),
+            )
+
+
+def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
+    """Refuse a given interpolation with which a velocity of the base or a wall would jump.
+
+    A jump would be an impact of unknown strength. Refuse a period, too, if accelerations are driven, because
+    the velocity could grow with each period.
+
+    Args:
+        name: the name of the signal.
+        signal: the signal with the table.
+        driven: the input, a motion of the base or a wall.
+        order: how often the input is integrated over time to give a position.
+    """
+    needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
+    if signal.interpolation and needed and signal.interpolation not in needed:
+        raise refused(
+            ("signals", name, "interpolation"),
+            f'= "{signal.interpolation}" must be {" or ".join(map(_quoted, needed))} where {driven} is '
+            "driven: its velocity would jump, which would be an impact of unknown strength",
+        )
+    if signal.period and order == 2:  # noqa: PLR2004
+        raise refused(
+            ("signals", name, "period"),
+            f"= {signal.period:g} must be left out where an acceleration is driven: the velocity would grow "
+            "with each period; drive the velocity or the position",
+        )
+
+
+def _quoted(text: str) -> str:
+    return f'"{text}"'
+
+
+def _check_motion(name: str, signal: Signal, driven: str) -> None:
+    """Refuse a signal with which a position or velocity of the base or a wall would jump (SIGNAL_RULES).
+
+    A periodic table of accelerations is refused, too (``check_table``), and so is a sine whose frequency is 0
+    and stays 0 if the input is integrated over time: the integral of the sine would divide by zero.
+    """
+    order, moves = family(driven).index(driven), is_motion(driven)
+    speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))
+    facts = {
+        "order": order,
+        "moves": moves,
+        "steps_differ": len(set(signal.values or ())) > 1,
+        "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * speed,
+    }
+    for rule in SIGNAL_RULES:
+        if holds(rule.condition, lambda key: facts[key] if key in facts else getattr(signal, key)):
+            value = getattr(signal, rule.key)
+            raise refusal(("signals", name, rule.key), rule.fault, input=driven, value=value)
+    if moves:
+        check_table(name, signal, driven, order)

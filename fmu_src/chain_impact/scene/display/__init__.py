@@ -1,0 +1,1 @@
+"""A scene as Python and notebooks show it: bodies, a small drawing, and text."""

@@ -1,0 +1,66 @@
+"""A small SVG drawing of a scene for a notebook: the chain at its start, and the walls."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.display.bodies import outlines_from, placed, rail_from
+
+LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
+# both divided by the longer side of the rectangle around all points: MARGIN is the width of the free border
+# inside the drawing; a wall is drawn if its distance from the point nearest to it is at most NEAR
+MARGIN, NEAR = 0.15, 1.0
+# all divided by the longer side of the drawing: LINE is the width of links, THIN the width of other lines,
+# POINT the radius of points
+LINE, THIN, POINT = 0.012, 0.004, 0.02
+
+
+def svg(scene: Contents, values: Mapping[str, Any]) -> str:
+    """Return the text of an SVG element: the chain and near walls at the start, in the page's text colour.
+
+    ``values``: name of a value of the scene → value (``Scene.values``).
+    """
+    positions = np.array([point[:2] for point in scene.start.values()])
+    points = positions[: len(scene.chain.links) + 1]
+    size = max(np.ptp(positions, axis=0).max(), scene.contact.radius, 1e-6)
+    rail = rail_from(positions[None], None, values)
+    lines = rail.lines(points[:1]) if rail else []
+    outlines = outlines_from(values, scene.contact.points)
+    bodies = [placed(corners, points[n - 1], points[n]) for n, corners in outlines.items()]
+    bodies += [rail.carriage(points[0])] if rail else []
+    nearest = [
+        (wall, positions - np.outer(positions @ wall.normal - wall.offset, wall.normal))
+        for wall in scene.walls_at_start.values()
+    ]
+    near = [(wall, feet) for wall, feet in nearest if np.hypot(*(positions - feet).T).min() <= NEAR * size]
+    shown = np.concatenate([positions, *bodies, *(feet for _, feet in near)])
+    low, high = shown.min(axis=0) - MARGIN * size, shown.max(axis=0) + MARGIN * size
+    width, height = high - low
+    reach, scale = width + height, LONGER_SIDE / max(width, height)
+    line, dot = (f"{part * max(width, height):.6g}" for part in (LINE, POINT))
+    parts = []
+    for wall, feet in near:
+        normal, at = np.array(wall.normal), feet[0]
+        along = reach * np.array([normal[1], -normal[0]])
+        corners = [at - along, at + along, at + along - reach * normal, at - along - reach * normal]
+        parts.append(f'<polygon points="{_listed(corners)}" fill="currentColor" fill-opacity="0.2"/>')
+    look = f'fill="none" stroke="currentColor" stroke-width="{line}"'
+    thin = f'stroke="currentColor" stroke-width="{THIN * max(width, height):.6g}"'
+    parts += [f'<polyline points="{_listed(polyline)}" fill="none" {thin}/>' for polyline in lines]
+    parts += [f'<polygon points="{_listed(body)}" fill-opacity="0.2" {thin}/>' for body in bodies]
+    parts.append(f'<polyline points="{_listed(points)}" {look}/>')
+    parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in positions]
+    view = f"{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}"
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{scale * width:.0f}" '
+        f'height="{scale * height:.0f}" fill="currentColor" stroke-linejoin="round">{"".join(parts)}</svg>'
+    )
+
+
+def _listed(points: np.ndarray | list[np.ndarray]) -> str:
+    """Return points, shape (C, 2) [m], as the text "x,−y x,−y …" for SVG, whose y axis points downward."""
+    return " ".join(f"{x:.6g},{-y:.6g}" for x, y in points)

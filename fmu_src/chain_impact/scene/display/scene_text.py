@@ -1,0 +1,78 @@
+"""A scene as a few lines of text, as Python shows it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.facts import friction_joints
+from chain_impact.scene.keys.tables import Material
+from chain_impact.scene.words.unit_text import of_power
+
+SHOWN_ENTRIES = 6  # a longer list is shortened in the text of a scene: its first entries, …, the last one
+WIDTH = 100  # largest number of characters in a line of the text of a scene; a longer line is cut
+
+
+def text(scene: Contents) -> str:
+    """Return a scene in a few lines: name, chain, walls, contact, stops, signals, start and run."""
+    title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
+    lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]
+    return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)
+
+
+def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
+    links, contact, start, run = scene.chain.links, scene.contact, scene.initial, scene.simulation
+    count = f"{len(links)} link{'s' * (len(links) != 1)}"
+    length, mass = sum(link.length for link in links), sum(link.mass for link in links)
+    rubbing = friction_joints(scene)
+    dry = f"; dry friction in joints {_listed(rubbing)}" if rubbing else ""
+    yield "chain", f"{count}, {length:g} m, {mass:g} kg; base {scene.chain.base}{dry}"
+    box = [f"{wall} = {at:g} m" for wall in WALLS if (at := getattr(scene.box, wall)) is not None]
+    yield "walls", ", ".join([*box, *(wall.name for wall in scene.walls)]) or "none"
+    law = f"{contact.model}, e = {contact.restitution:g}"
+    stiffness = f"K = {contact.stiffness:g} {of_power('N/m', contact.exponent)}"
+    mu = _friction(contact.friction or None, contact.static_friction or None)
+    yield "contact", f"{', '.join([law, stiffness, *mu])}; points {_listed(contact.points)}"
+    materials = [line for name, material in contact.wall.items() if (line := _material(name, material))]
+    if materials:
+        yield "", "; ".join(materials)
+    if scene.chain.stops:
+        ends = scene.chain.joint_ranges.items()
+        stops, law = scene.stops, scene.stops.model or contact.model
+        stiffness = f"K = {stops.stiffness:g} {of_power('N·m/rad', stops.exponent)}"
+        ranges = [f"joint {joint} {_range(low, high)}" for joint, (low, high) in ends]
+        ranges = ranges if len(ranges) <= SHOWN_ENTRIES else [*ranges[: SHOWN_ENTRIES - 2], "…", ranges[-1]]
+        yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"
+    if scene.signals:
+        driven = (f"{', '.join(signal.input)} by a {signal.form}" for signal in scene.signals.values())
+        yield "signals", "; ".join(driven)
+    yield "start", f"base at {_listed(start.position)} m, angles {_listed(start.angles)} rad"
+    solver = f"method {scene.solver.method}, tolerance {scene.solver.tolerance:g}"
+    yield "run", f"{run.stop_time:g} s in steps of {run.step_size:g} s; {solver}"
+
+
+def _material(name: str, material: Material) -> str:
+    """Return a text such as "at y_min e = 0.5" with all values that ``material`` gives; "" without any."""
+    parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
+    parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
+    parts += _friction(material.friction, material.static_friction)
+    return f"at {name} {', '.join(parts)}" if parts else ""
+
+
+def _friction(sliding: float | None, static: float | None) -> list[str]:
+    """Return a text for each coefficient that is not None, such as "µ = 0.3" for sliding friction."""
+    given = {"µ": sliding, "static µ": static}
+    return [f"{name} = {value:g}" for name, value in given.items() if value is not None]
+
+
+def _range(low: float, high: float) -> str:
+    if math.isinf(low) or math.isinf(high):
+        return f"≤ {high:g} rad" if math.isinf(low) else f"≥ {low:g} rad"
+    return f"{low:g} to {high:g} rad"
+
+
+def _listed(values: Iterable[float]) -> str:
+    texts = [f"{value:g}" for value in values]
+    return ", ".join(texts if len(texts) <= SHOWN_ENTRIES else [*texts[: SHOWN_ENTRIES - 2], "…", texts[-1]])

@@ -1,0 +1,1 @@
+"""The rules of single keys, and the language of rules that combine keys."""

@@ -1,0 +1,171 @@
+"""The rules of the keys of a scene file, such as a key's range: the metadata of dataclass fields."""
+
+from __future__ import annotations
+
+import functools
+import operator
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields
+from pathlib import Path
+from types import NoneType
+from typing import Any, TypedDict, Unpack, get_args
+
+from chain_impact.scene.words.unit_text import in_brackets
+
+# name of a rule → function that tells whether a value keeps the rule; its arguments are the value, and the
+# rule's entry in the metadata
+_KEEPS: dict[str, Callable[[Any, Any], Any]] = {
+    "minimum": operator.ge,
+    "above": operator.gt,
+    "maximum": operator.le,
+    "choices": lambda value, choices: value in choices,
+    "pattern": lambda value, pattern: re.fullmatch(pattern[0], value),
+}
+
+
+class KeyRules(TypedDict, total=False):
+    """The rules of a key; for a list, the rules up to ``pattern`` hold for each entry of the list."""
+
+    minimum: float  # least allowed number, itself allowed
+    above: float  # limit that a number must exceed
+    maximum: float  # largest allowed number, itself allowed
+    choices: tuple[str, ...]  # the allowed texts
+    # a regular expression that the whole text must match, and the words for the texts that match it
+    pattern: tuple[str, str]
+    per_link: bool  # whether the list must have one entry for each link
+    entries: tuple[int, int]  # least and largest allowed number of entries of the list
+    # whether `true` may replace a list of names: it means all names, and is stored as the name "*"
+    or_true: bool
+    # whether `with_values` may change the value without reading the whole scene again (fast_values.py)
+    alone: bool
+    or_one: bool  # whether one text may be given in place of a list with this text alone
+    # the head of the key's column in the page's editor of the scene; without it, the editor has no column for
+    # the key
+    label: str
+    # whether only files have the key: the reading of a file replaces it by other keys
+    file_only: bool
+    # name of another key, in the same table or as "table.key", whose value is the path of a user's file: the
+    # file's name without suffix is one more choice, as for a user's law
+    extended_by: str
+    # function that returns the unit of the value from the values of keys read before; only for a key whose
+    # unit depends on other keys
+    unit_by: Callable[[Mapping[str, Any]], str]
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """The rule for a default that follows from the values read before it.
+
+    Attributes:
+        text: the rule in words.
+        value: function from the values read before to the default; the default is None if the scene has no
+            such value, and ``MISSING`` if the file must give the key.
+        terms: for each product of a sum, the keys whose values are multiplied; the default is the sum divided
+            by ``divisor``. A key without a dot belongs to the same table. Empty if the default is no such
+            sum.
+        divisor: the number that divides the sum of the products.
+        constant: whether the default is the same in all scenes, except for the length of a list, and except
+            that some scenes have no such value.
+        of_box: the rule that replaces this one for a link that is a box; None if this rule holds for it.
+        or_key: the key of the same table that can be given in place of this key; "" if there is none.
+        with_stops: the default in each scene in which a joint has a stop; None for a rule of another kind.
+        off: the default of a value that describes a part, such as dry friction, which the scene has only if
+            the file gives the value, even as 0; None for a rule of another kind. For the rules of rules.py, a
+            value that the file does not give is missing.
+    """
+
+    text: str
+    value: Callable[[Mapping[str, Any]], Any]
+    terms: tuple[tuple[str, ...], ...] = ()
+    divisor: int = 1
+    constant: bool = False
+    of_box: Derived | None = None
+    or_key: str = ""
+    with_stops: float | None = None
+    off: float | None = None
+
+
+IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
+"""The rule ``pattern`` for names, such as those of walls and signals."""
+NO_KEY = {"key": False}
+"""The metadata of a field that is not a key of the scene file."""
+
+
+@functools.cache
+def keys(table: Any) -> tuple[Field[Any], ...]:
+    """Return those fields of the dataclass ``table`` that are keys of the scene file."""
+    return tuple(entry for entry in fields(table) if entry.metadata.get("key", True))
+
+
+def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpack[KeyRules]) -> Any:
+    """Return a dataclass field with the metadata of one key of the scene file.
+
+    The metadata are `unit` ("1" for a pure number, "" for a value that is no number), `description`,
+    `default` (a value, a `Derived`, or `dataclasses.MISSING` if the file must give the key), and an entry for
+    each key of `KeyRules`, None without such a rule.
+    """
+    metadata = {"unit": unit, "description": description, "default": default}
+    metadata |= dict.fromkeys(KeyRules.__annotations__) | rules
+    if isinstance(default, Mapping):  # a table whose entries have names given by users is empty by default
+        return field(default_factory=dict, hash=False, metadata=metadata)
+    simple = simple_default(metadata)
+    return field(default=MISSING if isinstance(simple, Derived) else simple, metadata=metadata)
+
+
+def simple_default(rule: Mapping[str, Any]) -> Any:
+    """Return the default in the metadata ``rule`` of a key.
+
+    The result is the number ``off`` for a `Derived` that has ``off``; any other default is returned
+    unchanged.
+    """
+    default = rule["default"]
+    return default if not isinstance(default, Derived) or default.off is None else default.off
+
+
+@functools.cache
+def without_none(kind: Any) -> Any:
+    """Return X for the type ``X | None``; return any other type unchanged."""
+    return get_args(kind)[0] if NoneType in get_args(kind) else kind
+
+
+def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
+    """Return whether a number or text keeps those rules of ``_KEEPS`` that the metadata `rule` have."""
+    for name, keep in _KEEPS.items():
+        bound = rule[name]
+        if bound is not None and not keep(value, bound):
+            return False
+    return True
+
+
+def extended(rule: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the metadata `rule` of a key with the unit or the further choice that other keys decide.
+
+    See ``unit_by`` and ``extended_by`` in ``KeyRules``; other metadata are returned unchanged.
+
+    Args:
+        rule: the metadata.
+        tables: key → value or table, for all that have been read before.
+    """
+    if unit_by := rule.get("unit_by"):
+        return {**rule, "unit": unit_by(tables)}
+    extended_by = rule.get("extended_by")
+    if not extended_by:
+        return rule
+    table, _, key = extended_by.rpartition(".")
+    file = getattr(tables[table], key) if table else tables.get(key)
+    return {**rule, "choices": (*rule["choices"], Path(file).stem)} if file else rule
+
+
+def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
+    """Return words for the values of type `kind` that the metadata `rule` allow: "true or false"."""
+    if rule["choices"] is not None:
+        return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
+    if kind is str:
+        return str(rule["pattern"][1])
+    if kind is bool:
+        return "true or false"
+    signs = {"minimum": ">=", "above": ">", "maximum": "<="}
+    bounds = " and ".join(f"{signs[limit]} {rule[limit]:g}" for limit in signs if rule[limit] is not None)
+    words = " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds)))
+    return words + in_brackets(rule["unit"])

@@ -1,0 +1,1 @@
+"""Names, units and angles as texts."""

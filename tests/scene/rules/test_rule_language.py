@@ -1,0 +1,68 @@
+"""The language of rules: the meaning of each form, missing values, wrong rules, and the rules of a file."""
+
+import re
+
+import pytest
+
+from chain_impact.scene.keys.chain_tables import Link
+from chain_impact.scene.keys.signal_tables import Signal
+from chain_impact.scene.keys.tables import Contact, Initial, Material, Simulation, Solver, Stops
+from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULES, STOP_KEYS, Rule
+from chain_impact.scene.rules.rule_language import holds, names_in, number_in, tree
+from chain_impact.scene.scene import scene_keys
+from tests.scene.rule_cases import CASES, VALUES
+
+WRONG = ("a and", "a & b", "a - b", "a and or b", "max(a, b)", "sum(a)", "a < b < c", "given(x=a)", "a[0]")
+ALL_KEYS = {key for key, _ in scene_keys()}
+OF_LINK = {entry.name for entry in keys(Link)} | {"order"}
+OF_LAW = {entry.name for entry in keys(Material)} | {"exponent"} | {f"law.{key}" for key in LAW_FACTS}
+NAMES = {"": ALL_KEYS | OF_LINK, "link": ALL_KEYS | OF_LINK, "law": OF_LAW}
+"""Table to which a rule belongs → the names that the rule may have."""
+
+
+@pytest.mark.parametrize("rule", CASES)
+def test_the_value_of_a_rule(rule):
+    value = CASES[rule]
+    if isinstance(value, bool):
+        assert holds(rule, VALUES.__getitem__) == value
+    else:
+        assert number_in(rule, VALUES.__getitem__) == value
+
+
+@pytest.mark.parametrize("rule", WRONG)
+def test_a_wrong_rule_is_named(rule):
+    with pytest.raises(ValueError, match=re.escape(rule)):
+        tree(rule)
+
+
+def test_an_unknown_name_is_an_error():
+    with pytest.raises(KeyError, match="strange"):
+        holds("a and strange", VALUES.__getitem__)
+
+
+@pytest.mark.parametrize("rule", [*RULES, *SIGNAL_RULES], ids=lambda rule: f"{rule.fault}, {rule.key}")
+def test_the_rules_of_a_file_name_keys_and_facts(rule: Rule):
+    facts = {"moves", "order", "steps_differ", "starts_fast"} | {entry.name for entry in keys(Signal)}
+    names = facts if rule in SIGNAL_RULES else NAMES[rule.of]
+    assert {rule.key, *names_in(tree(rule.condition))} <= names
+    assert {*names_in(tree(rule.least or "0"))} <= names
+    assert rule.fault in SENTENCES
+
+
+def test_each_key_of_stops_has_a_rule_for_scenes_without_stops():
+    assert [entry.name for entry in keys(Stops)] == [*STOP_KEYS]
+
+
+def test_no_rule_names_a_key_that_changes_without_the_rules():
+    """``with_values`` leaves a restitution of 0 and the velocity of a held base to the rules."""
+    alone = {entry.name for table in (Contact, Link) for entry in keys(table) if entry.metadata["alone"]}
+    for name, table in (
+        ("contact", Contact),
+        ("initial", Initial),
+        ("simulation", Simulation),
+        ("solver", Solver),
+    ):
+        alone |= {f"{name}.{entry.name}" for entry in keys(table) if entry.metadata["alone"]}
+    named = {name for rule in RULES for name in (rule.key, *names_in(tree(rule.condition)))}
+    assert named & alone == {"restitution", "initial.velocity"}
