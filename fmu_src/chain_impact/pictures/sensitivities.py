@@ -38,7 +38,7 @@ from chain_impact.pictures.words.headline import conditions, time_unit
 from chain_impact.recording.contact_times import SEEN_CONTACT
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
-from chain_impact.recording.text import LOAD_UNITS, WHOLE, number, plural, prefixed
+from chain_impact.recording.text import WHOLE, number, plural, readable
 from chain_impact.scene.words.names import AXES
 from chain_impact.scene.words.unit_text import in_brackets, with_unit
 
@@ -50,7 +50,6 @@ LARGEST_EFFECTS = 4
 TO_FIRST_ORDER = "changes to first order"
 ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
 LOW_TABLE = 0.6  # if the panels form one column: the height of the table below, relative to that of a panel
-PREFIXED = (*LOAD_UNITS, "m", "m/s", "s", "rad", "rad/s")  # the units that get a prefix, as in mm
 JUMPS = "changes jump at impacts, whose times shift"
 Looks = list[dict[str, Any]]
 
@@ -234,14 +233,6 @@ def _size_text(size: float, unit: str) -> str:
     """Return a |change| as text, if possible with a unit whose prefix suits the number: "362 µm"."""
     scale, readable_unit = readable(size, unit)
     return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
-
-
-def readable(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor to a unit with a prefix that suits the ``largest`` |value|, and this unit: mm for m.
-
-    A unit that is not in PREFIXED stays, with the factor 1.
-    """
-    return prefixed(largest, unit) if unit in PREFIXED else (1.0, unit)
 
 
 def _sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: int) -> np.ndarray:

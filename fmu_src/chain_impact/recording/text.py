@@ -74,6 +74,18 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
     return 10.0**-power, f"{PREFIXES[power]}{unit}"
 
 
+# the units that get a prefix for small and large values, as in mm
+PREFIXED_UNITS = (*LOAD_UNITS, "m", "m/s", "m/s2", "s", "rad", "rad/s")
+
+
+def readable(largest: float, unit: str) -> tuple[float, str]:
+    """Return ``prefixed`` for a unit in PREFIXED_UNITS; any other unit stays, with the factor 1.
+
+    ``largest`` is the largest |value| that is shown in the unit.
+    """
+    return prefixed(largest, unit) if unit in PREFIXED_UNITS else (1.0, unit)
+
+
 def speed_unit(at_stop: bool) -> str:
     """Return the unit of an impact's speed: m/s, or rad/s if the impact is at a stop of a joint."""
     return unit_at("impact_speed", stop=at_stop)

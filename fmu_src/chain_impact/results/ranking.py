@@ -14,7 +14,7 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import FIRST_ORDER, PART, Sensitivities, differs, step_of
 from chain_impact.recording.summary import digits
-from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed, signed
+from chain_impact.recording.text import TextTable, as_html, as_text, plural, readable, signed
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.reading import names_matching
 from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
@@ -33,8 +33,6 @@ LARGE_SHARE = 0.2
 LEAST_EFFECT = 1e-12
 NAMED_STEPS = 2  # the largest number of different steps that the heading of a block of bars lists
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
-PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
-"""The units that get a prefix, such as mm, in the picture of a ranking."""
 
 
 class Effect(NamedTuple):
@@ -242,7 +240,7 @@ class Ranking:
         sizes = list(map(min, reach, longest))
         if blocks and pictures.have_one_scale(sizes):
             sizes = [max(sizes)] * len(sizes)
-        factor, unit = readable(self.value, self.unit)
+        factor, unit = readable(abs(self.value), self.unit)
         other = [effect for effect in itertools.chain(*blocks) if effect.differs]
         checked = [effect for effect in itertools.chain(*blocks) if effect.simulated is not None]
         more = max(len(self.effects) - MOST_BARS, 0)
@@ -312,14 +310,6 @@ def _mark(effect: Effect) -> float | None:
 def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
     """Return the change in the run with the new value as text; "none" if no run has the quantity."""
     return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
-
-
-def readable(value: float, unit: str) -> tuple[float, str]:
-    """Return the factor to a unit with a prefix that suits a value, and this unit: (1000, "mm") for 0.003 m.
-
-    A unit that is not in PREFIXED stays, with the factor 1.
-    """
-    return prefixed(abs(value), unit) if unit in PREFIXED else (1.0, unit)
 
 
 def ranking_of(
