@@ -31,7 +31,7 @@ def write_animation(
     size: tuple[int, int] = FILM_SIZE,
     progress: Progress | None = None,
 ) -> InlinePage | None:
-    """Write an animation of a recording, or return it as a page.
+    """Write an animation of a recording to a file; without ``path``, return the animation as a page.
 
     ``chain_impact.animate`` describes the arguments.
     """

@@ -94,7 +94,8 @@ class Comparison(LawRuns):
     ) -> Any:
         """Draw two panels: force over penetration in the first impact (a loop), and energy over time.
 
-        Each panel has a line for each law; lines of laws that are not told apart share a grey band.
+        Each panel has a line for each law; but laws with equal loops share a line, and if more than a few
+        lines are grey, the grey lines are drawn as a band.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
@@ -300,7 +301,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
-    """Return ``run`` with the number and onset of the first impact in which it differs from ``expected``.
+    """Return ``run`` with number (from 1) and onset of the first impact that differs from ``expected``.
 
     ``expected`` is the result with the reference law. Impacts differ if their points or walls differ. If one
     result has all impacts of the other result and more, its first additional impact is the first that

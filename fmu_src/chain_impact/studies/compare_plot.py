@@ -3,7 +3,7 @@
 At most six laws have a colour: the reference, the scene's own law, the law without losses, a law whose force
 jumps at the onset, the law with losses whose realised restitution differs most from that of the reference,
 and laws in USED. One law can be several of these. The reference is the law with which every other law is
-compared. All further laws are grey, or dotted if they are laws of impulses.
+compared. A law without a colour is grey or, if it is a law of impulses, dotted in the colour of text.
 """
 
 from __future__ import annotations
@@ -53,14 +53,14 @@ REFERENCE_LAYER = 3
 JUMPS = "force jumps at the onset"
 IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
-"""The look of the line of a law of impulses, which has no penetration, if the law has no colour."""
+"""The look of the line of a law of impulses that has no colour."""
 BEFORE_FIRST = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400
 HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
 COLOURED_LAWS = 6  # largest number of laws with a colour
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
-"""Ids of laws that many programs and papers use: each gets a colour if fewer than COLOURED_LAWS others do."""
+"""Ids of laws that many programs and papers use; they get the colours that other laws leave free."""
 
 Looks = dict[str, dict[str, Any]]
 
@@ -133,7 +133,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
     describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without losses
     if the impact is not free or this e′, rounded, is not 1.00, unless it is unknown or ``pressed_again``;
-    stiffness and tolerance; the number of grey laws, unless the legend has it.
+    stiffness and tolerance; the number of grey lines, unless the grey lines are drawn as a band.
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
@@ -194,8 +194,8 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
 
     Laws with equal loops share one line, under the first of these laws; its label names all of them. A label
     has the reasons of ``named_laws`` for the first of these laws that has any and, if the e′ describe the
-    contact alone, e′ of the first impact. With ``small`` only the line of the reference law has reasons. The
-    label of a law that acts by impulses and has no colour is its id with IMPULSIVE.
+    contact alone, e′ of the first impact. With ``small`` only the label of the reference law has reasons. The
+    label of a law that acts by impulses and has no colour is only the law's id with IMPULSIVE.
     """
     why = named_laws(comparison)
     twins: dict[str, list[str]] = {}
@@ -237,7 +237,8 @@ def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw force over penetration in the first impact; an impulse is a vertical line at penetration 0.
 
-    The loops of the laws of ``banded`` are drawn as one grey band. A law without a loop has no line.
+    The loops of the laws of ``banded`` are drawn by ``fill_loops``. A law whose ``LawRun.loop`` is None has
+    no line.
     """
     band = banded(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
@@ -258,7 +259,10 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def banded(comparison: LawRuns, looks: Looks) -> list[str]:
-    """Return the laws of the grey looks whose runs have a result; [] if these are at most MOST_GREY."""
+    """Return the laws in ``looks`` that are grey and whose runs have a result.
+
+    If at most MOST_GREY laws are so, the result is empty.
+    """
     grey = [
         law for law, look in looks.items() if look["color"] == GREY and comparison[law].result is not None
     ]
@@ -311,9 +315,9 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw the total energy over time; the laws of ``banded`` share one grey band.
 
-    A cross in the colour of a law is at ``LawRun.divergence_time``, the onset of the first impact that
-    differs between this law and the reference law. The energy has the same zero as in the picture of the
-    motion under the reference law.
+    The line of a law has a cross in the colour of the line at ``LawRun.divergence_time``, the onset of the
+    first impact that differs between this law and the reference law, if there is such an impact. The energy
+    has the same zero as in the picture of the motion under the reference law.
     """
     reference = comparison[comparison.reference].result
     assert reference is not None

@@ -39,7 +39,7 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
 
     The table ``stops`` is yielded if joints have stops without a law of their own. The table ``contact``, and
     the tables of walls with a stiffness of their own, are yielded if a point can touch a wall, or if no joint
-    has stops.
+    has stops. A wall's table is yielded with the exponent of ``contact``.
     """
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
@@ -69,10 +69,11 @@ def compared_impact(scene: Scene) -> str:
 def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
     """Return the changes that give a scene another ``contact.model``: path of a key → value.
 
-    If the law does not allow the exponent of a table (``_tables``), the table gets the exponent n that the
-    law needs, and the stiffness K with which ``impact`` without losses has the same penetration δ as before:
-    K δⁿ⁺¹/(n+1) = ½ m v₀². ``impact`` is a row of ``Result.impacts`` with effective mass m and impact speed
-    v₀; without an impact, exponents and stiffnesses do not change.
+    If the law does not allow the exponent of a table (``_tables``), the table gets the stiffness K with which
+    ``impact`` without losses has the same penetration δ as before, at the exponent n that the law needs:
+    K δⁿ⁺¹/(n+1) = ½ m v₀². The tables ``contact`` and ``stops`` also get the exponent n. ``impact`` is a row
+    of ``Result.impacts`` with effective mass m and impact speed v₀; if it is None, exponents and stiffnesses
+    do not change.
     """
     changes: Changes = {("contact", "model"): law}
     for path, exponent, stiffness in _tables(scene):

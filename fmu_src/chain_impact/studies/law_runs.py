@@ -42,8 +42,8 @@ class LawRun:
         loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse; None
             without a first impact, or if it lasts to the end of the run.
         divergence: number, from 1, of the first impact whose point or wall differs from that of the impact
-            with this number under the reference law, or that only one of the two runs has; None without such
-            an impact.
+            with this number under the reference law, or that only one of the two runs has; impacts that a run
+            lacks because it ended early do not count. None without such an impact.
         divergence_time: onset of the impact with the number ``divergence`` [s]; NaN without such an impact.
         note: the reason why the result is missing or incomplete, or a remark; "" without both.
         result: the result of the run, up to a fault; None if the run could not start.
@@ -79,7 +79,7 @@ class LawRun:
 
 @dataclass(frozen=True)
 class Reached:
-    """The realised restitutions of the first impact at one stiffness; NaN if no first impact ends in the run.
+    """The realised restitutions of the first impact at one stiffness; NaN if a restitution is unknown.
 
     Attributes:
         stiffness: stiffness K of the contact [N/m^n]; at a stop of a joint [N·m/rad^n].
@@ -130,7 +130,7 @@ class LawRuns:
 
         The impact counts as free unless the realised restitution without losses differs from 1, or that with
         the exact law from the prescribed restitution, by more than FREE_TOLERANCE. A realised restitution
-        that is unknown, because the impact does not end in the run with this law, does not count.
+        that is unknown, such as that of an impact that does not end in the run, does not count.
         """
         reached = self.reached[0]
         off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))

@@ -193,8 +193,9 @@ def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
 def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
     """Return the model at the end of the search, with each parameter close to a bound set to this bound.
 
-    The search approaches a bound without reaching it. If the values that can be fitted differ at the bounds,
-    for example because an impact is missing there, the model keeps the parameters of the search.
+    The search approaches a bound without reaching it. If a measured value can be fitted only at the bounds,
+    or only with the parameters of the search, for example because an impact is missing at the bounds, the
+    model with the parameters of the search is returned.
     """
     at = search_result.search.best
     alone = information(at.slopes[at.usable], search_result.sigma[at.usable]).alone
@@ -257,7 +258,7 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
 
 
 def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Sequence[Measurements]) -> None:
-    """Refuse a free parameter that is an input, if the data give the values of this input."""
+    """Refuse a free parameter that is an input, if a data set for which it is free has this input."""
     for parameter in parameters:
         for k, data_set in enumerate(measured):
             if parameter.run in (None, k) and parameter.name in data_set.inputs:
@@ -281,7 +282,7 @@ def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[flo
 
 
 def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
-    """Return the scene of data set ``k`` with the fitted values of parameters; a scene holds no inputs."""
+    """Return the scene of data set ``k`` with the fitted values, except those of inputs."""
     known = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
     return scene.with_values(
@@ -333,7 +334,7 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, search_result: Found) 
 
 
 def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
-    """Yield a remark for each column whose σ is estimated from fewer than ROUGH_BELOW fitted values."""
+    """Yield a remark for each column whose σ is estimated from 1 to ROUGH_BELOW − 1 fitted values."""
     for name in problem.estimated:
         count = int((at.usable & (problem.group == problem.names.index(name))).sum())
         if 0 < count < ROUGH_BELOW:

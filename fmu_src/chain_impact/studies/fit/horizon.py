@@ -1,9 +1,9 @@
-"""The search with a growing horizon: first only early data are fitted, at the end all data.
+"""The search with a growing horizon: as a rule only early data are fitted first, and always all data last.
 
 After some impacts the motion depends so strongly on the parameters that the sum of squares of all residuals
 often has many local minima, while the sum over early data has few. So a series of searches is made. Each
-search uses the data up to its horizon, and starts at the parameters that the previous search has found. The
-horizon is about the time up to which the model with these parameters follows the data.
+search uses the data up to its horizon, and starts at the parameters that the previous search has found. Each
+horizon is the time up to which the model with the start parameters of the search follows the data, or later.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ FAR = (0.01, 0.0025)
 # a wrong minimum. The smallest mean square counts as at least LEAST_SQUARE, because smaller ones are only
 # round-off.
 WORSE, LEAST_SQUARE = 1.2, 1e-6
-# with fewer values, the mean square of the residuals is too random to be compared with other mean squares
+# a mean square of fewer residuals than MANY_VALUES is too random to be compared with other mean squares
 MANY_VALUES = 20
 GROWTH = 1.1  # each horizon, except the first and the last, is at least GROWTH × the preceding horizon
 # A search ends when a step changes the sum of squares, relative to the sum, by less than ROUGH_CHANGE while
@@ -56,10 +56,11 @@ class Found:
     Attributes:
         search: the result of the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
-        horizons: the horizon of each search, the time [s] up to which it used data; the searches with all
-            data have one entry, the last time of a value.
-        worse: mean square of the residuals r/σ with all data, divided by the smallest mean square of the
-            searches with fewer data that used at least MANY_VALUES values; 0 without such searches.
+        horizons: the horizon of each search with fewer data, the time [s] up to which the search used data;
+            at the end one entry for all searches with all data: the last time of a value, 0 if none has one.
+        worse: mean square of the residuals r/σ with all data, divided by the smallest mean square (at least
+            LEAST_SQUARE) of the searches with fewer data that used at least MANY_VALUES values; 0 if no
+            search with fewer data used so many values.
     """
 
     search: Search
@@ -72,7 +73,8 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
     """Search the values of the free parameters, and return the result of a series of searches.
 
     If the first series does not converge, or probably ends in a wrong minimum (see WORSE), a second series is
-    made. The result with the smaller mean square of r/σ, with σ of the first series, is returned.
+    made. Then the result with the smaller mean square of r/σ is returned, with the σ of the first series for
+    both mean squares.
 
     Raises:
         SceneError: when the data cannot be fitted, or the model at the start has none of the measured values.
@@ -142,8 +144,8 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
     """Return the standard deviation σ of each value, shape (M,): the given one, or a new estimate.
 
     For a column without given σ, the usable residuals r with ν degrees of freedom give σ² = Σ r²/ν, but σ is
-    at least LEAST_SIGMA times the size of the column. If ν is 0 (``freedom_of_columns``), because the column
-    determines as many parameters as it has usable values, σ stays as in ``sigma``.
+    at least LEAST_SIGMA times the size of the column. If ν (``freedom_of_columns``) is at most NO_FREEDOM, σ
+    stays as in ``sigma``.
     """
     estimated, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
@@ -206,11 +208,12 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Return the first horizon [s], up to which there are as many values as VALUES_PER_PARAMETER demands.
+    """Return the first horizon [s]: infinity if the first search is to use all data.
 
-    The horizon is later if the model follows the data longer. It is infinite if too few values have a time,
-    or if no value is later: then the first search uses all data. ``whole`` is the model at the start values;
-    for ``far`` see ``_next_horizon``.
+    The horizon is the time up to which as many values lie as VALUES_PER_PARAMETER demands or, if later, the
+    time up to which the model follows the data. The horizon is infinite if too few values have a time, or if
+    no value has a time later than the horizon. ``whole`` is the model at the start values; for ``far`` see
+    ``_next_horizon``.
     """
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
@@ -226,8 +229,8 @@ def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: floa
     """Return the next horizon [s], the later one of two times; infinity if no value has a later time.
 
     One time is GROWTH × ``horizon``. The other is the first time of a value in ``Problem.followed`` that the
-    model lacks, or from which it differs by more than ``far`` × the size of the column. After ``horizon`` 0,
-    which GROWTH cannot make later, the next horizon is at least the next time of a value.
+    model lacks, or from which it differs by more than ``far`` × the size of the column; infinity if no value
+    is such. If ``horizon`` and both times are 0, the next horizon is the first time > 0 of a value.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order

@@ -115,7 +115,8 @@ def _interval(parameter: Parameter, value: float, error: float, ends: tuple[floa
 def rounded(value: float, error: float) -> str:
     """Return a value as text, rounded to the second significant digit of its standard error ``error``.
 
-    The text has 2 to 10 significant digits; at most 4 if the error is 0 or not finite, or the value is 0.
+    The value is rounded to at least 2 and at most 10 significant digits; to 4 if the error is 0 or not
+    finite. Zeros at the end of a fraction are left out.
     """
     if not (math.isfinite(error) and error > 0.0 and value):
         return number(value, 4)

@@ -25,10 +25,11 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
     Args:
         scene: the scene to write.
-        path: the file.
-        like: an original scene file, of which only the values that differ are changed; but if an entry of the
-            links is a box or has a ``count``, a change of [chain] replaces all entries. Without an original
-            file all keys are written, except keys without a value or with a derived value.
+        path: the file that is written.
+        like: an original scene file, which is only read: the written file has the original's text, in which
+            only the values that differ are replaced; but if an entry of the links is a box or has a
+            ``count``, a change of [chain] replaces all entries. Without an original file all keys are
+            written, except keys without a value or with a derived value.
 
     Raises:
         SceneError: when the original file is not a scene, or the folder has another file with the name of the

@@ -96,7 +96,7 @@ class Computation:
     def run_batch(self, batch: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
         """Compute the runs of a batch; return the ``Outcome`` of the batch, and the time taken [s].
 
-        A file of rows has a temporary name until ``Dataset.add`` gives it the final name.
+        If the outcome is the name of a file, the name is temporary; ``Dataset.add`` gives the final name.
 
         Raises:
             CancelledError: when ``wanted``, which is called about once a second, returns False.

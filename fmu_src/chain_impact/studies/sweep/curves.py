@@ -33,8 +33,8 @@ COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
-# the largest value is at least DECADE times the smallest one, which must be > 0: a power law is then a
-# straight line.
+# the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest
+# value: a power law is then a straight line.
 DECADE = 10.0
 MOST_DIGITS = 17  # with so many significant digits, all different numbers have different texts
 
@@ -50,8 +50,8 @@ def draw_curves(
 
     Samples are points without lines.
 
-    ``across``: the parameter, a number. ``choice``: a second parameter, with a line for each number or
-    choice; choices with equal results share one (``lines_of``).
+    ``across``: the parameter on the horizontal axis, a number. ``choice``: a second parameter; each of the
+    numbers or choices of ``choice`` has a line, but choices with equal results share a line (``lines_of``).
     """
     values = runs[across.name]
     lines = lines_of(runs, across, choice)
@@ -97,9 +97,10 @@ def draw_curves(
 
 
 def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list[dict[str, Any]]:
-    """Return the looks of lines in their order: those of the laws if ``choice`` is the law, else COLOURS.
+    """Return looks in the order of the lines: of their laws if ``choice`` is the contact law, else COLOURS.
 
-    ``lines``: the names of the choices or numbers of each line.
+    ``lines``: the names of the choices or numbers of each line; a line has the look of the first law. COLOURS
+    may be more than the lines.
     """
     if choice is not None and choice.name == "contact.model":
         return [law_look(names[0]) for names in lines]
@@ -109,8 +110,8 @@ def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list
 def _mark_own(axes: Axes, own: float, quantity: Quantity, curve: np.ndarray | None) -> None:
     """Draw the mark of the scene's value ``own``: on the line or, where the line has no value, at the foot.
 
-    ``curve``: the positions, ascending, and the values of the line, shape (2, S); None for a mark at the
-    foot, as with several lines or samples. The line of a count has steps.
+    ``curve``: the ascending values of the parameter on the horizontal axis, and the results, shape (2, S);
+    None for a mark at the foot. The line of a count has steps.
     """
     if curve is not None:
         scale = axes.transScale
@@ -128,8 +129,9 @@ def lines_of(
 ) -> dict[tuple[str, ...], np.ndarray]:
     """Return the lines of any panel: names → indices of the line's runs, sorted by the value of ``across``.
 
-    Each value of ``choice``, a name or a number as text, has a line; but names with equal results in all runs
-    share a line, which has all these names. Without ``choice``, the only line has no name.
+    Each number or choice of ``choice`` has a line, named by its text; but choices with equal results
+    (``_equal``) share a line, which has the names of all these choices. Numbers never share a line. Without
+    ``choice``, the only line has no name.
     """
     rows = np.argsort(runs[across.name], kind="stable")
     if choice is None:
@@ -148,9 +150,10 @@ def lines_of(
 
 
 def _equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
-    """Return whether the runs ``first`` have the same results as the runs ``second``, pair by pair.
+    """Return whether the runs ``first`` and ``second`` are as many and have nearly equal results in pairs.
 
-    ``results``: the value of each quantity in each run, shape (number of quantities, R).
+    ``results``: the value of each quantity in each run, shape (number of quantities, R). Two missing values,
+    NaN, are equal.
     """
     if len(first) != len(second):
         return False
@@ -158,15 +161,18 @@ def _equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
 
 
 def told_apart(values: Sequence[float]) -> list[str]:
-    """Return different numbers as different texts, with the least common number of digits, from 4 on."""
+    """Return different numbers as different texts.
+
+    All texts have the same limit of significant digits: the least limit from 4 on that makes them differ.
+    """
     texts = ([number(float(value), digits) for value in values] for digits in range(4, MOST_DIGITS))
     return next((found for found in texts if len({*found}) == len(found)), [*map(repr, values)])
 
 
 def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
-    """Set the scale, the ticks and the label of the vertical axis of a panel.
+    """Set the vertical axis of a panel; if no run has a value of the quantity, write NEVER in the panel.
 
-    ``shown``: the values of the quantity in all runs, NaN where a run failed.
+    ``shown``: the value of the quantity in each run; it is not finite if the run has no value.
     """
     finite = shown[np.isfinite(shown)]
     axes.set_ylabel(quantity.label_for(finite))

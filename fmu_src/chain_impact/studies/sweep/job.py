@@ -178,8 +178,8 @@ class Runner:
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
-        # lists of impacts, and integrals over time such as the impulse at a wall, take time, so they
-        # are computed only if a column needs them
+        # lists of impacts, and integrals over time such as the impulse at a wall, take time: if no column
+        # needs the lists, only integrals that a column needs are computed
         looked_at = {
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
         }

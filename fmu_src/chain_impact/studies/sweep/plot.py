@@ -1,11 +1,11 @@
 """The picture of a sweep: its main results over the varied parameters.
 
-Without samples, one varied number gives a line in each panel, and one choice dots. Two numbers give a map or,
-if one of them has few values, a line for each of these. A choice beside a number, such as the contact law,
-gives a line for each choice; with more choices than COLOURS, these are the rows of a map. Two choices give a
-map. Samples of one number are points; samples of a choice or of several parameters give a histogram of each
-result, and dots of the result over the parameters that loads follow most. Runs that failed are crosses beside
-lines and dots, grey in a map, and left out of histograms.
+Without samples, one varied number gives a line in each panel, and one choice gives dots. Two numbers give a
+map or, if a number has at most MOST_SPLIT values, a line for each value of this number. A number and a
+choice, such as the contact law, give a line for each choice or, if the choices are more than COLOURS, a map
+with a row for each choice. Two choices give a map. Samples of one number are points; samples of a choice or
+of several parameters give a histogram of each result, and dots of the result over ``drawn_parameters``. A
+run that failed is a cross at the edge of a panel with lines or dots, grey in a map, and in no histogram.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ from chain_impact.studies.sweep.variation import Variation
 # [inch] NAMES_WIDTH: the width for the names of a parameter's choices, left of panels with dots; DOTS_WIDTH:
 # the least width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
-# two varied numbers are drawn as curves, not as a map, if one of them has at most MOST_SPLIT values; each of
-# these has a line
+# two varied numbers are drawn as curves, not as a map, if at least one of the numbers has at most MOST_SPLIT
+# values
 MOST_SPLIT = 3
 MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
-# Exactly this number of panels stands in one row, if the figure is wide enough (``_across``, ``_panels``);
-# with any other number, two panels stand in a row, or for dots the number of ``_dots_across``
+# if a figure without dots has exactly this number of panels, and is wide enough (``_across``, ``_panels``),
+# they stand in one row
 IN_ONE_ROW = 3
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
 THREE_MAPS = 9.0  # [inch] least width of a figure with three maps in one row
@@ -55,13 +55,13 @@ def check_picture(varied: int, samples: int | None, runs: int, source: str) -> N
 
     Args:
         varied: the number of varied parameters.
-        samples: the number of samples; None for a grid.
+        samples: the number of samples; None if the sweep has no samples.
         runs: the number of runs, which need not be computed yet.
         source: the name of the scene, for errors.
 
     Raises:
-        SceneError: when more than MOST_VARIED parameters vary in a grid, or there are more than MOST_DRAWN
-            runs.
+        SceneError: when more than MOST_VARIED parameters vary without samples, or there are more than
+            MOST_DRAWN runs.
     """
     if varied > MOST_VARIED and samples is None:
         raise SceneError(
@@ -96,7 +96,7 @@ def plot_sweep(
 
 @styled()
 def fill(figure: Figure, runs: Runs, results: Results) -> None:
-    """Draw a panel for each of ``results.drawn``, and the headline, on an empty figure."""
+    """Draw the headline and, for each quantity in ``results.drawn``, ``panels_of_each`` panels."""
     quantities, kind = results.drawn, kind_of(runs.design)
     varying = varying_in(runs.design)
     told = [conditions(runs, varying), constants(runs, results)]
@@ -107,7 +107,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure, the headline has two parts at most
     told = [", ".join(parts[kept:]), *told]
     headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
-    # ``first`` gets the horizontal axis
+    # the parameter ``first`` gets the horizontal axis
     first, *others = in_order(varying, kind)
     count = len(quantities) * panels_of_each(runs.design)
     across = _across(count, kind, figure.get_figwidth())
@@ -127,7 +127,8 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 def panels_of_each(design: Design) -> int:
     """Return the number of panels of each quantity: 1, or more in a picture with histograms.
 
-    In such a picture each quantity has a panel with its histogram, and one over each of ``drawn_parameters``.
+    In a picture with histograms, each quantity has a panel with a histogram, and a panel with dots for each
+    of ``drawn_parameters``.
     """
     return 1 + min(len(varying_in(design)), MOST_SCATTERS) if kind_of(design) == HISTOGRAMS else 1
 
@@ -188,8 +189,8 @@ def kind_of(design: Design) -> str:
 def usual_size(runs: Runs, results: Results, width: float | None = None) -> tuple[float, float]:
     """Return the default width and height of the figure [inches].
 
-    If the user gives the ``width`` of the figure, the height is for this width, which determines how many
-    panels fit in a row.
+    ``width``: the width that the user gives, or None. If it is given, only the returned height is used: the
+    default height of a figure with this width.
     """
     count, kind = len(results.drawn) * panels_of_each(runs.design), kind_of(runs.design)
     if kind == DOTS:
@@ -203,8 +204,8 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
 def title(runs: Runs, results: Results, mark: str) -> list[str]:
     """Return the parts of the headline: the number of runs, ranges of results, and how many runs failed.
 
-    The results are those with ``in_headline``, without results that are 0 or unknown in all runs. ``mark``:
-    the text for the mark of failed runs, " (×)", or "" if the picture does not mark them.
+    The results are those with ``in_headline`` that are known and not 0 in at least one run. ``mark``: the
+    text for the mark of failed runs, " (×)", or "" if the picture has no mark for failed runs.
     """
     parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
     for quantity in results.every:
@@ -216,9 +217,10 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
-    """Return a text with each varied parameter: its range, or the number of different choices in the runs.
+    """Return a text with the range of each varied number, and how many choices each varied choice has.
 
-    After a range stands the value in the scene, if this value lies in the range, and (+) if it is marked.
+    After a range stands the value in the scene, if the value lies in the range, and (+) if the picture marks
+    the value (``with_marks``).
     """
     parts, shown = [], with_marks(runs, varying)
     for variation in varying:
@@ -250,9 +252,9 @@ def _across(count: int, kind: str, width: float) -> int:
 
 
 def _dots_across(count: int, width: float) -> int:
-    """Return the number of panels with dots in a row, with which all rows are about equally full.
+    """Return the number of panels with dots in a row: as few as the least possible number of rows allows.
 
-    ``count`` is the number of panels, ``width`` the width of the figure [inches].
+    ``count`` is the number of all panels. The ``width`` of the figure [inches] limits the panels in a row.
     """
     most = max(1, int((width - NAMES_WIDTH) / DOTS_WIDTH))
     return math.ceil(count / math.ceil(count / most))
@@ -272,9 +274,10 @@ def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> l
 
 
 def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
-    """Draw each quantity in a panel with a row for each choice of a parameter, and a dot for each value.
+    """Draw each quantity in a panel with a row for each run, and a dot for each value.
 
-    ``across``: the parameter. The row of a run that failed has a cross at the left edge of the panel.
+    ``across``: the only varied parameter, a choice, which names the rows. The row of a run that failed has a
+    cross at the left edge of the panel.
     """
     names = across.shown(across.values).tolist()
     count = len(quantities)
