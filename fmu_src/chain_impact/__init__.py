@@ -45,10 +45,10 @@ if TYPE_CHECKING:
     from chain_impact.simulation.record_scene import RunError as RunError
     from chain_impact.simulation.simulate import simulate as simulate, with_law as with_law
     from chain_impact.studies.animate import animate as animate, record_slowly as record_slowly
-    from chain_impact.studies.compare import Comparison as Comparison, compare as compare
+    from chain_impact.studies.compare.compare import Comparison as Comparison, compare as compare
+    from chain_impact.studies.compare.runs import LawRun as LawRun
     from chain_impact.studies.fit.fit import fit as fit
     from chain_impact.studies.fit.result import Fit as Fit, LawFit as LawFit
-    from chain_impact.studies.law_runs import LawRun as LawRun
     from chain_impact.studies.sweep.sweep import sweep as sweep
     from chain_impact.studies.sweep.table import Sweep as Sweep
 
@@ -78,10 +78,10 @@ _MODULES = {
     "simulation.record_scene": ("RunError",),
     "simulation.simulate": ("simulate", "with_law"),
     "studies.animate": ("animate", "record_slowly"),
-    "studies.compare": ("Comparison", "compare"),
+    "studies.compare.compare": ("Comparison", "compare"),
     "studies.fit.fit": ("fit",),
     "studies.fit.result": ("Fit", "LawFit"),
-    "studies.law_runs": ("LawRun",),
+    "studies.compare.runs": ("LawRun",),
     "studies.sweep.sweep": ("sweep",),
     "studies.sweep.table": ("Sweep",),
 }

@@ -1,6 +1,6 @@
 """The printed report of a comparison. (test_commands.py tests the reports of simulations.)"""
 
-# Tests: studies/compare_text.py
+# Tests: studies/compare/text.py
 
 import math
 import re

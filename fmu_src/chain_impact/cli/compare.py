@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
 
     Print the table and the advice, and write the files that the options name.
     """
-    from chain_impact.studies.compare import compare
+    from chain_impact.studies.compare.compare import compare
 
     check_look(options)
     check_outputs(options.csv, options.plot, inputs=filter(None, (options.source, options.inputs)))

@@ -24,8 +24,9 @@ from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.compare_text import report
-from chain_impact.studies.law_change import (
+from chain_impact.studies.compare.runs import LawRun, LawRuns, Reached, first_of
+from chain_impact.studies.compare.text import report
+from chain_impact.studies.other_law import (
     EXACT_LAW,
     LOSSLESS,
     OVERLAPS,
@@ -36,7 +37,6 @@ from chain_impact.studies.law_change import (
     law_values,
     stiffened,
 )
-from chain_impact.studies.law_runs import LawRun, LawRuns, Reached, first_of
 from chain_impact.system import written_whole
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ class Comparison(LawRuns):
             ValueError: when the picture is too small, or axes are given together with a file or a size.
             OSError: when the file cannot be written.
         """
-        from chain_impact.studies.compare_plot import plot_comparison
+        from chain_impact.studies.compare.plot import plot_comparison
 
         return plot_comparison(self, path, size, ax)
 

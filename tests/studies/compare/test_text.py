@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, compare, simulate
 from chain_impact.scene.scene import with_values
-from chain_impact.studies.compare_text import advice, law_table
+from chain_impact.studies.compare.text import advice, law_table
 from tests.helpers.scenes.problems import default_scene, driven
 
 

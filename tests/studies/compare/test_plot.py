@@ -14,7 +14,7 @@ from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.scene.scene import with_values
-from chain_impact.studies.compare_plot import (
+from chain_impact.studies.compare.plot import (
     COLOURED_LAWS,
     SIZE,
     conditions,

@@ -1,6 +1,6 @@
 """Every law on the same scene, for comparison."""
 
-# Tests: studies/law_runs.py
+# Tests: studies/compare/runs.py
 
 import csv
 import math

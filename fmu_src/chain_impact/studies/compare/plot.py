@@ -42,8 +42,8 @@ from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.words.unit_text import of_power
-from chain_impact.studies.law_change import LOSSLESS, compared_impact
-from chain_impact.studies.law_runs import LawRuns, grows_again
+from chain_impact.studies.compare.runs import LawRuns, grows_again
+from chain_impact.studies.other_law import LOSSLESS, compared_impact
 from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
