@@ -36,11 +36,11 @@ def draw_impact_changes(
 ) -> None:
     """Draw the change of each impact's peak force [%] by a step of each parameter, as a table.
 
-    The table has a column for each impact, and a row for each parameter with a colour in ``looks``, the
-    properties of each parameter's curves; without such a parameter, a row for each parameter. If no impact
-    has a peak force, as in rigid impacts, the changes are those of the impulses. ``known``, shape (T, P):
-    whether changes to first order can hold in each row of the recording; a cell is blank if they cannot at
-    the onset.
+    The table has a column for each impact. ``looks`` has the properties of each parameter's curves; a
+    parameter with a colour other than grey has a row in the table or, if all are grey, each parameter has a
+    row. If no change of a peak force is known, as in rigid impacts, the changes are those of the impulses.
+    ``known``, shape (T, P): whether changes to first order can hold, for each row of the recording and each
+    parameter. A cell is blank if its change is not known, or cannot hold at the impact's onset.
     """
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
@@ -93,7 +93,10 @@ def cell_text(change: float) -> str:
 
 
 def quantity_words(quantity: str, at_stops: np.ndarray) -> str:
-    """Return the words for a quantity of impacts; ``at_stops``: whether each is at a joint's stop."""
+    """Return the words for a quantity of impacts; a peak force at a joint's stop is a moment.
+
+    ``at_stops``: whether each impact is at a joint's stop, shape (I,).
+    """
     if quantity != "peak_force":
         return quantity
     return "peak moment" if at_stops.all() else "peak force or moment" if at_stops.any() else "peak force"

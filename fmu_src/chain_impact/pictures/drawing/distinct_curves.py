@@ -31,7 +31,7 @@ FAST = "pale area: range of a fast oscillation"
 def fill_band(
     axes: Axes, along: np.ndarray, curves: np.ndarray | Sequence[np.ndarray], label: str | None = None
 ) -> None:
-    """Fill the area between the least and the largest value of some curves in grey.
+    """Fill in grey, at each position, the range from the least to the largest value of some curves.
 
     The area has gaps where all curves lack a value. ``along``: the positions on the horizontal axis, shape
     (T,); ``curves``: values, each of shape (T,); ``label``: the text in the legend, None for no entry.
@@ -71,10 +71,10 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
 
 
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
-    """Return for each curve the number of earlier curves with which it nearly coincides, and so hides them.
+    """Return for each curve how many earlier curves it hides: those with which it nearly coincides.
 
-    The caller draws such a curve with dashes, so that earlier curves are visible through the gaps. A curve
-    with missing values coincides with no curve.
+    The caller draws a curve that hides others with dashes, so that the others are visible through the gaps. A
+    curve with missing values coincides with no curve.
 
     Args:
         curves: the curves, each of shape (T,).
@@ -93,9 +93,10 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
     """Return for each line a style of dashes if it merges with the first line of a group, else None.
 
-    Lines merge if they nearly coincide (MERGED). The first line of a group, which the caller draws below the
-    other lines, has no dashes; a line that merges with no earlier group begins one. The dashes of the other
-    lines alternate: one dash of each, and then a gap through which the first line is visible.
+    Lines merge if they nearly coincide (MERGED). A line that merges with the first line of no group is itself
+    the first line of a new group. The caller draws the first line of a group without dashes, below the other
+    lines of the group. The dashes of these other lines alternate: one dash of each, and then a gap through
+    which the first line is visible.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -157,9 +158,9 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
 def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the range of a curve: the middles of parts of the axis, and the least and largest values there.
 
-    The axis is divided into ``bins`` equal parts. The least and the largest value of a part are those of the
-    rows in this part and in both parts beside it, so that the edges of the range do not follow the
-    oscillation. A part is left out if these three parts have no row.
+    The axis is divided into ``bins`` equal parts. The least and the largest value of a part are those in this
+    part and in the parts beside it, so that the edges of the range do not follow the oscillation. A part is
+    left out if there is no row in it and in the parts beside it.
     """
     edges = np.linspace(along[0], along[-1], bins + 1)
     starts = np.searchsorted(along, edges)

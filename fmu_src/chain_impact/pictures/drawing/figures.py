@@ -43,10 +43,11 @@ USUAL_AXES_HEIGHT = 1.0
 EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
 SETTLINGS = 3  # how often, at most, a figure is arranged: a label or legend that is broken changes the layout
 NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
-# a number at an axis is in view if it is beyond the end of the axis by at most this part of the axis' length
+# a number at an axis counts as between the ends of the axis if it is beyond an end by at most this part of
+# the length of the axis
 LIMIT_ROUND_OFF = 1e-9
 # If a figure is too low, greater heights are tried: the height of the figure, rounded up to a multiple of
-# STEP [inch], plus 1 to HIGHER − 1 times STEP.
+# STEP [inch], plus 1, 2, … or HIGHER − 1 times STEP.
 STEP, HIGHER = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten
@@ -62,11 +63,11 @@ class NoRoomError(ValueError):
     """Raised when a figure has no room for its contents.
 
     Attributes:
-        least: a sufficient height for the refused width [inches]; None if only a wider figure has room.
+        least: a height [inches] that is enough for the refused width; None if no tried height is enough.
     """
 
     def __init__(self, width: float, height: float, requirement: str, least: float | None = None) -> None:
-        """Make the message from the refused size [inches] and words for the required one; store ``least``."""
+        """Make the message from the refused size [inches] and the words ``requirement``; store ``least``."""
         super().__init__(f"size = ({width:g}, {height:g}) must be {requirement}")
         self.least = least
 
@@ -84,11 +85,11 @@ def draw_figure(
         path: the file to write; its suffix png, svg or pdf determines the format. With None, the figure is
             returned.
         size: width and height [inches]. The height None means the height that the contents need. If ``size``
-            itself is None, the size is ``usual``, and nothing checks whether the contents have room.
+            itself is None, the size is ``usual``, without a check whether the contents have room.
         usual: default width and height [inches]; for a height of None, ``fitting`` starts from these.
 
     Raises:
-        ValueError: when the given size is not possible, or has no room for the panels.
+        ValueError: when the given size is not possible, or has no room for the contents.
         OSError: when the file cannot be written.
     """
     inches, filled, is_free = usual, fill, False
@@ -163,11 +164,11 @@ def least_figure(
     *,
     free_height: bool = False,
 ) -> Figure:
-    """Return the lowest figure that has room for all panels; its height is found by bisection.
+    """Return the lowest figure with room for its contents; its height is found by bisection.
 
-    The possible heights are ``height`` [inches], which is too low, rounded up to a multiple of STEP, plus 1
-    to HIGHER − 1 times STEP. ``mean`` is as in ``has_room``. ``lacks`` is the result of ``lacking_height`` at
-    ``height``, inf if unknown. ``free_height`` is as in ``StyledFigure``.
+    ``height`` [inches] is too low. The possible heights are ``height``, rounded up to a multiple of STEP,
+    plus 1, 2, … or HIGHER − 1 times STEP. ``mean`` is as in ``has_room``. ``lacks`` is the result of
+    ``lacking_height`` at ``height``, inf if unknown. ``free_height`` is as in ``StyledFigure``.
 
     Raises:
         ValueError: when no possible height is enough.
@@ -176,8 +177,8 @@ def least_figure(
     # all heights up to the index ``low`` are too low, and all from the index ``high`` on are enough
     low, high, found = -1, len(heights), None
     while high - low > 1:
-        # the next guess follows from the lack of height at the last guess, if this is known and not 0; else
-        # the next guess is the middle of the interval
+        # the next guess follows from the lack of height at the last guess, if this lack is known and not 0;
+        # else the next guess is the middle between ``low`` and ``high``
         is_known = lacks != 0.0 and math.isfinite(lacks)
         guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
         k = min(max(guess, low + 1), high - 1)
@@ -196,9 +197,10 @@ def least_figure(
 
 
 def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
-    """Draw on a figure; return whether axes are high enough, and no text is cut off or overlaps another.
+    """Draw on a figure; return whether axes are high enough, and no text is cut off or overlaps another text.
 
-    Only axes with a label along y count; ``mean`` is the least mean of their heights [inches].
+    Axes are high enough if each with a label along y has at least LEAST_AXES_HEIGHT, and if the mean height
+    of the axes with such a label is at least ``mean`` [inches].
     """
     return lacking_height(fill, figure, mean) <= 0.0
 
@@ -253,7 +255,7 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
     """Arrange a figure: break legends above axes into rows, and labels longer than their axes into lines.
 
     Numbers along x that would overlap are left out. The axes ``scaled`` get equal scales along x and y after
-    the layout. Equal scales can only make axes narrower or lower, so that no label loses room.
+    the layout.
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)
@@ -279,10 +281,10 @@ def meet(first: Bbox, second: Bbox) -> bool:
 
 
 def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
-    """Break labels that are longer than their axes, and give axes fewer numbers if these overlap.
+    """Break labels that are longer than their axes (LONGER), and thin out overlapping numbers along x.
 
     A label below axes is also broken if it would reach beyond the figure's edges. ``wanted``: the axes, by
-    default all axes of the figure. Returns whether a label has changed.
+    default all axes of the figure. Returns whether the text of a label has changed.
     """
     before = labels_of(figure)
     for axes in figure.axes if wanted is None else wanted:

@@ -68,7 +68,8 @@ class Label(NamedTuple):
 class Ink:
     """The pixels of a figure that are drawn, and those that labels and leaders have taken.
 
-    Pixels with the colour of a ground (of the figure, of axes, beyond walls or of a rest) count as free.
+    Pixels in the colour of the figure's or the axes' ground, of the area beyond walls, or of the shade over a
+    time without motion count as free.
     """
 
     def __init__(self, figure: Figure) -> None:
@@ -200,16 +201,16 @@ def place_labels(
 ) -> list[Label]:
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
-    If some labels have no room and leaders are allowed, all labels are written again, those without room
-    first. If this second attempt leaves as many labels without room, all labels are written with their short
-    texts only. If the third attempt leaves as many without room, too, the first attempt counts.
+    If some labels have no room and leaders are allowed, two further attempts follow: all labels are written
+    again, those without room first; then, in the same order, with their short texts only. The first further
+    attempt that leaves fewer labels without room is kept. If there is none, the first attempt is kept.
 
     Args:
         axes: the axes of the labels; only with leaders, labels may stand beyond the right edge (BEYOND).
         labels: the labels to write, the most important first.
         ink: the used pixels of the figure, which afterwards include the labels.
-        lines: whether leaders are allowed: a label may then be far from its position, with a line to it, and
-            may cover pale lines.
+        lines: whether leaders are allowed: a label may then be far from its position, with a line from the
+            position to the label, and may cover pale lines.
         look: properties of the text of all labels, with matplotlib's names.
     """
     steps = np.array(NEARBY + (FAR if lines else UNLED))
@@ -224,7 +225,8 @@ def place_labels(
     def written(order: Sequence[int], *, short: bool = False) -> list[int]:
         """Write the labels with the indices in ``order``, the first index first.
 
-        If ``short``, only the short texts are tried. Return the indices of the labels without room.
+        If ``short``, only the short text of each label is tried, or its text if it has no short one. Return
+        the indices of the labels without room.
         """
         small = [labels[k].short or labels[k].text for k in order]
         homes = np.array(
@@ -263,9 +265,10 @@ def place_labels(
 
 
 def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
-    """Return the box of a label at its best position: lower left and upper right corner, (2, 2) [pixels].
+    """Return the box of a label in its best direction, at its usual distance CLOSE from its position.
 
-    ``half``: half of the width and of the height of the label's text [pixels].
+    The box has the lower left and the upper right corner, shape (2, 2) [pixels]. ``half``: half of the width
+    and of the height of the text in the box [pixels].
     """
     figure = axes.get_figure(root=True)
     assert figure is not None

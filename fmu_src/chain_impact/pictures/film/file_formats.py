@@ -12,8 +12,8 @@ from matplotlib.colors import to_rgb
 from chain_impact.extras import require
 
 SHADES = 6  # number of shades of each colour in a gif: the colour itself, and mixtures with the ground
-# A shade is left out if each of its red, green and blue, from 0 to 1, differs by at most NEAR from that of
-# the ground, because Pillow would give this shade to pixels of the ground.
+# A mixture with the ground is left out if each of its red, green and blue, from 0 to 1, differs by at most
+# NEAR from that of the ground, because Pillow would give this mixture to pixels of the ground.
 NEAR = 0.04
 HOLD = 1.5  # [s] the time for which a gif shows its last frame before the film starts again
 GIF_END = b";"  # the last byte of a gif
@@ -23,13 +23,13 @@ QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
 def write_gif(
     pictures: Iterable[np.ndarray], path: Path, rate: int, colours: Iterable[Any], ground: Any = "white"
 ) -> None:
-    """Write pictures as a gif; of each later picture, the file has only the rectangle with changed pixels.
+    """Write pictures as a gif. The file has the first picture, and of each change the rectangle that changes.
 
     Args:
         pictures: red, green, blue of each pixel of each picture, shape (height, width, 3).
         path: the file.
         rate: pictures per second.
-        colours: the colours of the gif, which also has shades between each of these and the ground.
+        colours: the colours of the gif without the ground; mixtures of each with the ground are added.
         ground: the colour of the ground.
     """
     from PIL import Image
@@ -57,8 +57,8 @@ def write_gif(
 def _changes(frames: Iterator[Any], rate: int) -> Iterator[tuple[Any, tuple[int, int], float]]:
     """Yield the first frame, and the changed rectangle of each frame that differs from the frame before it.
 
-    With each of these come the upper left corner [pixels] and the duration [s], the time until the next
-    change; after the last change, the time to the end of the film plus HOLD.
+    The first frame and each rectangle come with their upper left corner [pixels] and with a duration [s]: the
+    time until the next change or, after the last change, the time until the last frame plus HOLD.
     """
     from PIL.ImageChops import difference
 

@@ -26,9 +26,10 @@ def round_length(most: float) -> float:
 
 
 def placed_below(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
-    """Return what a ruler below axes needs: the figure, the transform of its lines, the look of its texts.
+    """Return what a ruler below axes needs: the figure, a transform for lines, and the look of texts.
 
-    The transform takes x in the data coordinates of the axes, and y relative to the height of the figure.
+    The transform takes x in the data coordinates of the axes, and y above the foot of the figure, relative to
+    the height of the figure.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None

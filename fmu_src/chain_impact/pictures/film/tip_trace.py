@@ -58,9 +58,9 @@ def _speeds(recording: Recording) -> np.ndarray:
 def _broken(recording: Recording) -> np.ndarray:
     """Return, for each pair of successive rows, whether an impact makes the path straight, shape (T − 1,).
 
-    The path is straight between the rows around an onset, because the velocity changes fast there. Velocities
-    that are computed from positions are wrong in these two rows; then the path is also straight between the
-    pair of rows before and the pair after.
+    The path is straight between the two rows around an onset, because the velocity changes fast there. If the
+    recording lacks the tip's velocity, the velocities from positions are wrong in these two rows. The path is
+    then also straight in the interval of rows before this one, and in the interval after it.
     """
     at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)

@@ -24,8 +24,8 @@ RATES = {".gif": 20, ".mp4": 30}
 # the least number of frames in a period of the fastest sine that drives an input; with fewer frames the
 # motion may look slower than it is
 FRAMES_OF_SINE = 8.0
-# To show a fast sine, a film with slow motion is slowed down, but only until the film has MOST_FRAMES frames,
-# because more frames take minutes to draw.
+# If the user gives no speed, a film with slow motion is slowed down to show a fast sine, but only until the
+# film has MOST_FRAMES frames, because more frames take minutes to draw.
 MOST_FRAMES = 1500
 # Pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number in a film with charts; SMALL_DPI: the
 # number in a film that is too small for charts.
@@ -48,13 +48,13 @@ def write_film(
         path: the file.
         speed: simulated seconds per second on the screen, outside of slow motion; if it is None,
             ``pace`` chooses the speed.
-        impact_time: the time [s] that an impact in slow motion takes on the screen at the speed 1; 0 for no
-            slow motion.
+        impact_time: the time [s] to which slow motion stretches a shorter impact on the screen if the speed
+            is 1; 0 for a film without slow motion.
         size: width and height [pixels]; an odd number is reduced by 1, because an mp4 needs even numbers.
         progress: called with the finished fraction, 0 to 1.
 
     Warns:
-        SceneWarning: when a sine is too fast for the frames.
+        SceneWarning: when a sine that drives an input is too fast for the frames.
 
     Raises:
         MissingExtraError: when PyAV is not installed, for an mp4.
@@ -131,9 +131,9 @@ def draw_frames(
 
 
 def resolution(size: tuple[int, int]) -> float:
-    """Return the pixels per inch of a film: fewer in a small film, so that all texts have room.
+    """Return the pixels per inch of a film, from LEAST_DPI to MOST_DPI: fewer in a smaller film.
 
-    A film that is too small for charts has SMALL_DPI. ``size``: width and height of the film [pixels].
+    A film that is too small for charts at LEAST_DPI has SMALL_DPI. ``size``: width and height [pixels].
     """
     density = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
     return min(MOST_DPI, density) if density >= LEAST_DPI else SMALL_DPI

@@ -31,12 +31,12 @@ RING_DISTANCE = 0.03
 
 
 def by_speed(recording: Recording) -> np.ndarray:
-    """Return the rows of the impacts in the order of ``recording.end_speeds``, the fastest first."""
+    """Return the rows of the impacts in the order of ``recording.end_speeds``, from the largest on."""
     return np.argsort(-recording.end_speeds, kind="stable")
 
 
 def draw_rings(axes: Axes, recording: Recording) -> None:
-    """Draw a ring at each place where a point hit a wall, or where a joint or slider hit a stop."""
+    """Draw the rings of all impacts, at walls and at stops; close impacts share a ring (``rings``)."""
     places = rings(axes, recording)
     plot_rings(axes, recording, {row: spot for spot, rows in places.items() for row in rows}, RING_SIZE)
 
@@ -44,10 +44,10 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
 def plot_rings(
     axes: Axes, recording: Recording, spots: Mapping[int, tuple[float, float]], size: float
 ) -> None:
-    """Draw a ring at the place of each impact; the ring of an impact in ``marked_peaks`` has PEAK_COLOUR.
+    """Draw a ring at each position in ``spots``; the ring of an impact in ``marked_peaks`` has PEAK_COLOUR.
 
-    The first impact in ``marked_peaks`` has no entry in the legend if a line below the headline tells it
-    (``tells_peak``).
+    Each ring in PEAK_COLOUR has its own entry in the legend. If the figure has a line on the largest force
+    below the headline (``tells_peak``), the first of these rings has no entry.
 
     ``spots``: row of an impact → position in the axes; ``size``: the diameter of a ring [points].
     """
@@ -82,8 +82,8 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts beside their rings, beyond the walls, where ``ink`` is free.
 
-    The fastest impacts come first; the largest forces in joints (``name_loads``) come last. Returns a text
-    with the numbers without room, or with the count of these numbers; "" if all numbers have room.
+    The fastest impacts come first; the largest forces in joints (``name_loads``) come last. Returns words for
+    the impacts whose numbers have no room: the numbers or their count; "" if all numbers have room.
     """
     hits_at, labels = rings(axes, recording), []
     for spot, hits in hits_at.items():
@@ -102,9 +102,9 @@ def _label_place(
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the position for an impact's label, and the unit vector from this position to the label.
 
-    The position is ``spot``, the place of the impact's ring, and the vector points into the wall. At a stop
-    of a joint, the vector is across the link. At a stop of a slider, the position is the end of the stop's
-    mark, and the vector is along this mark.
+    The position is ``spot``, the place of the impact's ring. The vector points into the wall or, at a stop of
+    a joint, to the right of the link's direction from the base to the tip. At a stop of a slider, the
+    position is an end of the stop's mark, and the vector points along the mark, away from it.
     """
     if recording.is_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
@@ -121,8 +121,9 @@ def _label_place(
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
     """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
-    A ring is at the ``spot`` of its fastest impact. A slower impact at the same wall or stop belongs to this
-    ring if the distance of its spot from the ring is less than RING_DISTANCE × the larger side of the view.
+    The position of a ring is the ``spot`` of its fastest impact, by ``by_speed``. A slower impact at the same
+    wall or stop belongs to this ring if the distance from its spot to the ring's position is less than
+    RING_DISTANCE × the larger side of the view.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}

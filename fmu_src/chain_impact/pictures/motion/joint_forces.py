@@ -29,7 +29,7 @@ MOST_VALUES = 3  # the largest number of joints whose forces are written
 
 
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
-    """Draw the largest force in each joint as an arrow, where the joint was at that time.
+    """Draw the largest force in each joint as an arrow at the place of the joint at the time of this force.
 
     Direction and position of an arrow are those in the row nearest to the time of the largest force in the
     joint; the length shows the largest force, which may lie between rows. The pose of the chain at the time
@@ -78,7 +78,10 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
 
 
 def name_loads(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the MOST_VALUES largest peak forces near their joints at these peaks, where ``ink`` has room."""
+    """Write the MOST_VALUES largest of the peak forces in joints, where ``ink`` has room.
+
+    Each force stands near the position of its joint at the time of the force.
+    """
     peaks = [peak for peak in joint_peaks(recording)[:MOST_VALUES] if peak.force > 0.0]
     values = [force_text(peak.force, "N") for peak in peaks]
     labels = [

@@ -33,7 +33,7 @@ MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at it
 PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20000
 # with more paths of points than this, each path is the fainter the more paths there are
 MOST_CLEAR_PATHS = 6
-BALL_LINE = 0.3  # the width of the line from a ball's centre to the link's other end, relative to other links
+BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line of a link that is no ball
 SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
 
 
@@ -93,7 +93,10 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
 
 
 def colour_of_time(recording: Recording) -> Any:
-    """Return a function: time [s] → colour in TIME_COLOURS, over the shown time; constant beyond it."""
+    """Return a function from time [s] to colour: the shown time (``shown_time``) takes all of TIME_COLOURS.
+
+    Times before and after the shown time have the first and the last colour.
+    """
     shown = shown_time(recording)
     norm = Normalize(shown.start, shown.end if shown.end > shown.start else shown.start + 1.0, clip=True)
     return lambda time: TIME_COLOURS(norm(time))
@@ -102,7 +105,8 @@ def colour_of_time(recording: Recording) -> Any:
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     """Draw the paths of points; the path of the tip, or of a ball's centre, has the colours of time.
 
-    The other end of a ball's link has no path. ``shade`` is the function from a time [s] to its colour.
+    If the chain is a ball (``ball_of``), the end of its link that is not the centre has no path. ``shade`` is
+    the function from a time [s] to its colour.
     """
     *others, tip = recording.points.transpose(1, 0, 2)
     ball, name = ball_of(recording), "tip"

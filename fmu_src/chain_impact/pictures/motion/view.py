@@ -14,9 +14,7 @@ from chain_impact.scene.half_planes import HalfPlane
 
 # VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall by
 # default. Both are relative to the longer side of the view without margins. √2 BAND must be less than NEAR of
-# recording/view.py: then the margins alone do not reach a wall that is left out because it is farther away
-# than NEAR. A view that is larger, because of near walls or a wider band, may reach such a wall; ``view_of``
-# then adds this wall.
+# recording/view.py, so that the margins alone do not reach a wall farther away than NEAR.
 VIEW_MARGIN, BAND = 0.04, 0.14
 # the view is not extended to a position of a moving wall that is farther from the motion than this, relative
 # to the size of the motion
@@ -69,11 +67,11 @@ def seen_size(recording: Recording) -> float:
 def view_of(recording: Recording, shape: float | None = None, band: float = BAND) -> View:
     """Return the view of a motion in the plane: the motion, with a margin, and the walls near it.
 
-    A wall that is never near the motion is left out. Of any other wall, the view contains the position at the
-    start and both extreme positions, except positions farther away than FARTHEST. ``shape`` is the wanted
-    height of the view divided by its width. The view has another shape if it would otherwise grow by more
-    than GROWN, or if walls on both sides leave no room to extend it. ``band`` is how far the view reaches
-    beyond a wall, relative to the longer side of the view without margins.
+    Of a wall that comes near the motion, the view contains the position at the start and both extreme
+    positions, except positions farther away than FARTHEST. The view is extended towards ``shape``, the wanted
+    height of the view divided by its width, by at most GROWN, and not beyond walls on both sides. ``band`` is
+    how far the view reaches beyond a wall, relative to the longer side of the view without margins. A motion
+    that ``is_flat`` has a range along y of its own (FLAT_MARGIN).
     """
     places = {
         (name, end): wall

@@ -25,9 +25,9 @@ ON_WALL = 1e-9
 def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
     """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
 
-    ``view`` is by default the result of ``view_of``. The lines of moving walls, and a moving base, are drawn
-    by ``draw_moving``. The ground is white where the chain may be at all times, and AT_TIMES_COLOUR where the
-    chain may be only at some times.
+    ``view`` is by default the result of ``view_of``. This function leaves the lines of moving walls, and a
+    moving base, to ``draw_moving``. The ground is white where the chain may be at all times, AT_TIMES_COLOUR
+    where the chain may be only at some times, and OUTSIDE_COLOUR beyond walls.
     """
     corners, near = view or view_of(recording)
     moving = moving_walls(recording, near)
@@ -93,7 +93,8 @@ def draw_room(
 def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
     """Return the two ends of the part of a wall that bounds the room between ``walls`` in a view [m].
 
-    The shape is (2, 2), or (0, 2) if no part of the wall bounds this room. ``wall`` is one of ``walls``.
+    The shape is (2, 2). A result with fewer rows means that no part of the wall bounds this room. ``wall`` is
+    one of ``walls``.
     """
     corners = _corners(walls, view)
     gaps = corners @ np.array(wall.normal) - wall.offset

@@ -35,7 +35,7 @@ MOST_OWN_MARKS = 5
 # Impacts have equal distances in time if there are more than REGULAR impacts, and if the largest and the
 # smallest distance of successive impacts differ by at most EQUAL times the mean distance.
 REGULAR, EQUAL = 5, 0.2
-NUMBERED = 60  # only the first NUMBERED impacts in the order of writing get numbers
+NUMBERED = 60  # the largest number of labels with numbers of impacts
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
 # [points] the size of the mark of an impact, and the increase for each group with marks that cover this mark
@@ -43,10 +43,10 @@ IMPACT_DOT, COVERED_RIM = 4.5, 3.0
 # the width and height of a cell in which all marks of impacts count as one mark, relative to the run's
 # duration and to the largest height of a mark
 ONE_MARK = 0.005
-# [points] the widths of the line at an impact and of the line that shows a contact, the size of the mark at
-# the first contact in a row, and the height of such a row
+# [points] the widths of the vertical line at an impact and of the line that shows a contact, the size of the
+# mark at the first contact in a row of contacts, and the height of a row of contacts
 STEM, CONTACT, CONTACT_MARK, ROW = 0.8, 2.0, 3.5, 4.5
-STEM_KEY = 8.0  # [points] the height of the line at an impact in the legend
+STEM_KEY = 8.0  # [points] the height of the vertical line in the legend that stands for lines at impacts
 SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
 HOLLOW: dict[str, Any] = {"color": INK, "markerfacecolor": "white", "markeredgewidth": 0.8}
 # Marks of points, and of joints at their stops. The marks differ in form, not in colour, because colours
@@ -63,15 +63,14 @@ MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P":
 
 
 def draw_impacts(axes: Axes, recording: Recording) -> None:
-    """Draw how hard each impact is over time: its peak force or impulse or, if none is known, its speed.
+    """Draw the marks of all impacts over time, at the times and heights that ``marks_of`` gives.
 
-    A vertical stem has the mark on top, at the time of the peak force (``impacts_at_peaks``). The look of
-    a mark tells the point, or the joint at a stop (``point_groups``). The impacts in ``marked_peaks`` have
-    the colour PEAK_COLOUR.
+    A vertical line, the stem, joins the mark to the height 0. The form of a mark tells the point, or the
+    joint at a stop (``point_groups``). The impacts in ``marked_peaks`` have the colour PEAK_COLOUR.
 
-    Contacts that are long enough to be visible are thick, pale lines below the marks. Each kind of mark has a
-    row of these lines, and the axis of time is below all rows. If there are impacts both at walls and at
-    stops of joints, the values at stops have an axis on the right.
+    Contacts that are long enough to be visible are thick, pale lines below the height 0. Each group with such
+    contacts has a row of these lines, and the axis of time is below all rows. If there are impacts both at
+    walls and at stops of joints, the values at stops of joints have an axis on the right.
     """
     stopped, onsets, scale = recording.at_stops, recording.impacts["onset"], stop_scale(recording)
     times, tops = marks_of(recording)
@@ -125,7 +124,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
 def place_of_late_peaks(recording: Recording) -> str:
     """Return words for the times at which marks stand; "" if they all stand at the onsets.
 
-    A narrow figure has the words at the foot, because they would take a row of the legend.
+    The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
     """
     late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
     words, *_ = measure(recording, is_stop=bool(recording.at_stops[late].all()))
@@ -133,10 +132,10 @@ def place_of_late_peaks(recording: Recording) -> str:
 
 
 def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, mark: dict[str, Any]) -> None:
-    """Draw contacts with a common mark, from ``starts`` to ``ends`` [s], as lines in a row below axes.
+    """Draw contacts with a common mark, from ``starts`` to ``ends`` [s], as lines in a row below the axes.
 
-    ``lane`` is the number of the row, from 0 at the axes. ``mark`` has the properties of the mark, which
-    stands at the first start, with matplotlib's names.
+    ``lane`` is the number of the row; row 0 is next to the axes. ``mark`` has the properties of the mark with
+    matplotlib's names. The mark stands only at ``starts[0]``.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -146,7 +145,7 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, m
     lines = axes.hlines(np.zeros(len(starts)), starts, ends, color=mark["color"], **look)
     mark |= {"linestyle": "", "markersize": CONTACT_MARK, "transform": lowered, "label": "_"}
     (first,) = axes.plot(starts[:1], [0.0], **mark)
-    # the lines are cut off only at the left and right edge of the axes
+    # the lines are below the axes; they are cut off only at the left and right edge of the axes
     sides = Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes)
     for artist in (lines, first):
         artist.set_clip_path(sides)
@@ -156,8 +155,8 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, m
 def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
     """Return what marks at walls or, if ``is_stop``, at stops of joints show: words, unit, values (I,).
 
-    The values are those of ``strengths`` or, if none of these is known, impact speeds. An impact at a stop of
-    a joint has the value 0 unless ``is_stop``, and any other impact has the value 0 if ``is_stop``.
+    The values are those of ``strengths`` or, if ``strengths`` gives only zeros, impact speeds. An impact at a
+    stop of a joint has the value 0 unless ``is_stop``, and any other impact has the value 0 if ``is_stop``.
     """
     words, unit, values = strengths(recording, is_stop=is_stop)
     if not values.any():
@@ -203,9 +202,9 @@ def hardest(tops: np.ndarray) -> np.ndarray:
 def common_marks(
     recording: Recording, times: np.ndarray, tops: np.ndarray
 ) -> dict[tuple[int, int], list[int]]:
-    """Return the impacts with nearly coincident marks: cell (ONE_MARK) → rows of ``impacts``, ascending.
+    """Return which impacts have their marks in each cell (ONE_MARK): cell → rows of ``impacts``, ascending.
 
-    ``times`` and ``tops`` are the result of ``marks_of``.
+    Cells without marks are left out. ``times`` and ``tops`` are the result of ``marks_of``.
     """
     scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
@@ -238,9 +237,10 @@ def mark_sizes(
 def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict[str, Any], np.ndarray]]:
     """Return the groups of impacts with a common mark: name, mark, and rows of the impacts.
 
-    If at most MOST_OWN_MARKS points, and joints at their stops, are hit, each of these has a group. Otherwise
-    MOST_OWN_MARKS − 1, those with the hardest impacts, have a group each, and all others share a grey one,
-    which is first. The mark is given by properties with matplotlib's names. ``tops``: see ``marks_of``.
+    If at most MOST_OWN_MARKS points and joints have impacts, a joint at its stops, each of these points and
+    joints has a group. Otherwise the MOST_OWN_MARKS − 1 with the highest marks have a group each, and the
+    first group, "others", with a grey mark, has the impacts of all further points and joints. The mark is
+    given by properties with matplotlib's names. ``tops``: the heights by ``marks_of``.
     """
     impacts = recording.impacts
     names = [short_names(recording, what_touches(recording, row)) for row in impacts]
@@ -258,11 +258,12 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
 
 
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the number of each impact at its mark, where ``ink`` is free, the hardest impact first.
+    """Write numbers of impacts at their marks, where ``ink`` is free.
 
-    Impacts whose marks coincide share a label. If an impact in ``marked_peaks`` has a label of its own, this
-    label also has the force, moment or impulse, if there is room. If ``numbered_step`` is a number k > 1,
-    only every k-th impact has a number, and the numbers are written in the order of time.
+    If ``numbered_step`` is a number k > 1, only every k-th impact gets a number, in the order of time.
+    Otherwise the impact with the highest mark is first, and impacts whose marks coincide share a label. At
+    most NUMBERED labels are written. If an impact in ``marked_peaks`` has a label of its own, this label also
+    has the force, moment or impulse, if there is room.
 
     Returns words for the impacts without a number; "" without such impacts.
     """

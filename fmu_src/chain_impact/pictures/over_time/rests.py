@@ -10,9 +10,10 @@ from chain_impact.pictures.drawing.style import SHADE, faint
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
-CUT_REST = 0.4  # rests at start and end are cut if together they take at least this part of the whole time
-# The shown times of cut rests, relative to the time between these rests: BEFORE of the rest at the start,
-# AFTER of the rest at the end.
+# times without motion at start and end are cut if together they take at least this part of the whole time
+CUT_REST = 0.4
+# the longest shown part of a cut time without motion, BEFORE at the start and AFTER at the end of the run,
+# both relative to the whole time without these two times
 BEFORE, AFTER = 0.1, 0.25
 
 
@@ -22,9 +23,9 @@ class Shown(NamedTuple):
     Attributes:
         start: the start of the axis [s].
         end: the end of the axis [s].
-        rests: start and end [s] of each rest.
-        note: words on the rests, and on the ends of the run that are cut off, for the label of the axis, as
-            "shaded: at rest; the run ends at 10 s"; "" without a rest.
+        rests: start and end [s] of each time without motion, with the part that the axis cuts off.
+        note: words for the label of the axis, on the times without motion and on cut ends of the run:
+            "shaded: at rest; the run ends at 10 s". "" if there is no time without motion.
     """
 
     start: float
@@ -34,7 +35,10 @@ class Shown(NamedTuple):
 
 
 def shown_time(recording: Recording) -> Shown:
-    """Return the time that a picture shows, without most of long rests at start and end (CUT_REST)."""
+    """Return the time that a picture shows: the run, but long times without motion at its ends are cut.
+
+    They are cut to BEFORE and AFTER if CUT_REST says so.
+    """
     resting = rests(recording)
     first, last = (float(recording.time[row]) for row in (0, -1))
     start, end = first, last
@@ -50,6 +54,6 @@ def shown_time(recording: Recording) -> Shown:
 
 
 def shade_rests(axes: Axes, shown: Shown) -> None:
-    """Shade the time of each rest in axes over time [s]."""
+    """Shade each time without motion in axes over time [s]."""
     for low, high in shown.rests:
         axes.axvspan(low, high, color=faint(axes, SHADE), linewidth=0.0, zorder=-1)

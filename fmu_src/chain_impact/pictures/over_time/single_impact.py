@@ -19,8 +19,7 @@ from chain_impact.variables.impact_units import unit_at
 PEAK = 0.95  # a force counts as at its peak from PEAK × its largest value on
 # a long contact is shown for at least AFTER_PEAK × the time from its onset until its force is at its peak
 AFTER_PEAK = 4.0
-# A contact is long if it lasts more than MUCH_LONGER × the time that ``shown_contact`` finds for its impact;
-# only this time is then shown.
+# a contact is long if it lasts more than MUCH_LONGER × the time for which ``shown_contact`` shows a long one
 MUCH_LONGER = 2.0
 # If a run cannot be repeated, the force of a contact is drawn from the recording's rows within the contact,
 # if there are at least LEAST_ROWS such rows.
@@ -29,10 +28,11 @@ OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
 
 
 def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float:
-    """Return the time after the onset [s] for which a contact is shown; 0 for an impulse.
+    """Return the time after the onset [s] for which a contact is shown; 0 if ``time`` is empty.
 
-    This is the duration of the contact or, if the contact is long (MUCH_LONGER), the time of its impact: the
-    longer one of LONGEST_IMPACT × penetration / impact speed and AFTER_PEAK × the time until the peak force.
+    The time is the duration of the contact or, if the contact is long (MUCH_LONGER), the longer one of
+    LONGEST_IMPACT × penetration / impact speed and AFTER_PEAK × the time from the onset until the force is
+    at its peak (PEAK).
 
     ``impact`` is a row of ``impacts``; ``time`` [s] and ``force`` are those of the contact, shape (S,).
     """
@@ -55,8 +55,8 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
 
     The hardest impact is that with the largest force at a wall or at a stop of a slider or, without such a
     force, with the largest moment at a stop of a joint [N·m]. Times and forces come from a repeated run or,
-    if the run cannot be repeated, from at least LEAST_ROWS rows. The result is None if the forces are not
-    known, or if there are only impulses.
+    if the run cannot be repeated, from the recording's rows within the contact. The result is None if the
+    forces are not known, if fewer than LEAST_ROWS such rows exist, or if no impact has a known peak force.
     """
     hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.words), None)
     if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
@@ -77,7 +77,8 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
 def draw_one_impact(axes: Axes, recording: Recording) -> None:
     """Draw the force, or moment at a stop of a joint, of the hardest impact over the time after the onset.
 
-    The label of the horizontal axis tells how long the impact lasts.
+    The label of the horizontal axis tells the duration of the contact, or that it lasts to the end. If
+    ``course_of_hardest`` knows no force, a text says this.
     """
     found = course_of_hardest(recording)
     if found is None:

@@ -36,7 +36,7 @@ NO_LOSS = 1e-12
 SAME_PEAK = 1e-3
 # the energy that is supplied or taken is told only if it exceeds this, relative to the dissipated energy
 LITTLE_SUPPLIED = 0.01
-# the impulse of a contact; its part from the hit, without the impulse of the force that follows
+# words for the impulse of a contact, and for the part of this impulse without the time integral of the force
 IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
 SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
 
@@ -50,13 +50,14 @@ def time_unit(span: float) -> tuple[float, str]:
 
 
 class Peak(NamedTuple):
-    """The peak force, peak moment or impulse of an impact; in ``peaks`` the largest of the run.
+    """The peak force, peak moment or impulse of an impact.
 
     Attributes:
         words: the quantity in words: "peak force".
         value: the value of the quantity with its unit: "12.6 kN".
         row: the row of the impact in ``impacts``, from 0.
-        equal: how many impacts have this value (SAME_PEAK); ``row`` is the first of these.
+        equal: how many impacts have this value, if ``peaks`` gives it (SAME_PEAK): ``row`` is then the first
+            of these impacts. Otherwise 1.
     """
 
     words: str
@@ -74,10 +75,10 @@ class Peak(NamedTuple):
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
-    """Return the headline: the first of ``peaks``, the number of impacts, and the lost and supplied energy.
+    """Return the headline: name, first entry of ``peaks``, number of impacts, lost and supplied energy.
 
     For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated". If ``short``, the headline
-    has only the name and the first of ``peaks`` or, without one, the number of impacts.
+    has only the name and the first entry of ``peaks`` or, if ``peaks`` is empty, the number of impacts.
     """
     parts = [*(peak.text for peak in peaks(recording)[:1]), counted(recording)]
     parts = parts[:1] if short else [*parts, *lost_and_supplied(recording)]
@@ -117,12 +118,12 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
     The headline is ``title`` or, if ``title`` is "", the result of ``message``. ``first`` are texts that
-    stand before the results. ``row`` is for a picture of a single impact: the row of this impact; the results
-    then tell only this impact.
+    stand before the results; with such a text, the results lack the largest force in a joint (``load_text``).
+    The results tell the impacts of ``peaks`` or, if ``row`` is given, the impact in this row.
 
-    In a narrow figure without a ``title``, the message is short. The impact of the first of ``peaks`` then
-    has a line of its own below the message, in the colour of its mark, and the rest of the message stands
-    among the conditions. In any narrow figure, the largest force in a joint (``load_text``) has such a line.
+    In a narrow figure without a ``title``, the message is short. The first of the told impacts then has a
+    line of its own below the message, and the rest of the message stands among the conditions. In any narrow
+    figure, the largest force in a joint has a line of its own.
     """
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
@@ -130,7 +131,7 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     if short and most and not title:
         first_told = told.pop(0).removeprefix(f"{most[0].words} in ")
         lines.append((first_told, PEAK_COLOUR if most[0].equal == 1 else INK))
-    # only a picture of curves gives texts in ``first``, on the drawn impact or the largest drawn forces
+    # a picture of curves gives texts in ``first``, on what it draws, instead of the largest force in a joint
     load = "" if any(first) else load_text(recording)
     if short and load:
         lines.append((load, LOAD))
@@ -144,8 +145,8 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
 def peaks(recording: Recording) -> list[Peak]:
     """Return the largest peak force at walls, and the largest peak moment at stops of joints, if known.
 
-    Stops of a slider count as walls. Under an impulsive law, the largest impulse replaces the largest force
-    or moment (``strengths``).
+    Stops of a slider count as walls. Where ``strengths`` gives impulses, the largest impulse replaces the
+    largest force or moment. The list has at most two entries, walls first.
     """
     found = []
     for is_stop in (False, True):
@@ -172,7 +173,10 @@ def peak_of(recording: Recording, row: int) -> list[Peak]:
 
 
 def hardness(recording: Recording, row: int) -> str:
-    """Return words for how hard the impact in a row is: "peak force 12.6 kN, with 2.92 m/s"."""
+    """Return words for how hard the impact in a row is: "peak force 12.6 kN, with 2.92 m/s".
+
+    Without a known peak, the words have only the impact speed.
+    """
     speed = f"with {speed_text(recording, row)}"
     return ", ".join([*(f"{peak.words} {peak.value}" for peak in peak_of(recording, row)), speed])
 
@@ -190,10 +194,10 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     at walls and at stops of a slider. The words are "peak force", "peak moment", IMPULSE or HIT_IMPULSE. A
     value that is unknown, or that of an impact that does not belong to ``is_stop``, is 0.
 
-    The values are impulses under an impulsive law, and if an impact has an impulse but no known force, as in
-    a recording without the law. The impulse of a contact that lasts to the end of the run counts as 0 if any
-    impact ends, because this impulse also contains the shocks of other impacts. If no impact ends, the values
-    are hit impulses (``impulses_of_hits``).
+    All values are impulses under an impulsive law, and if any of these impacts has an impulse but no known
+    force, as in a recording without the law. The impulse of a contact that lasts to the end of the run counts
+    as 0, because this impulse also contains the shocks of other impacts. But if no contact with an impulse
+    ends before, the values are hit impulses (``impulses_of_hits``).
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
     is_own = recording.at_stops == is_stop
@@ -209,11 +213,11 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
 
 
 def impulses_of_hits(recording: Recording) -> np.ndarray:
-    """Return the hit impulses of the impacts under a law that acts by impulses, shape (I,).
+    """Return the hit impulse of each impact under a law that acts by impulses, shape (I,).
 
-    The impulse of a contact that lasts to the end of the run grows with the duration of the run, so the time
-    integral of the contact's force is subtracted; the result is 0 if this force is not known. An unknown
-    impulse is 0, too.
+    If the contact ends during the run, this is the impulse of the contact. If the contact lasts to the end of
+    the run, the time integral of the contact's force is subtracted, because it grows with the duration of the
+    run; the result is then 0 if this force is not known. An unknown impulse counts as 0.
     """
     impacts, time, found = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
     forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
@@ -231,8 +235,8 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
 def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
     """Return words for the impact of a peak.
 
-    For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have this
-    value, the words tell the first of these. ``valued``: whether the words have the value of the peak.
+    For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have the
+    value of the peak, the words tell the first of these impacts. ``valued``: whether the value is told, too.
     """
     if peak.equal > 1:
         told = f"{peak.text}, the first in " if valued else "the first in "
@@ -334,7 +338,7 @@ def friction(name: str, value: Any) -> str:
     """Return words for a coefficient of dry friction at walls: "0.3", "static 0.4 at y_min"; else "".
 
     ``name`` and ``value`` are those of any parameter. For a coefficient of 0 the result is "", except for the
-    sliding friction of a single wall: "0 at y_min".
+    sliding friction that is given for one wall by name: "0 at y_min".
     """
     owner, _, wall, quantity = name_parts(name)
     is_coefficient = owner in ("contact", "wall") and quantity in ("friction", "static_friction")
