@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import DESK, PHONE, PIXELS, impacts_of, until, until_told
+from tests.pages.in_pages import DESK, PHONE, PIXELS, ROWS, impacts_of, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -20,6 +20,8 @@ LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(per
 LETTERS = function_of("compared_motions", "letters")
 """The letters that are written into each chart when it has another width."""
 AXES = (("x", "width"), ("y", "height"))
+BELOW_PEAK = 30
+"""The pixels at the top of the chart that have the number of the peak, not the curve."""
 LISTED = 40
 """The table has the first impacts of each motion, up to this number."""
 FIRST = operator.itemgetter(0)
@@ -266,6 +268,26 @@ def test_a_chart_of_force_tells_why_it_has_no_curve_of_a_pin(show):
         assert page.locator("#contact-name").evaluate("one => one.scrollWidth <= one.clientWidth"), (
             "it is not cut off"
         )
+
+
+def test_a_stiff_pin_does_not_flatten_the_curve_of_the_present_contact(show):
+    page = show("rod_drop", hash_="#contact.stiffness=1e8")
+    page.get_by_role("button", name="Pin").click()
+    for stiffness, is_cut in ((3e7, False), (1e6, True)):
+        page.evaluate("value => chainImpact.show({'contact.stiffness': value})", stiffness)
+        until_told(page, impacts_of({"contact.stiffness": stiffness}, "rod_drop"))
+        rows = [row for row in page.evaluate(ROWS, ["force", "force"]) if row > BELOW_PEAK]
+        height = page.evaluate("document.querySelector('#force canvas').height")
+        assert max(rows) - min(rows) > 0.25 * height
+        assert page.evaluate(PIXELS, ["force", "pin-1"]) > 20
+        peak = simulate(load_scene("rod_drop").with_values({"contact.stiffness": 1e8})).impacts["peak_force"][
+            0
+        ]
+        told = f"; A: up to {peak / 1e3:.2f}\u202fkN"
+        assert page.text_content("#contact-name").endswith(told) is is_cut
+        page.get_by_role("button", name="F(δ)").click()
+        assert page.text_content("#contact-name").endswith(told) is is_cut
+        page.get_by_role("button", name="F(δ)").click()
 
 
 def test_a_chart_of_inputs_tells_why_it_has_no_curve_of_a_pin(show):

@@ -11,11 +11,28 @@ const AROUND = 0.35; // time that the chart shows before and after a contact, re
 const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
 // [pixels] height above all curves for the text of the peak force, and distance of the text's top from the upper edge of the plot
 const [PEAK_ROOM, PEAK_TOP] = [18, 4];
+// largest extent of both axes, relative to the curves of the contact itself: parts of compared curves beyond it are cut off
+const MOST_BESIDE = 2;
 const NO_FORCE = 1e-9; // [N], or [N·m] at a stop of a joint: if no force is larger, the axis goes up to about 1
 
 /** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis up to it has a length. */
 function highest(...all) {
   return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
+}
+
+/**
+ * Return the end of an axis that begins at 0: the largest of the contact's own values or of the values of compared curves, but at most
+ * MOST_BESIDE times the largest of its own, if it has any above 0. Both arguments are lists of lists of numbers.
+ */
+function extentOf(own, others) {
+  const [most, all] = [highest(...own), highest(...own, ...others)];
+  return most > highest() ? Math.min(all, MOST_BESIDE * most) : all;
+}
+
+/** Return words for the largest force of a compared curve if the chart, which ends at `high`, cuts it off; else "". */
+function noteAbove(forces, high, unit) {
+  const peak = highest(forces);
+  return peak > high ? `up to ${forceText(peak, 3, unit)}` : "";
 }
 
 /**
@@ -151,13 +168,14 @@ export class ForceChart extends Chart {
     this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
     const lines = this.compared.map((line) => ({ ...line, ...this.#courseIn(line.recording, contact) }));
     this.curves = lines.filter(({ points }) => points);
-    const most = highest(this.loop?.[0] ?? [], ...this.curves.map(({ points: [x] }) => x));
+    const all = (axis) => this.curves.map(({ points }) => points[axis]);
+    const most = extentOf(this.loop ? [depth] : [], all(0));
+    const high = extentOf([contact.peak === null ? inside : [contact.peak], friction], all(1));
     this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
       if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
-      const high = highest(contact.peak === null ? inside : [contact.peak], friction, ...this.curves.map(({ points: [, y] }) => y));
       const room = PEAK_ROOM / this.plot.over.clientHeight;
       // the limits contain the margin, because uPlot applies the function `range` of an axis only to limits that it finds itself
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: (high > NO_FORCE ? high : 1) / (1 - room) });
@@ -173,8 +191,8 @@ export class ForceChart extends Chart {
     const quantity = (unitsOf(contact).force === "N" ? force : moment) + (holds ? " after the impulse" : "");
     this.quantity.textContent = this.loop ? `${quantity} over penetration` : quantity;
     const length = hasCurve ? durationText(end - onset, 2) : "no force over time is known";
-    const lacking = lines.filter(({ why }) => why).map(({ letter, why }) => `; ${letter}: ${why}`).join("");
-    const legend = (rubs && !this.loop ? "; dotted: friction" : "") + lacking;
+    const notes = lines.map(({ letter, points, why = noteAbove(points[1], high, this.unit.force) }) => why && `; ${letter}: ${why}`).join("");
+    const legend = (rubs && !this.loop ? "; dotted: friction" : "") + notes;
     const text = `${contactTitle(contact)}, ${length}${legend}`;
     Object.assign(this.title, { textContent: text, title: text }); // the title may be cut, so its whole text is also the tooltip
   }
