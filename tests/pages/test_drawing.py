@@ -14,7 +14,7 @@ from chain_impact.results.animate import write_animation
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import SLOPE, pendulum, sled
 from tests.helpers.scenes.stops import knee
-from tests.pages.in_pages import DESK, LIGHT_CHAIN, ON_ITS_SIDE, PHONE, count_of, go_to, pixels, press
+from tests.pages.in_pages import DESK, LIGHT_CHAIN, ON_ITS_SIDE, PHONE, count_of, go_to, pixels, press, until
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -106,6 +106,24 @@ def test_a_ball_is_a_circle_with_the_trace_of_its_centre(request, opened):
     assert centres[0] == pytest.approx(centres[1])
     last = page.get_attribute(".trace", "points").split()[-1]
     assert [float(value) for value in last.split(",")] == pytest.approx(centres[0], abs=1.0)
+
+
+@pytest.mark.parametrize("opened", ["show", "show_recording"])
+def test_a_ball_without_a_radius_is_a_disc_without_a_line(request, opened):
+    model = "bouncing_ball" if opened == "show" else record_slowly("bouncing_ball")
+    page = request.getfixturevalue(opened)(model)
+    go_to(page, 1.0)
+    kinds = (".ball", ".tip", ".joint", ".link", ".radius", ".disc")
+    assert [page.locator(f"#scene {kind}").count() for kind in kinds] == [1, 0, 0, 0, 0, 0]
+    assert page.locator(".point-number").all_text_contents() == ["0", ""]
+    last = page.get_attribute(".trace", "points").split()[-1]
+    centre = page.locator(".ball").evaluate("({ cx, cy }) => [cx, cy].map(({ baseVal }) => baseVal.value)")
+    assert [float(value) for value in last.split(",")] == pytest.approx(centre, abs=1.0)
+    if opened == "show":
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
+        until(page, "document.querySelectorAll('.compared-tip').length > 1")
+        assert page.locator("polyline.compared").count() == 0
 
 
 def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show_recording):

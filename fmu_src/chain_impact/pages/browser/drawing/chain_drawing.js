@@ -21,7 +21,7 @@ const TAIL_PARTS = 10;
 const HATCH = 9; // [pixels] distance between the hatching lines beyond walls
 const STOP_DOT = 11; // [pixels] diameter of the mark of a joint that touches its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
-const STUCK_DOT = 10; // [pixels] diameter of the mark of a sticking joint
+const [STUCK_DOT, BALL_DOT] = [10, 20]; // [pixels] diameters of the mark of a sticking joint, and of a ball that is a point
 // ARC: radius of the arc that shows a joint's range, relative to the link's length; ARC_CORNERS: number of the arc's points; TICK: length
 // of a stop's mark, relative to the radius
 const { ARC, CORNERS: ARC_CORNERS, TICK } = SHARED.jointStops;
@@ -96,23 +96,23 @@ export class ChainDrawing {
   }
 
   #makeChain() {
-    const { links, pointCount, touching, pointNames, radius, ball, traced, bodies, rail } = this.recording;
+    const { links, pointCount, touching, pointNames, radius, ball, isPoint, traced, bodies, rail } = this.recording;
     const names = new Map(pointNames);
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
-    const isBall = ball !== null;
     // A link has an edge in the colour of the free region, which shows which of two crossing links is in front. A ball is shown by a thin
-    // line from its centre to a mark on it, as in pictures.
-    this.lines = lines.flatMap((range) => (isBall ? ["radius"] : ["link-edge", "link"]).map((kind) =>
+    // line from its centre to a mark on it, as in pictures; a ball that is a point has no such line.
+    const kinds = ball === null ? ["link-edge", "link"] : isPoint ? [] : ["radius"];
+    this.lines = lines.flatMap((range) => kinds.map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
     this.discs = radius > 0 ? touching.map(([point, ownRadius]) => [point, ownRadius, this.circles.circle().addClass("disc")]) : [];
     this.outlines = [...bodies.map(() => "body"), ...(rail ? ["carriage"] : [])].map((kind) => this.bodies.polygon().addClass(kind));
     this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
-      this.numbers.plain(names.get(point) ?? String(point)).addClass("point-number"));
+      this.numbers.plain(names.get(point) ?? (isPoint && point !== ball ? "" : String(point))).addClass("point-number"));
     this.bodyOf = this.names.map((_, point) => this.#nearestBody(point));
-    const shown = isBall ? [ball] : links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
+    const shown = ball !== null ? [ball] : links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
     this.dots = shown.map((point) => {
-      const kind = point === traced ? "tip" : "joint";
-      return [point, this.joints.circle(kind === "tip" ? 11 : 8).addClass(kind)];
+      const [kind, size] = isPoint ? ["ball", BALL_DOT] : point === traced ? ["tip", 11] : ["joint", 8];
+      return [point, this.joints.circle(size).addClass(kind)];
     });
     for (let point = links + 1; point < pointCount; point += 1) {
       this.dots.push([point, this.joints.circle(7).addClass("site")]);

@@ -126,7 +126,7 @@ export class ComparedMotions {
       recording.bodiesAt(frame, this.player.recording).forEach((corners) => {
         behind.polygon(corners.map((corner) => camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });
-      behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
+      if (!recording.isPoint) behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
     }
     for (const { kind, letter, at: [x, y] } of shown) { // above all lines, which may cross them
       behind.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);

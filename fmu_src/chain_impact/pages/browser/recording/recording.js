@@ -58,6 +58,11 @@ export class Recording {
       index ? onset - Math.max(0, (onset - this.impacts[index - 1].end) / 2) : -Infinity);
   }
 
+  /** Return whether the chain is a ball without a radius: its centre of mass alone touches walls, and its link is not seen. */
+  get isPoint() {
+    return this.ball !== null && !(this.radius > 0);
+  }
+
   /** Return the number of the frame at a simulated time [s], with a fraction between two frames. */
   frameAt(time) {
     const [index, fraction] = placeIn(this.time, time);
