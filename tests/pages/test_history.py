@@ -9,7 +9,7 @@ from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 NAMES = "all => all.map((one) => one.textContent.replaceAll('\\u200b', ''))"
-OPENED = f"title => (title.click(), ({NAMES})([...document.querySelectorAll('.parameter-name')]))"
+OPENED = f"title => (title.click(), ({NAMES})([...document.querySelectorAll('.key')]))"
 COLOUR = "one => getComputedStyle(one).color"
 LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"
 PRESENT = "chainImpact.parameters['contact.restitution']"
@@ -133,10 +133,8 @@ def test_changed_parameters_are_counted_and_first_in_the_list(show):
     page.evaluate(LATER)
     rows.nth(0).get_by_role("button").click()
     assert title.inner_text() == "All parameters · 1 changed"
-    assert rows.locator(".parameter-name").evaluate_all(NAMES) == names, (
-        "a row with the focus keeps its place"
-    )
+    assert rows.locator(".key").evaluate_all(NAMES) == names, "a row with the focus keeps its place"
     page.keyboard.press("Control+z")
     page.locator("h1").click()
     page.evaluate("chainImpact.show({'link[3].mass': 2})")
-    assert set(rows.locator(".parameter-name").evaluate_all(NAMES)[:3]) == {*drag, "link[3].mass"}
+    assert set(rows.locator(".key").evaluate_all(NAMES)[:3]) == {*drag, "link[3].mass"}
