@@ -191,7 +191,8 @@ export class ForceChart extends Chart {
     const quantity = (unitsOf(contact).force === "N" ? force : moment) + (holds ? " after the impulse" : "");
     this.quantity.textContent = this.loop ? `${quantity} over penetration` : quantity;
     const length = hasCurve ? durationText(end - onset, 2) : "no force over time is known";
-    const notes = lines.map(({ letter, points, why = noteAbove(points[1], high, this.unit.force) }) => why && `; ${letter}: ${why}`).join("");
+    const notes = lines.map(({ letter, points, why = noteAbove(points[1], high, this.unit.force) }) =>
+      why && `; ${letter}: ${why}`).join("");
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + notes;
     const text = `${contactTitle(contact)}, ${length}${legend}`;
     Object.assign(this.title, { textContent: text, title: text }); // the title may be cut, so its whole text is also the tooltip
