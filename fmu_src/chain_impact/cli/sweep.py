@@ -105,7 +105,7 @@ def run(options: argparse.Namespace) -> int:
 
         varied = variations_of(prepared := PreparedScene(scene), vary)
         runs = options.samples or math.prod(len(variation.values) for variation in varied)
-        check_picture(len(vary), options.samples, runs, scene.name)
+        check_picture(varied, options.samples, runs, scene.name)
         wanted += outputs_for(job_of(prepared, varied, wanted), panels)
     try:
         with progress("sweeping") as advance:

@@ -13,12 +13,12 @@ from matplotlib.ticker import MaxNLocator
 from chain_impact.pictures.drawing.distinct_curves import merged_dashes
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
-from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks, is_narrow
+from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
 from chain_impact.recording.map_colours import spread
 from chain_impact.recording.text import number
 from chain_impact.studies.sweep.maps import (
     NEVER,
-    SCENE_MARK,
+    SCENE_LINE,
     WIDE_RANGE,
     is_logarithmic,
     label_of,
@@ -31,6 +31,7 @@ from chain_impact.studies.sweep.variation import Variation
 
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
+FOOT = 0.05  # the height of the crosses above the axis, relative to the height of the panel
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
 # the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest
@@ -77,23 +78,19 @@ def draw_curves(
                 line.set_linestyle(dash)
         failed = values[runs.failed]
         if len(failed):
-            axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
+            axes.plot(failed, np.full(len(failed), FOOT), transform=axes.get_xaxis_transform(), **CROSS)
         axes.set_xscale("log" if is_logarithmic(across) else "linear")
         axes.set_xlabel(label_of(runs, across))
         give_ticks(axes)
         _dress(axes, quantity, shown)
         if (own := own_value(runs, across)) is not None:
-            is_line = choice is None and runs.design.samples is None
-            _mark_own(axes, own, quantity, curves[0] if is_line else None)
+            axes.axvline(own, **SCENE_LINE)
     if choice:
-        handles, labels = panels[0].get_legend_handles_labels()
+        handles, _ = panels[0].get_legend_handles_labels()
         figure = panels[0].get_figure(root=True)
         assert figure is not None
-        if is_narrow(figure):
-            name = Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:")
-            legend_at_foot(figure, [name, *handles])
-        else:
-            figure.legend(handles, labels, loc="outside right center", title=label_of(runs, choice))
+        name = Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:")
+        legend_at_foot(figure, [name, *handles])
 
 
 def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list[dict[str, Any]]:
@@ -105,23 +102,6 @@ def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list
     if choice is not None and choice.name == "contact.model":
         return [law_look(names[0]) for names in lines]
     return [{"color": colour} for colour in COLOURS]
-
-
-def _mark_own(axes: Axes, own: float, quantity: Quantity, curve: np.ndarray | None) -> None:
-    """Draw the mark of the scene's value ``own``: on the line or, where the line has no value, at the foot.
-
-    ``curve``: the ascending values of the parameter on the horizontal axis, and the results, shape (2, S);
-    None for a mark at the foot. The line of a count has steps.
-    """
-    if curve is not None:
-        scale = axes.transScale
-        across, up = scale.transform(curve.T).T
-        at = scale.transform((own, 1.0))[0]
-        height = up[np.abs(across - at).argmin()] if quantity.is_count else np.interp(at, across, up)
-        if np.isfinite(height):
-            axes.plot([own], [scale.inverted().transform((at, height))[1]], **SCENE_MARK)
-            return
-    axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
 
 
 def lines_of(

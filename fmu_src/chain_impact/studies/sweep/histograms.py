@@ -14,7 +14,7 @@ from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.recording.map_colours import spread
 from chain_impact.scene.words.unit_text import with_unit
-from chain_impact.studies.sweep.maps import NEVER, SCENE_MARK, WIDE_RANGE, is_logarithmic, label_of, own_value
+from chain_impact.studies.sweep.maps import NEVER, SCENE_LINE, WIDE_RANGE, is_logarithmic, label_of, own_value
 from chain_impact.studies.sweep.quantities import LOADS, Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -110,7 +110,7 @@ def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Vari
 
 
 def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
-    """Draw a quantity over a varied parameter, with a dot for each run and the mark of the scene's value."""
+    """Draw a quantity over a varied parameter, with a dot for each run and a line at the scene's value."""
     shown, given = quantity.of(runs), runs[variation.name]
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()
@@ -124,7 +124,7 @@ def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -
     if spread(shown[np.isfinite(shown)]) >= WIDE_RANGE:
         axes.set_yscale("log")
     if (own := own_value(runs, variation)) is not None:
-        axes.plot([own], [0.0], transform=axes.get_xaxis_transform(), **SCENE_MARK)
+        axes.axvline(own, **SCENE_LINE)
     if not variation.choices:
         give_ticks(axes)
 

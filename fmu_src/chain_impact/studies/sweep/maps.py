@@ -19,10 +19,10 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 
 from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
 from chain_impact.pictures.drawing.legends import legend_at_foot
-from chain_impact.pictures.drawing.style import is_narrow, raised
+from chain_impact.pictures.drawing.style import INK, is_narrow, raised
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.recording.text import number
-from chain_impact.scene.words.unit_text import in_brackets, of_scene
+from chain_impact.scene.words.unit_text import in_brackets, of_scene, unit_text, with_unit
 from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -38,7 +38,9 @@ WIDE_PARAMETER, WIDE_RANGE = 1e2, 1e3
 FEW_TICKS = (2.0, 5.0)
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
-"""The mark of the scene's own value, with matplotlib's names."""
+"""The mark of the scene's own values in a map, with matplotlib's names."""
+SCENE_LINE: dict[str, Any] = {"color": INK, "linestyle": (0.0, (4.0, 3.0)), "linewidth": 0.8, "zorder": 1.0}
+"""The line at the scene's own value in other panels, with matplotlib's names."""
 # FEW_CELLS: a map with fewer cells on both axes has a number in each cell, and no contours; WIDE_CELLS: in a
 # narrow figure, numbers in a map with more columns have fewer digits
 FEW_CELLS, WIDE_CELLS = 8, 4
@@ -46,6 +48,7 @@ FEW_CELLS, WIDE_CELLS = 8, 4
 # largest number of pieces of a contour; LEAST_CELLS: the least number of cells on each axis for contours;
 # LIGHT: the place in the range of the colours above which texts and contours are black instead of white
 CONTOURS, MOST_PIECES, LEAST_CELLS, LIGHT = (0.35, 0.7), 2, 4, 0.5
+SLIM_BAR = 40.0  # the length of a bar for several maps, relative to the bar's width
 NEVER = "no run has a finite value"
 
 
@@ -58,54 +61,144 @@ def draw_maps(
 ) -> None:
     """Draw a map of each quantity in its panel: a coloured cell for each pair of values of two parameters.
 
-    ``over``: the parameter of the horizontal axis, and that of the vertical axis.
+    ``over``: the parameter of the horizontal axis, and that of the vertical axis. With a third parameter,
+    there is a single quantity, with a map for each value of this parameter; all maps share their colours.
     """
-    first, second = over
-    x, y = axis_of(first), axis_of(second)
-    own = [own_value(runs, first), own_value(runs, second)]
-    grey, failed = "", int(runs.failed.sum())
-    indices = [list(runs.varied).index(variation.name) for variation in (second, first)]
-    for axes, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.of(runs).reshape(runs.design.shape)
-        spare = tuple(k for k in range(shown.ndim) if k not in indices)
-        shown = shown.transpose(*indices, *spare).reshape(len(second.values), len(first.values))
-        shown = np.ma.masked_invalid(shown[np.ix_(y.order, x.order)])
-        axes.set_facecolor(FAILED_COLOUR)
-        if shown.count():
-            mesh = _draw_map(figure, axes, (x, y), quantity, shown)
-            if max(shown.shape) < FEW_CELLS:
-                _write_values(axes, (x, y), shown, mesh, own)
-        else:
-            axes.set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
-        axes.set_xscale("log" if x.logarithmic else "linear")
-        axes.set_yscale("log" if y.logarithmic else "linear")
-        for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):
+    first, second, *third = over
+    scales, own = (axis_of(first), axis_of(second)), [own_value(runs, first), own_value(runs, second)]
+    every = [_tables(runs, quantity, over) for quantity in quantities]
+    of_each = [list(panels)] if third else [[axes] for axes in panels]
+    for quantity, group, tables in zip(quantities, of_each, every, strict=True):
+        _draw_group(group, scales, quantity, tables, own)
+    for axes in panels:
+        for axis, scale, variation in zip((axes.xaxis, axes.yaxis), scales, (first, second), strict=True):
             if scale.names:
                 axis.set_ticks(range(len(scale.names)), scale.names)
-        if None not in own:
-            axes.plot(*np.array(own, float)[:, None], **SCENE_MARK)
-        axes.set(xlabel=label_of(runs, first), ylabel=label_of(runs, second))
-        if x.names:
+            axis.set_label_text(label_of(runs, variation))
+        axes.set_xscale("log" if scales[0].logarithmic else "linear")
+        axes.set_yscale("log" if scales[1].logarithmic else "linear")
+        if scales[0].names:
             axes.tick_params(axis="x", rotation=90)
-        if np.ma.is_masked(shown):
-            causes = ["failed"] * (failed > 0) + ["only impulses"] * (int(shown.mask.sum()) > failed)
-            grey = max(grey, " or ".join(causes), key=len)
-    if grey:
-        legend_at_foot(figure, [Patch(facecolor=FAILED_COLOUR, label=grey)])
+    if third:
+        _name_maps(panels, runs, third[0], "\n" if is_narrow(figure) else " ")
+    marked = [panels[k] for k in own_maps(runs, third[0])] if third else panels
+    for axes in marked if None not in own else ():
+        axes.plot(*np.array(own, float)[:, None], **SCENE_MARK)
+    blank, failed = max(int(np.ma.getmaskarray(table).sum()) for table in every), int(runs.failed.sum())
+    if blank:
+        causes = ["failed"] * (failed > 0) + ["only impulses"] * (blank > failed)
+        legend_at_foot(figure, [Patch(facecolor=FAILED_COLOUR, label=" or ".join(causes))])
 
 
-def _draw_map(
-    figure: Figure, axes: Axes, scales: tuple[Scale, Scale], quantity: Quantity, shown: Any
-) -> QuadMesh:
-    """Draw the coloured cells of one map, the bar that explains the colours, and contours; return the cells.
+def _tables(runs: Runs, quantity: Quantity, over: Sequence[Variation]) -> Any:
+    """Return the values of a quantity in maps, shape (number of maps, rows, columns), masked without a value.
 
-    ``scales``: the horizontal and the vertical axis; ``shown``: the values, masked where a run has none, with
-    a row for each cell of the vertical axis. At least one value is not masked.
+    ``over`` is as in ``draw_maps``. Rows and columns are in the order of the axes, maps in that of the third
+    parameter; without a third parameter there is a single map.
     """
+    indices = [list(runs.varied).index(variation.name) for variation in reversed(over)]
+    values = quantity.of(runs).reshape(runs.design.shape)
+    spare = tuple(k for k in range(values.ndim) if k not in indices)
+    values = values.transpose(*indices, *spare).reshape([len(each.values) for each in reversed(over)])
+    values = values[np.ix_(*(axis_of(each).order for each in reversed(over)))]
+    return np.ma.masked_invalid(values.reshape(-1, *values.shape[-2:]))
+
+
+def own_maps(runs: Runs, third: Variation) -> list[int]:
+    """Return the index of the map with the scene's own value of the third parameter; [] without one."""
+    own: Any = runs.scene.values.get(third.name)
+    values = third.shown(third.values[axis_of(third).order]).tolist()
+    return [
+        k for k, value in enumerate(values) if value == own or (not third.choices and np.isclose(value, own))
+    ]
+
+
+def _name_maps(panels: Sequence[Axes], runs: Runs, third: Variation, gap: str) -> None:
+    """Write the value of the third parameter above each map, and labels only beside and below the grid.
+
+    ``gap``: the text between the parameter's name and the value.
+    """
+    values, unit = third.shown(third.values[axis_of(third).order]).tolist(), unit_of(runs, third)
+    for axes, value in zip(panels, values, strict=True):
+        text = value if third.choices else number(value)
+        axes.set_title(f"{third.name}{gap}= {with_unit(text, raised(unit_text(unit)))}", fontsize="small")
+        cell = axes.get_subplotspec()
+        assert cell is not None
+        columns, place = cell.get_gridspec().ncols, int(cell.num1)
+        if place % columns:
+            axes.set_ylabel("")
+            axes.tick_params(which="both", labelleft=False)
+        # a map above an empty place has numbers, too
+        if not cell.is_last_row():
+            axes.set_xlabel("")
+            axes.tick_params(which="both", labelbottom=place + columns >= len(panels))
+
+
+def _draw_group(
+    panels: Sequence[Axes],
+    scales: tuple[Scale, Scale],
+    quantity: Quantity,
+    tables: Any,
+    own: Sequence[float | None],
+) -> None:
+    """Draw maps that share their colours, with one bar that explains the colours, and contours or numbers.
+
+    A single map with few cells has a number in each of its cells.
+
+    ``scales``: the horizontal and the vertical axis. ``tables``: the values in each map, see ``_tables``.
+    ``own``: as for ``_write_values``.
+    """
+    for axes in panels:
+        axes.set_facecolor(FAILED_COLOUR)
+    values = tables.compressed()
+    if not values.size:
+        panels[0].set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
+        return
+    norm, colours, ticks, ends = _colours(quantity, values)
     x, y = scales
-    least, most = float(shown.min()), float(shown.max())
+    meshes = [
+        axes.pcolormesh(x.edges, y.edges, table, cmap=colours, norm=norm, rasterized=True)
+        for axes, table in zip(panels, tables, strict=True)
+    ]
+    extremes = float(values.min()), float(values.max())
+    beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    extend = beyond[are_beyond(extremes, ends)]
+    label = quantity.label_for(values) + beyond_ends(extremes, ends)
+    figure = panels[0].get_figure(root=True)
+    assert figure is not None
+    look: dict[str, Any] = {"aspect": SLIM_BAR} if len(panels) > 1 else {}
+    if len(panels) > 1 and is_narrow(figure):
+        look["location"] = "bottom"
+    bar = figure.colorbar(meshes[0], ax=panels, label=label, extend=extend, **look)
+    few_decades = isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]
+    if few_decades:
+        axis = bar.long_axis
+        number_few_decades(axis)
+        # when the bar gets new colours, as for a dark ground, matplotlib sets its axis from these attributes
+        bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
+    has_numbers, is_smooth = max(tables.shape[1:]) < FEW_CELLS, not (quantity.is_count or x.names or y.names)
+    levels = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if few_decades else [])]
+    within = [level for level in levels if ends[0] < level < ends[1]]
+    for axes, table, mesh in zip(panels, tables, meshes, strict=True):
+        if has_numbers and len(panels) == 1:
+            _write_values(axes, scales, table, mesh, own)
+        elif is_smooth and not has_numbers:
+            _contours(axes, scales, table, within, mesh)
+    if ticks:
+        bar.set_ticks(list(ticks), labels=list(ticks.values()))
+        bar.ax.tick_params(which="both", length=0)
+
+
+def _colours(
+    quantity: Quantity, values: np.ndarray
+) -> tuple[Normalize, Colormap, dict[float, str], tuple[float, float]]:
+    """Return norm and colour map for some values, ticks of their bar, and the ends of the colours.
+
+    The ticks, place → label, are empty if matplotlib's ticks suit.
+    """
+    least, most = float(values.min()), float(values.max())
     colours: Colormap = mpl.colormaps[MAP_COLOURS]
-    norm, ticks, ends = Normalize(), None, (least, most)
+    norm, ticks, ends = Normalize(), dict[float, str](), (least, most)
     if quantity.is_count and least < most:
         bins = count_bins(least, most)
         norm, colours = BoundaryNorm(bins, len(bins) - 1), colours.resampled(len(bins) - 1)
@@ -113,30 +206,12 @@ def _draw_map(
             0.5 * (low + high): f"{low + 0.5:.0f}" + (f"–{high - 0.5:.0f}" if high - low > 1.0 else "")
             for low, high in pairwise(bins)
         }
-    elif spread(shown.compressed()) >= WIDE_COLOURS:
-        norm = LogNorm(*(ends := colour_ends(shown.compressed(), logarithmic=True)))
+    elif spread(values) >= WIDE_COLOURS:
+        norm = LogNorm(*(ends := colour_ends(values, logarithmic=True)))
     else:
-        ends = quantity.ends_for(shown.compressed()) or colour_ends(shown.compressed())
+        ends = quantity.ends_for(values) or colour_ends(values)
         norm = Normalize(*ends)
-    colours = colours.with_extremes(bad=FAILED_COLOUR)
-    mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, rasterized=True)
-    beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
-    extend = beyond[are_beyond((least, most), ends)]
-    label = quantity.label_for(shown.compressed()) + beyond_ends((least, most), ends)
-    bar = figure.colorbar(mesh, ax=axes, label=label, extend=extend)
-    few_decades = isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]
-    if few_decades:
-        axis = bar.ax.yaxis
-        number_few_decades(axis)
-        # when the bar gets new colours, as for a dark ground, matplotlib sets its axis from these attributes
-        bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
-    if max(shown.shape) >= FEW_CELLS and not quantity.is_count and not x.names and not y.names:
-        levels = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if few_decades else [])]
-        _contours(axes, scales, shown, [level for level in levels if ends[0] < level < ends[1]], mesh)
-    if ticks:
-        bar.set_ticks(list(ticks), labels=list(ticks.values()))
-        bar.ax.tick_params(which="both", length=0)
-    return mesh
+    return norm, colours.with_extremes(bad=FAILED_COLOUR), ticks, ends
 
 
 def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: QuadMesh, own: Any) -> None:

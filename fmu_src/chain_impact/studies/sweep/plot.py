@@ -3,9 +3,10 @@
 Without samples, one varied number gives a line in each panel, and one choice gives dots. Two numbers give a
 map or, if a number has at most MOST_SPLIT values, a line for each value of this number. A number and a
 choice, such as the contact law, give a line for each choice or, if the choices are more than COLOURS, a map
-with a row for each choice. Two choices give a map. Samples of one number are points; samples of a choice or
-of several parameters give a histogram of each result, and dots of the result over ``drawn_parameters``. A
-run that failed is a cross at the edge of a panel with lines or dots, grey in a map, and in no histogram.
+with a row for each choice. Two choices give a map. Three parameters give maps of one result, one for each
+value of the parameter with the fewest values. Samples of one number are points; samples of a choice or of
+several parameters give a histogram of each result, and dots of the result over ``drawn_parameters``. A run
+that failed is a cross at the edge of a panel with lines or dots, grey in a map, and in no histogram.
 """
 
 from __future__ import annotations
@@ -22,14 +23,15 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.drawing.figures import draw_figure, settle
 from chain_impact.pictures.drawing.sizes import Size, figure_size
-from chain_impact.pictures.drawing.style import COUNT_STEPS, headline, is_narrow, raised, styled
-from chain_impact.recording.text import number, plural
+from chain_impact.pictures.drawing.style import COUNT_STEPS, WIDE, headline, is_narrow, raised, styled
+from chain_impact.recording.text import few, number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.words.unit_text import unit_text
-from chain_impact.studies.sweep.curves import COLOURS, CROSS, draw_curves, told_apart
+from chain_impact.studies.sweep.computation import STATUS_WORD
+from chain_impact.studies.sweep.curves import COLOURS, CROSS, FOOT, draw_curves, told_apart
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS, draw_samples, drawn_parameters, influence
-from chain_impact.studies.sweep.maps import draw_maps, own_value, unit_of
+from chain_impact.studies.sweep.maps import draw_maps, own_maps, own_value, unit_of
 from chain_impact.studies.sweep.quantities import Quantity, Results, constants, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -40,8 +42,11 @@ NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 # two varied numbers are drawn as curves, not as a map, if at least one of the numbers has at most MOST_SPLIT
 # values
 MOST_SPLIT = 3
-MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show
+# without samples, the largest number of varied parameters that a picture can show, and the largest number of
+# maps if there are three
+MOST_VARIED, MOST_MAPS = 3, 9
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
+MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists
 # if a figure without dots has exactly this number of panels, and is wide enough (``_across``, ``_panels``),
 # they stand in one row
 IN_ONE_ROW = 3
@@ -50,23 +55,29 @@ THREE_MAPS = 9.0  # [inch] least width of a figure with three maps in one row
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
-def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
+def check_picture(varied: Sequence[Variation], samples: int | None, runs: int, source: str) -> None:
     """Refuse a sweep that no picture can show.
 
     Args:
-        varied: the number of varied parameters.
+        varied: the varied parameters.
         samples: the number of samples; None if the sweep has no samples.
         runs: the number of runs, which need not be computed yet.
         source: the name of the scene, for errors.
 
     Raises:
-        SceneError: when more than MOST_VARIED parameters vary without samples, or there are more than
-            MOST_DRAWN runs.
+        SceneError: when more than MOST_VARIED parameters vary without samples, each of MOST_VARIED has more
+            than MOST_MAPS values, or there are more than MOST_DRAWN runs.
     """
-    if varied > MOST_VARIED and samples is None:
+    if len(varied) > MOST_VARIED and samples is None:
         raise SceneError(
-            f"{source}: {varied} parameters vary, must be <= {MOST_VARIED} for a picture, or samples "
+            f"{source}: {len(varied)} parameters vary, must be <= {MOST_VARIED} for a picture, or samples "
             "(--samples N, samples=N)"
+        )
+    fewest = min(map(count_of, varied))
+    if len(varied) == MOST_VARIED and samples is None and fewest > MOST_MAPS:
+        raise SceneError(
+            f"{source}: {MOST_VARIED} parameters vary, and each has {fewest} values or more: for a picture, "
+            f"which has a map for each value of one parameter, one must have <= {MOST_MAPS}"
         )
     if runs > MOST_DRAWN:
         raise SceneError(
@@ -83,13 +94,19 @@ def plot_sweep(
     """Draw a sweep, see ``Sweep.plot``.
 
     Raises:
-        SceneError: when too many parameters vary, there are too many runs or panels, or no column for a
-            panel.
+        SceneError: when too many parameters or values vary, there are too many runs or panels, or no column
+            for a panel.
         ValueError: when the size is not possible.
         OSError: when the file cannot be written.
     """
-    check_picture(len(runs.varied), runs.design.samples, len(runs), runs.scene.name)
+    check_picture(runs.design.variations, runs.design.samples, len(runs), runs.scene.name)
     results = results_of(runs, panels)
+    if kind_of(runs.design) == MAPS and len(varying_in(runs.design)) == MOST_VARIED:
+        if panels and len(results.drawn) > 1:
+            raise SceneError(
+                f"{runs.scene.name}: {len(results.drawn)} panels must be 1 if {MOST_VARIED} parameters vary"
+            )
+        results = Results(results.drawn[:1], results.drawn[:1])
     usual = usual_size(runs, results, figure_size(size)[0] if size else None)
     return draw_figure(partial(fill, runs=runs, results=results), path, size, usual)
 
@@ -102,7 +119,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     told = [conditions(runs, varying), constants(runs, results)]
     if kind == HISTOGRAMS:
         told.insert(0, influence(runs, quantities, varying))
-    mark = " (×)" if kind in (DOTS, CURVES) else ""
+    mark = "×: " if kind in (DOTS, CURVES) else ""
     head, *parts = title(runs, results, mark)
     kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure, the headline has two parts at most
     told = [", ".join(parts[kept:]), *told]
@@ -118,9 +135,12 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     elif kind == HISTOGRAMS:
         draw_samples(_panels(figure, count, across), runs, quantities, varying)
     else:
-        draw_maps(figure, _panels(figure, count, across), runs, quantities, (first, *others))
+        of_third = panels_of_each(runs.design) > 1
+        panels = _panels(figure, count, across, of_third=of_third)
+        draw_maps(figure, panels, runs, quantities, (first, *others))
     if is_narrow(figure):
         name_once(figure)
+    figure.align_ylabels()
     settle(figure)
 
 
@@ -128,9 +148,17 @@ def panels_of_each(design: Design) -> int:
     """Return the number of panels of each quantity: 1, or more in a picture with histograms.
 
     In a picture with histograms, each quantity has a panel with a histogram, and a panel with dots for each
-    of ``drawn_parameters``.
+    of ``drawn_parameters``. If three parameters vary without samples, each value of the third has a map.
     """
-    return 1 + min(len(varying_in(design)), MOST_SCATTERS) if kind_of(design) == HISTOGRAMS else 1
+    kind, varying = kind_of(design), varying_in(design)
+    if kind == HISTOGRAMS:
+        return 1 + min(len(varying), MOST_SCATTERS)
+    return count_of(in_order(varying, kind)[-1]) if kind == MAPS and len(varying) == MOST_VARIED else 1
+
+
+def count_of(variation: Variation) -> int:
+    """Return the number of different values of a variation."""
+    return len(np.unique(variation.values))
 
 
 def name_once(figure: Figure) -> None:
@@ -150,8 +178,12 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
     """Return the parameters sorted, the parameter of the horizontal axis first.
 
     A number comes before a choice. In a picture with curves, a number with more than MOST_SPLIT values comes
-    before a number with at most MOST_SPLIT values.
+    before a number with at most MOST_SPLIT values. Of three parameters in a picture with maps, the one with
+    the fewest values comes last.
     """
+    if kind == MAPS and len(varying) == MOST_VARIED:
+        third = min(reversed(varying), key=count_of)
+        return [*in_order([variation for variation in varying if variation is not third], kind), third]
     return sorted(
         varying,
         key=lambda each: (bool(each.choices), kind == CURVES and len(np.unique(each.values)) <= MOST_SPLIT),
@@ -159,18 +191,22 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
 
 
 def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
-    """Return the parameters of which the picture can mark the value in the scene (``maps.SCENE_MARK``).
+    """Return the parameters of which the picture can mark the value in the scene, with a mark or a line.
 
     These are, with curves, the parameter of the horizontal axis; with histograms, the parameters over which
-    samples are drawn; with maps, both parameters if ``own_value`` has a value of both; with dots, none.
+    samples are drawn; with maps, all parameters if the scene's values of all lie in the picture; with dots,
+    none.
     """
     kind = kind_of(runs.design)
     if kind == CURVES:
         return in_order(varying, kind)[:1]
     if kind == HISTOGRAMS:
         return drawn_parameters(runs, varying)
-    all_known = kind == MAPS and all(own_value(runs, variation) is not None for variation in varying)
-    return varying if all_known else []
+    if kind == DOTS:
+        return []
+    first, second, *third = in_order(varying, kind)
+    is_in_map = all(own_value(runs, variation) is not None for variation in (first, second))
+    return varying if is_in_map and all(own_maps(runs, variation) for variation in third) else []
 
 
 def kind_of(design: Design) -> str:
@@ -181,6 +217,8 @@ def kind_of(design: Design) -> str:
         return HISTOGRAMS if len(varying) > 1 or choices else CURVES
     if len(varying) == 1:
         return DOTS if choices else CURVES
+    if len(varying) == MOST_VARIED:
+        return MAPS
     if not choices:
         return CURVES if min(len(np.unique(each.values)) for each in varying) <= MOST_SPLIT else MAPS
     return CURVES if len(choices) == 1 and len(np.unique(choices[0].values)) <= len(COLOURS) else MAPS
@@ -198,14 +236,16 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
         rows = math.ceil(count / _dots_across(count, width))
         return width, 0.7 + rows * (0.6 + 0.22 * len(varying_in(runs.design)[0].values))
     usual = ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
+    if panels_of_each(runs.design) > 1 and kind == MAPS:
+        return usual, 1.2 + 2.2 * math.ceil(count / maps_across(count, width or usual))
     return usual, 0.6 + 2.7 * math.ceil(count / _across(count, kind, width or usual))
 
 
 def title(runs: Runs, results: Results, mark: str) -> list[str]:
     """Return the parts of the headline: the number of runs, ranges of results, and how many runs failed.
 
-    The results are those with ``in_headline`` that are known and not 0 in at least one run. ``mark``: the
-    text for the mark of failed runs, " (×)", or "" if the picture has no mark for failed runs.
+    The results are those with ``in_headline`` that are known and not 0 in at least one run. The reasons of
+    failed runs stand in brackets after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
     """
     parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
     for quantity in results.every:
@@ -213,21 +253,25 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
         values = values[~np.isnan(values)]
         if quantity.in_headline and values.any():
             parts.append(quantity.range_text(values))
-    return parts + ([f"{failed} failed{mark}"] if failed else [])
+    reasons = few(
+        [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])], MOST_REASONS
+    )
+    return parts + ([f"{failed} failed ({mark}{reasons})"] if failed else [])
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
     """Return a text with the range of each varied number, and how many choices each varied choice has.
 
-    After a range stands the value in the scene, if the value lies in the range, and (+) if the picture marks
-    the value (``with_marks``).
+    After a range stands the value in the scene, if the value lies in the range, and (+) or (dashed line) if
+    the picture marks the value (``with_marks``).
     """
     parts, shown = [], with_marks(runs, varying)
+    mark = " (+)" if kind_of(runs.design) == MAPS else " (dashed line)"
     for variation in varying:
         ends = " to ".join(told_apart([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
         interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
         own = own_value(runs, variation)
-        marked = " (+)" if variation in shown else ""
+        marked = mark if variation in shown else ""
         told = "" if own is None else f", {number(own)} in the scene{marked}"
         count = f"{len(np.unique(variation.values))} of {variation.name}"
         parts.append(count if variation.choices else f"{variation.name} {interval}{told}")
@@ -251,6 +295,14 @@ def _across(count: int, kind: str, width: float) -> int:
     return 1 if kind == MAPS and width < THREE_MAPS else IN_ONE_ROW
 
 
+def maps_across(count: int, width: float) -> int:
+    """Return the number of maps in a row if three parameters vary: 2 in a narrow figure, else 2 or 3.
+
+    ``count`` is the number of maps, ``width`` the width of the figure [inches].
+    """
+    return 2 if width < WIDE or count in (2, 4) else 3
+
+
 def _dots_across(count: int, width: float) -> int:
     """Return the number of panels with dots in a row: as few as the least possible number of rows allows.
 
@@ -260,12 +312,17 @@ def _dots_across(count: int, width: float) -> int:
     return math.ceil(count / math.ceil(count / most))
 
 
-def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> list[Axes]:
+def _panels(
+    figure: Figure, count: int, most: int, *, sharey: bool = False, of_third: bool = False
+) -> list[Axes]:
     """Return ``count`` empty panels: at most ``most`` in a row, or 1 in a narrow figure.
 
-    ``sharey``: whether all panels have the same vertical axis.
+    ``sharey``: whether all panels have the same vertical axis. ``of_third``: whether each panel is the map of
+    a value of a third parameter; ``maps_across`` of these are in a row.
     """
     across = 1 if is_narrow(figure) else min(count, most)
+    if of_third:
+        across = maps_across(count, figure.get_figwidth())
     grid = figure.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)
     for unused in panels[count:]:
@@ -289,7 +346,7 @@ def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variat
         axes.grid(axis="y", color="0.92")
         axes.plot(shown, rows, "o", color=COLOURS[0], markersize=4.0)
         failed = rows[runs.failed]
-        axes.plot(np.full(len(failed), 0.02), failed, transform=axes.get_yaxis_transform(), **CROSS)
+        axes.plot(np.full(len(failed), FOOT), failed, transform=axes.get_yaxis_transform(), **CROSS)
         axes.set_xlabel(quantity.label_for(finite))
         if ends := quantity.ends_for(finite):
             axes.set_xlim(*ends)

@@ -117,7 +117,8 @@ class Sweep(Runs):
             panels: the columns to draw, such as ``"peak_force"``; ``*`` stands for any text. By default, the
                 main results and the first four additional outputs are drawn, as far as they differ between
                 the runs. If the runs are samples, and forces or moments are among these columns, only the
-                forces and moments are drawn.
+                forces and moments are drawn. If three parameters vary without samples, one of them must have
+                at most nine values: only the first of these columns is drawn, with a map for each value.
 
         Raises:
             SceneError: when too many parameters vary for a picture, there are too many runs or panels, or no
