@@ -18,8 +18,8 @@ from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, s
 from chain_impact.system import written_whole
 
 BEGIN, PROGRAM, WORKER = "explore/begin.js", "explore/explore.js", "solver/worker.js"
-"""Scripts of the page: BEGIN runs before the page reads its libraries; PROGRAM and WORKER are the programs of
-the page and of the workers that simulate."""
+"""Scripts of the page: BEGIN runs before the scripts of the libraries; PROGRAM is the program of the page,
+WORKER the program of each worker that simulates."""
 TOML = "vendor/smol-toml.cjs"
 """The library with which the page reads scene files."""
 UNNAMED = "scene.toml"
@@ -81,7 +81,7 @@ def page(scene: Scene, command: Sequence[str]) -> str:
 
 
 def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
-    """Return the data of the page: contents of the scene's file, ``kit``, and the words of ``command``."""
+    """Return the data of the page: contents of the scene's file, the result of ``kit``, and ``command``."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():
         # of the path only the file's name stays, because a page must not show folders of this machine
@@ -97,7 +97,10 @@ def packed(content: bytes) -> str:
 
 
 def _source(scene: SceneSource) -> str:
-    """Return the word for a scene in a command: its file or model, the name of an equal model, or UNNAMED."""
+    """Return the word for a scene in a command.
+
+    For a ``Scene`` it is the name of an equal model or else UNNAMED, for any other source this source itself.
+    """
     if not isinstance(scene, Scene):
         return os.fspath(scene)
     return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)

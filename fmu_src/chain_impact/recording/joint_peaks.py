@@ -34,7 +34,7 @@ ROUND_OFF = 1e-9
 def joint_peaks(recording: Recording) -> list[JointPeak]:
     """Return the largest force in each joint whose force is known, in descending order of the forces.
 
-    Force and time are those of ``joint[i].peak_force`` and ``joint[i].peak_time``, as far as these are known.
+    Force and time are those of ``joint[i].peak_force`` and ``joint[i].peak_time``, or of a row without these.
     """
     found = []
     for (joint, _), values in recording.columns_of("joint").items() if len(recording.time) else ():

@@ -131,7 +131,7 @@ class Recording:
         return output_hint(name, self.inputs, self.parameters)
 
     def in_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:  # noqa: ARG002
-        """Return the row at a time [s] of a run with other values of parameters; None if unknown, as here."""
+        """Return the row at a time [s] of a run with other values of parameters; None if that is unknown."""
         return None
 
     @property
@@ -203,12 +203,12 @@ class Recording:
 
     @property
     def detailed_energies(self) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
-        """Times [s], shape (T,), and ``energies`` at these times, for curves; here the times are the rows."""
+        """Times [s], shape (T,), and ``energies`` at these times; a subclass may have times between rows."""
         return self.time, self.energies
 
     @cached_property
     def loads(self) -> dict[int, np.ndarray]:
-        """Joint i → the force at this joint on link i, x and y, shape (T, 2) [N]; empty if unknown."""
+        """Joint i with a known force → the force on link i at this joint, x and y, shape (T, 2) [N]."""
         return {
             joint: np.stack([parts[f"force.{axis}"] for axis in AXES], axis=-1)
             for (joint, _), parts in self.columns_of("joint").items()
@@ -261,7 +261,7 @@ class Recording:
         return max(len(self.impacts), int(counted[-1]))
 
     def is_stop(self, wall: int) -> bool:
-        """Return whether an index in ``wall_names`` is that of joint_min or joint_max, stops of joints."""
+        """Return whether ``wall_names[wall]`` is a stop of joints: joint_min or joint_max."""
         return is_stop(wall, self.wall_names, bool(self.stops))
 
     def toucher(self, impact: np.void) -> str:

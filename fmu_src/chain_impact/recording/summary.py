@@ -152,12 +152,11 @@ def digits(value: float) -> str:
 
 
 def load_lines(result: Recording) -> Iterator[str]:
-    """Yield lines with the largest force in each joint, in descending order, if the scene asks for loads.
+    """Yield lines with the largest force in each joint, if it is known between rows, in descending order.
 
     Each line has the time of the force, and the numbers of the impacts that last at this time; or only the
-    time of a row, if the force is known to have occurred by this row. A force that is known in rows alone has
-    no line. If there are more than JOINTS joints, the last line tells the number of those with smaller
-    forces.
+    time of a row, if the force is known to have occurred by this row. With more than JOINTS such joints, the
+    last line tells the number of the joints with smaller forces.
     """
     peaks = [peak for peak in joint_peaks(result) if peak.kind != SAMPLED]
     for row, (joint, force, time, kind) in enumerate(peaks[:JOINTS]):
@@ -174,7 +173,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
-    """Yield a line with the numbers of phases of dry friction, and one with what sticks at the end."""
+    """Yield the numbers of phases of dry friction, if any, and a line on what sticks at the end, if any."""
     phases = result.stick_slip
     if not len(phases):
         return

@@ -29,7 +29,7 @@ _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("conta
 def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
     """Return outputs as a table of pandas: the times [s] are its index, ``columns`` its columns.
 
-    The attribute "units" of the table has the unit of each column.
+    ``attrs["units"]`` of the table has the unit of each column.
     """
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
@@ -55,7 +55,7 @@ def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> A
 
 
 def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
-    """Return phases of dry friction as a table of pandas, with names of walls and of modes."""
+    """Return phases of dry friction as a table of pandas, with names of walls ("" for joints) and modes."""
     pandas = require("pandas", "pandas")
     columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
     columns["wall"] = ["" if wall == JOINT else walls[wall] for wall in phases["wall"]]
@@ -110,7 +110,7 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
 def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[Any]]:
     """Return the list of impacts as columns, with the names of walls; an unknown value is None.
 
-    The forces of a bounce at a rigid wall are None, too.
+    The largest forces of a contact without duration, as at a rigid wall or stop, are None, too.
     """
     impacts = impacts.copy()
     for force in ("peak_force", JOINT_FORCE):

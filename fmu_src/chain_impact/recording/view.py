@@ -11,8 +11,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.display.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
-# [1] a wall at a larger distance from the motion is not near; the distance is relative to the size of the
-# motion, the longer side of the rectangle around it
+# [1] a wall at a larger distance from the motion is not near; the distance is relative to the longer side of
+# the rectangle around the motion
 NEAR = 0.2
 # [1] if walls enclose a room that ends within this distance from the motion, an animation shows the whole
 # room; relative to the size of the motion
@@ -24,7 +24,7 @@ LEAST = 1e-6  # [m] size assumed for the view of a chain that does not move
 UPRIGHT = 0.5
 # [1] points are drawn without circles if their largest radius is at most this, relative to the motion's size
 ALONE = 1e-3
-# [1] two lengths are equal if their difference, relative to the link, is at most this, which is round-off
+# [1] two lengths are equal if their difference is at most this, relative to the link's length: round-off
 SAME_LENGTH = 1e-9
 PIN = 0.08  # [1] height of the ground mark of a pinned base, relative to the size of the motion
 # [1] corners of the ground mark's triangle, relative to the mark's height: the base is at (0, 0), y points to
@@ -42,9 +42,10 @@ several positions."""
 
 
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
-    """Return the lines of the ground mark of a pinned base at its start: a support on hatched ground.
+    """Return the lines of the ground mark of a pinned base, a support on hatched ground, at time 0.
 
-    If the mean position of the chain is below the base, the mark is above the base, else below it.
+    If the mean height of all other points is below that of the base, the mark is above the base, else below.
+    A mean is over all times.
 
     Args:
         points: positions of the points 0…N over time, shape (T, N+1, 2) [m].
@@ -69,17 +70,18 @@ def seen(
 ) -> tuple[np.ndarray, dict[Key, HalfPlane]]:
     """Return the rectangle that a picture of a motion shows, and the walls near the motion.
 
-    The rectangle contains the motion, the ground mark of a pinned base, and a part of each near wall.
+    The rectangle contains the motion, the ground mark of a pinned base, and a part of each near wall. The
+    size of the motion is the longer side of the rectangle around the points with their radius.
 
     Args:
         points: positions of the points, shape (T, N+1, 2) [m].
         walls: name → free side of a wall; a moving wall has one entry, with a name of its own, for each of
             several positions.
-        radius: the radius of the points [m].
+        radius: the radius of each point [m].
         near: the largest distance of a near wall from the motion, relative to the size of the motion.
         room: a distance, relative to the size of the motion. If the walls enclose a room that ends within
-            this distance of the motion, the rectangle contains the whole room, and all walls are near. 0 if
-            such a room does not matter.
+            this distance of the motion, the rectangle contains the whole room, and all walls are near. If
+            ``room`` is 0, no room is looked for.
         pinned: whether the base has a ground mark, which moves with the base.
 
     Returns:
@@ -96,7 +98,7 @@ def seen(
         shown = np.concatenate([shown, corners])
     view, visible = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
     for name, wall in () if corners else walls.items():
-        # the corner of the rectangle around the motion that is nearest to the wall, or deepest in it
+        # the corner of the rectangle around the motion that has the least clearance from the wall
         corner = np.where(np.array(wall.normal) > 0.0, *reach)
         gap = wall.clearance(*corner)
         if -width <= gap <= near * width:
@@ -109,12 +111,11 @@ def seen(
 def framed(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the view of a film: the motion, the near walls, a closed room if there is one, and a margin.
+    """Return the view of a film: the rectangle that ``seen`` returns with ROOM, and a margin around it.
 
     Returns:
-        The lower left and the upper right corner, shape (2, 2) [m]. Then, for x and for y, the fraction of
-            additional space that goes to the left or below: 1 if only this side has no near wall, 0 if only
-            the opposite side has none, else 0.5.
+        The lower left and the upper right corner of the view with its margin, shape (2, 2) [m], and the first
+            result of ``open_shares`` for the near walls.
     """
     view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
     margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
@@ -142,7 +143,7 @@ def size_of(recording: Recording) -> float:
 
 
 def places_of(recording: Recording) -> np.ndarray:
-    """Return the positions of M places, all points and a carriage's corners, shape (T, M, 2) [m]."""
+    """Return the positions of all points and, if there is a carriage, of its corners, shape (T, M, 2) [m]."""
     if recording.rail is None:
         return recording.all_points
     corners = recording.rail.carriage(np.zeros(2))
@@ -150,7 +151,10 @@ def places_of(recording: Recording) -> np.ndarray:
 
 
 def radius_of(recording: Recording) -> float:
-    """Return the largest radius [m] of the points that can touch; 0 if unknown or too small to be seen."""
+    """Return the largest radius [m] of the points that can touch.
+
+    The result is 0 if no point can touch, or if the radius is too small to be seen (ALONE).
+    """
     radius = max(recording.touching.values(), default=0.0)
     return radius if radius > ALONE * size_of(recording) else 0.0
 
@@ -168,7 +172,7 @@ def closed_room(walls: Mapping[Key, HalfPlane], around: np.ndarray) -> list[np.n
 
 
 def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of that part of a rectangle that lies on the free sides of all walls.
+    """Return the corners of that part of a rectangle that lies on the free sides of all walls; [] if none.
 
     ``around``: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
     """
@@ -190,9 +194,9 @@ def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]
 
 
 def ball_of(recording: Recording) -> int | None:
-    """Return the number of the point at the centre of a ball; None if the chain is no ball.
+    """Return the number (0 or 1) of the point at the centre of a ball; None if the chain is no ball.
 
-    A ball is a free chain of one link, without points beside its ends. Exactly one end can touch walls.
+    A ball is a free chain of one link that has no points except its two ends. Exactly one end can touch.
     Either this end is the centre of mass, or the end's radius is at least the length of the link, so that the
     circle around the end contains the link.
     """

@@ -1,9 +1,9 @@
 """Runs that also compute derivatives of their results with respect to parameters and inputs.
 
-In memory, tangent instances follow the instance: records of dual numbers, each with derivatives in a few
-directions (kernel/tangent/). A derivative is a partial derivative: all other parameters of the FMU are
+In memory, tangent instances stand behind the instance: records of dual numbers, each with derivatives in a
+few directions (kernel/tangent/). A derivative is a partial derivative: all other parameters of the FMU are
 constant. Its unit is the unit of the quantity divided by the unit of the parameter. A derivative that does
-not exist, or cannot be trusted, is NaN, and a sentence tells from when on, and why.
+not exist, or cannot be trusted, is NaN.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from chain_impact.variables.selection import columns_named, varied_by
 from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
-"""The columns of impacts that have derivatives."""
+"""The columns of ``Result.impacts`` that have derivatives."""
 LEAST_REPORTED_SHARE = 1e-5
 """[1] An error of derivatives that dry friction causes is told to users if it is larger than this, relative
 to the largest derivative of a position; the solver's tolerance allows smaller errors anyway."""
@@ -123,7 +123,7 @@ class DifferentiatedInstance(Instance):
         return indices.ravel()
 
     def rows(self, count: int, words: np.ndarray) -> WordRows:
-        """Return a buffer with ``count`` rows for outputs at the indices ``words`` and their derivatives."""
+        """Return a buffer of ``count`` rows: the outputs at the indices ``words``, then their derivatives."""
         return WordRows(count, np.concatenate([words, self.slope_words(words)]))
 
     @property
@@ -166,10 +166,10 @@ class DifferentiatedInstance(Instance):
         return log
 
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
-        """Store the derivatives of the impacts in ``rows``; ``slots`` are the indices of these in the log.
+        """Store the derivatives of the impacts in ``rows``; ``slots``: the impacts' indices in the logs.
 
-        A derivative is NaN if the impact is not ``valid``, if the quantity is not finite or is known only
-        from a time on at which derivatives cannot be trusted, or for a parameter in ``_missing``.
+        A derivative is NaN if the impact is not ``valid``, if the quantity is not finite, if the quantity
+        becomes known when derivatives cannot be trusted, or for a parameter in ``_missing``.
         """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
@@ -185,7 +185,7 @@ class DifferentiatedInstance(Instance):
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
-        """Return quantity → derivatives of all impacts, shape (I, P); row k is of impact ``order[k]``."""
+        """Return quantity → derivatives, shape (I, P), in the order of impacts that ``in_order`` returned."""
         together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
         return {name: together[name] for name in IMPACT_QUANTITIES}
 
@@ -197,7 +197,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _one_sided(self) -> list[str]:
-        """The names of parameters that shift a knot in ``bends_at_start``: derivatives are one-sided."""
+        """The names of parameters with one-sided derivatives: they shift a knot in ``bends_at_start``."""
         driven = self.prepared.structure.signals
         if not driven:
             return []
@@ -251,8 +251,8 @@ class Differentiated:
         impacts: I rows, one for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: quantity of an impact → its derivatives, shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
-        limits: sentences that tell from which time on derivatives are NaN and why, which are one-sided,
-            and errors that dry friction causes.
+        limits: sentences on derivatives that are NaN, with the reason and, if this matters, the first time;
+            on one-sided derivatives; and on errors that dry friction causes.
     """
 
     __eq__ = same

@@ -14,7 +14,7 @@ from chain_impact.scene.reading import SceneError
 def checked_signal(what: str, signal: Any) -> Any:
     """Return an input over time: a finite number, a function, or a pair (times [s], values) of arrays (T,).
 
-    Refuse other values.
+    A SceneError refuses any other value; the times of a pair increase.
     """
     if callable(signal):
         return signal
@@ -42,7 +42,7 @@ def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> 
 
 
 def called_at(what: str, function: Callable[[float], Any], time: float) -> float:
-    """Return the value of a function of the time [s]; refuse values that are no finite numbers."""
+    """Return the value of a function of the time [s]; SceneError if it fails or returns no finite number."""
     try:
         value = function(time)
     except Exception as error:
@@ -58,7 +58,7 @@ def called_at(what: str, function: Callable[[float], Any], time: float) -> float
 
 
 def _numbers(value: Any) -> np.ndarray | None:
-    """Return a value as an array of real numbers; None if this is not possible."""
+    """Return a value of integers or floats as an array of floats; None for any other value."""
     try:
         array = np.asarray(value)
     except ValueError:  # the value has rows of different lengths

@@ -19,7 +19,7 @@ class RunError(RuntimeError):
 
     Also raised when the window of ``--show`` cannot be opened.
 
-    ``recording`` has the results up to the fault, or is None.
+    ``recording`` has the results up to the fault; it is None if there are none.
     """
 
     def __init__(self, message: str, recording: Recording | None = None) -> None:

@@ -11,8 +11,8 @@ from chain_impact.scene.words.names import name_parts
 from chain_impact.simulation.pieces import Pieces
 from chain_impact.variables.prepared import PreparedScene
 
-# [1] a target that is held between its changes is a list of positions to go to if it changes at most this
-# often; with more changes it is a motion, whose velocity is not 0
+# [1] a target that is constant except for jumps is a list of positions to go to if it has at most this many
+# jumps; with more jumps it is a motion, whose velocity is not 0
 MOST_POSITIONS = 20
 
 
@@ -50,7 +50,7 @@ def _damping(prepared: PreparedScene, name: str) -> float:
 
 
 def _is_motion(powers: np.ndarray) -> bool:
-    """Return whether a target changes within a piece, or between pieces more than MOST_POSITIONS times.
+    """Return whether a target changes within a piece, or has more than MOST_POSITIONS jumps between pieces.
 
     ``powers``: the coefficients of the target's polynomial in each of P pieces, shape (P, K).
     """

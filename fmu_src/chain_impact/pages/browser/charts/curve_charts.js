@@ -1,4 +1,4 @@
-// Charts of curves over time, one for each unit: of driven inputs, and of the outputs that the reader chooses.
+// Charts of curves over time, one chart for each unit: curves of driven inputs, and of the outputs that the reader chooses.
 
 import { make } from "../base/dom.js";
 import { placeIn, valueAtPlace } from "../recording/recording.js";
@@ -10,11 +10,11 @@ const INPUT_COLOURS = 6; // number of colours for curves that the style sheet ha
 // The dashes of curves: lengths [pixels] that are drawn and left out in turn. Each of the first INPUT_COLOURS curves has its own colour
 // and its own dash, because two colours may look alike; each time the colours begin again, the dashes begin one later.
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
-/** MOST_CURVES: largest number of curves in a chart that the reader can choose; MOST_UNITS: of charts, one for each unit, in a page. */
+/** MOST_CURVES: largest number of chosen outputs with the same unit; MOST_UNITS: largest number of different units of chosen outputs. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
 const ROUND_OFF = 1e-12; // a value below this times the largest value of its unit is round-off, and is shown as 0
 
-/** Return the curves with 0 in place of values that are round-off beside `largest` or, if larger, beside the curves' largest value. */
+/** Return the curves with 0 in place of values that are round-off beside the larger of `largest` and the curves' largest absolute value. */
 function withoutRoundOff(curves, largest) {
   const scale = largestIn(curves.map(({ values }) => values), largest);
   return curves.map((curve) => ({ ...curve, values: curve.values.map((value) => (Math.abs(value) < ROUND_OFF * scale ? 0 : value)) }));
@@ -92,7 +92,7 @@ class UnitChart extends TimeChart {
   }
 }
 
-/** Return the value of a curve at the time `now` [s], between its rows at the times `time` [s]. */
+/** Return a curve's value at the time `now` [s]: interpolated between its rows, at the times `time` [s]; if stepped, that of a row. */
 function valueAt(time, { values, isStepped }, now) {
   const [row, share] = placeIn(time, now);
   return isStepped ? values[row + Math.floor(share)] : valueAtPlace(values, [row, share]);

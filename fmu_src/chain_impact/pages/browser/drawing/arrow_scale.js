@@ -33,9 +33,9 @@ export class ArrowScale {
   }
 
   /**
-   * Return the marks of the ruler: those powers of ten [N] whose numbers have room. `at` is the distance [pixels] of a mark from the
-   * ruler's left end, `text` its number. The ruler goes on to the next power of ten if there are fewer than two marks below the largest
-   * force.
+   * Return the marks of the ruler, from right to left: powers of ten [N] up to the largest force whose texts have room. `at` is the
+   * distance [pixels] of a mark from the ruler's left end, `text` the text of its force. If these are fewer than two marks, the ruler
+   * goes on to the next power of ten.
    */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));

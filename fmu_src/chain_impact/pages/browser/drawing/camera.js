@@ -4,7 +4,7 @@ const LABEL_ROOM = 12; // [pixels] the size of a label: a number beside a wall a
 
 /**
  * A map from metres, with y upwards, to pixels of a drawing, with y downwards. It shows the `view` of a recording (a rectangle in metres)
- * below the strip at the top of the drawing, whose height is `strip` [pixels]. If the drawing is larger than the view needs, there is
+ * below the strip at the top of the drawing, whose height is `strip` [pixels], with a margin of LABEL_ROOM. If there is more room, there is
  * free space beside the view, or above and below it. The recording's `anchor` is [the fraction of the space beside the view that lies at
  * the left, the fraction of the space above and below the view that lies below].
  */

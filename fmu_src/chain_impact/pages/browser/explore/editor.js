@@ -15,7 +15,7 @@ export class Editor {
   #edits = new Map(); // name of a field or button → the function that applies its edit to a scene file
   #refused = new Map(); // name of a field → its refused `text`, which stays until it is mended or given up, and `told`, why it is refused
 
-  /** Connect the dialog with its buttons; `keys`: the rules of the keys of a scene file, with units and labels. */
+  /** Connect the dialog with its buttons and with dropped files; `keys`: the rules of the keys of scene files, with units and labels. */
   constructor(changes, openScene, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
     const tables = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
@@ -81,7 +81,7 @@ export class Editor {
     });
   }
 
-  /** Add a part to the scene as `#change` does, and go to its row, the last one of a table, unless the part is refused. */
+  /** Add a part to the scene as `#change` does; unless the part is refused, focus the first field of its row, the last row of `table`. */
   #add(edit, table) {
     let isAdded = true;
     this.#change(edit, () => {
@@ -90,7 +90,7 @@ export class Editor {
     if (isAdded) [...table.querySelectorAll("tbody tr:not(.told)")].at(-1).querySelector("input").focus();
   }
 
-  /** Apply a function, `edit`, to the contents of the scene that the page shows; return words for what the edit also removes. */
+  /** Apply the function `edit` to the contents of the scene that the page shows; return an array of words for what it also removes. */
   #apply(edit) {
     const file = contentsOf(this.changes);
     const before = partsOf(file);
@@ -100,7 +100,7 @@ export class Editor {
     return removed;
   }
 
-  /** Apply the text of a field; if it is refused, it stays in the field. */
+  /** Apply the text of a field to the scene; a refused text stays in the field. */
   #take(name, text) {
     this.#refused.delete(name);
     this.#change(this.#editOf(name, text), (error) => this.#refused.set(name, { text, told: refusalText(error) }));
@@ -173,29 +173,29 @@ export class Editor {
     [...this.#refused.keys()].filter((name) => !this.#edits.has(name)).forEach((name) => this.#refused.delete(name));
   }
 
-  /** Return the keys of a table of the scene file that the editor shows: those with a label. */
+  /** Return the keys with a label in a table of scene files: the keys that the editor shows. */
   #keysIn(table) {
     return Object.keys(this.tables[table]).filter((key) => this.tables[table][key].label);
   }
 
-  /** Return the keys of links that the editor shows: without those of stops for a free chain of one link, which has no joint. */
+  /** Return the keys of links that the editor shows; a free chain of one link has no joint, so the keys of stops are left out for it. */
   #keysOfLinks({ chain: { base, links } }) {
     const hasJoints = base !== "free" || links.length > 1;
     return this.#keysIn("link").filter((key) => hasJoints || !STOPS.includes(key));
   }
 
-  /** Return the heads of the columns for some keys (`shown`) of a table: their labels and units. */
+  /** Return the heads of the columns for some keys (`shown`) of a table: their labels, with units except for angles. */
   #heads(table, shown = this.#keysIn(table)) {
     return shown.map((key) => {
       const { label, unit } = this.tables[table][key];
-      // a value of an angle is text with its unit, so the head has none
+      // a field shows the unit beside the value of an angle, so the head has no unit
       return unit && shownIn({ unit }).factor === 1 ? `${label}, ${unitText(unit)}` : label;
     });
   }
 
   /**
-   * Return the cells of a link's row. Joint 1 of a free base does not exist, so it has no stop; the only link of a chain has no button to
-   * remove it.
+   * Return the cells of a link's row. The cells of link 1 of a free chain, which has no joint 1, have no fields for stops. The only link
+   * of a chain has no button that removes it.
    */
   #linkRow(file, link, k) {
     const { base, links } = file.chain;
@@ -208,8 +208,8 @@ export class Editor {
   }
 
   /**
-   * Return the cells of the row for a point of a link, which has the index `s` among all such points; one of them is the field for the
-   * number of its link.
+   * Return the cells of the row for a point of a link, which has the index `s` in the result of `sitesOf`; one of the cells is the field
+   * for the number of the point's link.
    */
   #pointRow(file, site, s) {
     const { link, entry } = site;
@@ -235,7 +235,7 @@ export class Editor {
 
   /**
    * Return a field for the value of a key; an empty field means that the file does not give the key. `name`: name of the parameter; `set`:
-   * a function that puts a new value, undefined for an empty field, into a scene file.
+   * a function of a value, undefined for an empty field, and the contents of a scene file, into which it puts the value.
    */
   #field(name, value, set, unit = "") {
     const whole = typeof value === "number" ? valueText(value, unit) : (value ?? "");
@@ -245,7 +245,7 @@ export class Editor {
     const field = make("input", { value: text ?? short, title: told || whole, autocomplete: "off" });
     field.setAttribute("aria-label", name);
     field.setCustomValidity(told);
-    // an empty field of a key that follows from others shows the value that follows, as a placeholder
+    // an empty field shows as its placeholder the value that applies without the key, if this value is a number
     const derived = value === undefined && this.changes.valueOf(name);
     if (Number.isFinite(derived)) field.placeholder = valueText(Number(derived.toPrecision(4)), unit);
     this.#edits.set(name, (file, given) => set(given, file));
@@ -266,7 +266,7 @@ export class Editor {
     return button;
   }
 
-  /** Fill a table; a table that already has all these fields keeps them, and with them the focus. */
+  /** Fill a table. If it already has fields with the names of the new fields, only their contents change, so that the focus stays. */
   #fill(table, heads, rows) {
     const head = make("tr", {}, ...heads.map((text) => (text ? make("th", { scope: "col", textContent: text }) : make("td"))));
     const lineOf = (cells) => make("tr", {}, ...cells.map((cell, k) => withHead(make("td", {}, cell), heads[k])));
@@ -284,7 +284,7 @@ export class Editor {
     this.#showRefusals(table, heads.length);
   }
 
-  /** Show below each row of a table why texts of the row's fields are refused, with a button for each that gives up the text. */
+  /** Show below each row with refused texts why each text is refused, and a button that gives the text up. */
   #showRefusals(table, columns) {
     table.querySelectorAll(".told").forEach((row) => row.remove());
     table.querySelectorAll("tbody tr:has(input:invalid)").forEach((row) => {

@@ -22,7 +22,7 @@ const STEPS_OF_KEYS = [4, 24]; // [pixels] distances by which an arrow key moves
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SLIDER_VELOCITY = "initial.slider_velocity";
 
-/** Return the value of a handle with the fewest decimals whose last place is at most `pixel`, the change of the value by one pixel. */
+/** Return the value of a handle, rounded so that the last decimal place is just below `pixel`, the change of the value by one pixel. */
 function byHand(value, pixel) {
   const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
   return Number(value.toFixed(decimals));
@@ -94,9 +94,9 @@ export class Handles {
   }
 
   /**
-   * Return the positions on the screen of the grips of all walls that can be moved. A grip lies near the middle of the visible part of its
-   * wall or, for a wall beyond the view, just inside the edge of the view; if possible, it lies apart from points, arrows, links, texts and
-   * other grips.
+   * Return the grips of the walls that can be moved: name, position on the screen `at`, and whether the wall is in the view. A grip lies
+   * near the middle of the visible part of its wall or, for a wall beyond the view, just inside the edge of the view; if possible, the grip
+   * lies apart from points, arrows, links, texts and other grips.
    */
   get #walls() {
     const { camera } = this.player.drawing;
@@ -123,7 +123,10 @@ export class Handles {
     return { points, lines: [...chain.slice(1).map((to, k) => [chain[k], to]), ...arrows.map(({ from, to }) => [from, to])] };
   }
 
-  /** Return where a wall's grip is put on a line on the screen: the free place nearest to its middle, or the middle if none is free. */
+  /**
+   * Return where on a line on the screen a wall's grip is put: of some places along the line, moved into the drawing, the free place
+   * nearest to the middle of the line, or the place at the middle if none is free.
+   */
   #freePlace([from, to], { points, lines }) {
     const { labelSpace } = this.player.drawing;
     const [left, top, right, bottom] = labelSpace.limits;
@@ -152,7 +155,7 @@ export class Handles {
     return [-half, half].map((along) => [middle[0] - along * wall.normal[1], middle[1] + along * wall.normal[0]]);
   }
 
-  /** Draw the handles if the clock stands at the start; otherwise remove them. */
+  /** Draw the handles if the clock is paused at the start; otherwise remove them. */
   draw() {
     const { drawing } = this.player;
     const focused = gripOf({ target: document.activeElement });
@@ -366,7 +369,7 @@ export class Handles {
   }
 }
 
-/** Return kind and index, or kind and wall, of an event's grip as a text: "joint 2", "wall floor"; undefined if the event is on no grip. */
+/** Return kind and index, or kind and wall, of an event's grip as a text: "joint 2", "wall y_min"; undefined if the event is on no grip. */
 function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }

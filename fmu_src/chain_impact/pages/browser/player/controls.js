@@ -111,7 +111,7 @@ function connectSlider(clock) {
   };
 }
 
-/** Draw a mark for each impact of a recording on the canvas above the slider; the larger its `endSpeed` [m/s], the higher the mark. */
+/** Draw a mark for each impact of a recording above the slider; its height is in proportion to `endSpeed` [m/s], but at least `lowest`. */
 function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   const density = window.devicePixelRatio;
   Object.assign(canvas, { width: width * density, height: height * density });

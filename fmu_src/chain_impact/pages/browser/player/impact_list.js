@@ -102,7 +102,10 @@ export class ImpactList {
     this.#showAll(element.classList.contains("whole"));
   }
 
-  /** Mark the largest peak force at walls, and the largest peak moment at stops of joints, each if at least two impacts have one. */
+  /**
+   * Mark the largest peak force at walls, and the largest peak moment at stops of joints, each if at least two impacts have one and the
+   * row of the largest is in the list.
+   */
   #markLargest(impacts) {
     [true, false].forEach((ofStops) => {
       const peaks = impacts.map(({ peak, atStop }) => (Boolean(atStop) === ofStops ? peak ?? 0 : 0));

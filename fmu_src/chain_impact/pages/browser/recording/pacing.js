@@ -1,7 +1,6 @@
-// The rate: simulated seconds per second on the screen; smaller during impacts, to show them slowly. `pacing.py` computes the
-// same rate for films, and has the constants. In an impact the rate is such that the impact takes a given time on the
-// screen, but the rate is at most 1. Before and after the impact the rate grows linearly with the distance in time from the
-// impact, up to 1.
+// The rate: simulated seconds per second on the screen, at most 1. The rate is smaller in and near each impact that is shown in slow
+// motion, so that the impact takes a given time on the screen, and grows linearly with the distance in time from the impact, up to 1.
+// `pacing.py` computes the same rate for films, and has the constants.
 
 export const PACING = SHARED.pacing;
 
@@ -32,8 +31,8 @@ function interpolated(allX, nodes, values) {
 /**
  * Return the simulated times [s] of the frames from `start` to `stop`, which have equal distances in time on the screen, and the number of
  * frames per second there: about `rate`, or less if there would be more than `most` frames. `spans`: the impacts in slow motion, from
- * `slowSpans`. On the screen an impact, up to its first LONGEST_SLOW [s], takes `impactTime` [s], or its own duration if this is longer; an
- * impact without duration takes less. With `impactTime` 0 nothing is slow.
+ * `slowSpans`. On the screen, the first LONGEST_SLOW [s] of an impact in slow motion take about `impactTime` [s], or the impact's duration
+ * if this is longer; an impact without duration takes less. With `impactTime` 0 nothing is slow.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
   // an impact without a duration takes a small share, INSTANT, of `impactTime`

@@ -57,7 +57,7 @@ export class Changes {
     return sumOf(derived, (factor) => this.valueOf(factor, values));
   };
 
-  /** Return the value at a time [s]: of an input, after its steps up to this time; of any other parameter, its value at all times. */
+  /** Return a value at a time [s]: of an input's last step up to this time; without one, and for other parameters, that of `valueOf`. */
   valueAt(name, time) {
     return this.inputSteps[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
   }
@@ -126,7 +126,7 @@ export class Changes {
     this.replace(this.with({}, without(this.values, [name])), without(this.inputSteps, [name]));
   }
 
-  /** Replace the reader's changes by the given ones, without `inputSteps` only those of values, and call the listeners. */
+  /** Replace the changed values by `values`, and the steps of inputs by `inputSteps`, which by default stay; then call the listeners. */
   replace(values, inputSteps = this.inputSteps) {
     Object.assign(this, { values, inputSteps });
     this.#listeners.forEach((listener) => listener());

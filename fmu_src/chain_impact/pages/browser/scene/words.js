@@ -1,4 +1,4 @@
-// The words that the page shows in place of the names of inputs, parameters and numbers of signals.
+// The words that the page shows in place of the names of walls, contacts, inputs, parameters and numbers of signals.
 
 // walls of a box → words for them, if gravity points straight down
 const OF_BOX = { x_min: "left wall", x_max: "right wall", y_min: "floor", y_max: "ceiling" };
@@ -18,7 +18,7 @@ export function boxWallText(name, valueOf) {
   return valueOf("gravity.x") === 0 && valueOf("gravity.y") < 0 ? OF_BOX[name] : undefined;
 }
 
-/** Return a sentence in which walls of the box, as in "at the wall y_min", have their words, as in "at the floor". */
+/** Return a sentence in which walls of the box, as in "at the wall y_min", have the words of `boxWallText`, as in "at the floor". */
 export function withBoxWalls(sentence, valueOf) {
   return sentence.replace(/\bthe wall (\w+)/g, (all, name) => {
     const words = boxWallText(name, valueOf);

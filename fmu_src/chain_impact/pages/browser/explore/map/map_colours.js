@@ -27,7 +27,7 @@ function quantilesOf(values) {
   });
 }
 
-/** Return the values at the ends of the colours, for increasing values: at each end the extreme or, if this is far off, the quantile. */
+/** Return the values at both ends of the colours: at each end the extreme value or, if it is far beyond the quantile, the quantile. */
 function colourEnds(values, isLogarithmic) {
   const scaled = isLogarithmic ? values.map(Math.log) : values;
   const ends = quantilesOf(scaled);
@@ -39,8 +39,8 @@ function colourEnds(values, isLogarithmic) {
 }
 
 /**
- * Return some of increasing values, between which equally many runs lie, if the values crowd: if `low` > 0, `high` > CROWDED × `low`, and
- * the median is far from the middle; else undefined. `low` and `high` are the values at the ends of the colours.
+ * Return at most KNOTS of the increasing `values`, with about equally many values between two of them, if the values crowd; else undefined.
+ * Values crowd if `low` > 0, `high` > CROWDED × `low`, and the median is far from the middle of `low` and `high`, the ends of the colours.
  */
 function knotsOf(values, [low, high]) {
   const share = (values[values.length >> 1] - low) / (high - low);
@@ -60,7 +60,7 @@ function shareBetween(knots) {
   };
 }
 
-/** Return the limits of at most MOST_COLOURS colours for counts from `least` to `most`: one more than colours, each 0.5 below a count. */
+/** Return the limits of at most MOST_COLOURS colours for counts from `least` to `most`: one limit more than colours, 0.5 below counts. */
 function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
   // widths of a colour, in counts, up to 5e14
@@ -73,7 +73,7 @@ function countBins(least, most) {
 /**
  * Return the scale of the colours for the outputs of a map; null without finite outputs. It has the `extremes` of the outputs, the values
  * at the `ends` of the colours, `shareOf`, a function from a value to a fraction of the scale, and either `bins` (for different counts: the
- * limits of the colours) or `isLogarithmic`, with `knots` for values that crowd: values between which equally many runs lie.
+ * limits of the colours) or `isLogarithmic`, with `knots` for values that crowd: values between which about equally many runs lie.
  */
 export function colourScale(outputs, areCounts) {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);

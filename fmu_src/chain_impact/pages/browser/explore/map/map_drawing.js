@@ -1,4 +1,4 @@
-// The drawing of the map: a colour for each run, axes, the scale of the colours, and marks.
+// The drawing of the map: the colours of the runs, the axes, the scale of the colours, and marks of the present and the chosen run.
 
 import { digits, numberText, ticksOf, withMinus } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
@@ -10,7 +10,7 @@ const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the
 const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
 const LINE = 13; // [pixels] distance of two lines of the title of the colours
 const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
-// [pixels] free space around the canvas for axes and scale; the style sheet must have the same lengths
+// [pixels] free space around the canvas for axes and scale; the rule of #map-canvas in the style sheet must have the same lengths
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
 
 export class MapDrawing {
@@ -24,8 +24,8 @@ export class MapDrawing {
   }
 
   /**
-   * Draw the runs of a map with the `scale` of its colours. `filled`: the outputs of the runs, for those not simulated yet (without an
-   * entry in `results`) the outputs of near runs, which are drawn paler.
+   * Draw the runs of a map with the `scale` of its colours. `filled`: for each run, the output that its colour shows. A run that is not
+   * simulated yet (without an entry in `results`) shows the output of a near run in a paler colour, or nothing if `filled` has no output.
    */
   drawRuns({ results, points, scale }, filled) {
     const context = this.canvas.getContext("2d");
@@ -41,12 +41,12 @@ export class MapDrawing {
   }
 
   /**
-   * Draw the axes, the scale of the colours, and marks of runs; return whether the present run is in the map.
+   * Draw the axes, the scale of the colours, and marks of runs; return whether a mark of the present run is drawn in the map.
    *
    * @param map the words for both axes and their values, the number of values of an axis, the output and the scale of its colours.
    * @param units the units of both axes, from `shownIn`, and whether each axis is logarithmic.
-   * @param marks `present`: `at`, the present values of both parameters, and the output `value` of their run; null if other parameters
-   * differ from those of the map. `chosen`: the index of the run that the reader has marked, if any.
+   * @param marks `present`: `at`, the present values of both parameters, and the output `value` of the run with them, if it is known;
+   * `present` is null if other parameters differ from those of the map. `chosen`: the index of the run that the reader has marked, if any.
    */
   drawScales({ names, axes, output, scale, points, results }, units, { present, chosen }) {
     const { scales, frame: { clientWidth, clientHeight } } = this;
@@ -92,7 +92,7 @@ export class MapDrawing {
     return this.scales.plain(withMinus(text)).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
   }
 
-  /** Write the title of the colours, with its `note` in the same line or, if that line does not fit in the drawing, in the next one. */
+  /** Write the title of the scale of colours; its `note` stands in the same line or, if this line does not fit in the drawing, below it. */
   #writeTitle(title, note, middle, y) {
     const room = 2 * Math.min(middle, this.frame.clientWidth - middle);
     const whole = this.#write(title + note, middle, y, "middle");
@@ -101,7 +101,7 @@ export class MapDrawing {
     this.#write(note.replace(/^,? /, ""), middle, y + LINE, "middle");
   }
 
-  /** Draw the scale of colours, with numbers and title; the title also has the least and largest value, if beyond the ends of the scale. */
+  /** Draw the scale of colours, with numbers and title; the title also has the extremes that `beyondEnds` tells. */
   #drawColours(left, top, width, output, scale) {
     const { factor, text } = scaledTo(output, scale);
     const colours = this.scales.gradient("linear", (add) => gradientStops(scale).forEach((stop) => add.stop(...stop)));
@@ -121,7 +121,7 @@ export class MapDrawing {
 }
 
 /**
- * Return the colours along the scale as pairs [fraction of the scale, colour]; in a scale of counts, an interval has one colour.
+ * Return the colours along a scale as pairs [fraction of the scale, 0 to 1; colour]; each interval of a scale with `bins` has one colour.
  */
 function gradientStops(scale) {
   const count = scale?.bins ? scale.bins.length - 1 : VIRIDIS.length - 1;

@@ -2,7 +2,10 @@
 
 import { areaOf } from "./map_scales.js";
 
-/** Return the indices of the rows of a map in the order of their simulation: first rows that are far apart, then those between them. */
+/**
+ * Return the indices of the rows of a map in the order of their simulation: row 0, then the rows ordered by the largest power of 2 that
+ * divides their index, beginning with the largest power.
+ */
 export function rowOrder(points) {
   const largest = 2 ** Math.floor(Math.log2(Math.max(points - 1, 1)));
   const stepOf = (row) => (row === 0 ? 2 * largest : row & -row); // the largest power of 2 that divides the index of the row
@@ -11,8 +14,8 @@ export function rowOrder(points) {
 
 /**
  * Return the outputs of all runs of a map with `points` values of each parameter. A run that is not simulated yet has the output of the
- * nearest run of `coarse`, a map of the same fields with fewer values; where `coarse` gives none, the output of the run in the same column
- * of the nearest simulated row; undefined without such a row.
+ * nearest run of the map `coarse`, which has fewer values of each parameter; if `coarse` gives none, the output in the same column of the
+ * nearest simulated row; undefined if no row is simulated.
  */
 export function completed({ results, points, coarse }) {
   const known = Array.from({ length: points }, (_, row) => row).filter((row) => results[row * points] !== undefined);
@@ -25,14 +28,17 @@ export function completed({ results, points, coarse }) {
   });
 }
 
-/** Return the output of that run of the map `coarse` which is nearest to the fractions `shares` of both axes; undefined without one. */
+/**
+ * Return the output of that run of the map `coarse` which is nearest to the fractions `shares` of both axes; undefined if there is no
+ * map `coarse`, or if this run is not simulated.
+ */
 function coarseAt(coarse, ...shares) {
   if (!coarse) return undefined;
   const [column, row] = shares.map((share) => Math.round(share * (coarse.points - 1)));
   return coarse.results[row * coarse.points + column];
 }
 
-/** Return whether a map has the ends of the axes and the changes of a request. */
+/** Return whether a map and a request have the same two parameters, the same ends of both axes and the same `values`. */
 export function hasAreaOf(map, request) {
   const partsOf = (one) => areaOf(one) + JSON.stringify(one.values);
   return partsOf(map) === partsOf(request);
