@@ -29,7 +29,7 @@ from chain_impact.studies.fit.unknown import unknown
 
 # the logarithm of an interval's end counts as ± infinity beyond ± LARGEST_LOGARITHM; exp overflows above 709
 LARGEST_LOGARITHM = 700.0
-# a remark names each column whose σ is estimated from fewer values than this, because such a σ is inaccurate
+# a remark names each column whose σ is estimated from fewer than ROUGH_BELOW values, as this σ is inaccurate
 ROUGH_BELOW = 10
 # Data that last MOST_STOP_TIMES times the scene's stop time, or longer, are refused unless the user gives a
 # stop time: the times are probably in ms instead of s.

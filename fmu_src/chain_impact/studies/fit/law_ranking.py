@@ -73,8 +73,8 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     """Return a scene with another law.
 
     If the law does not allow the scene's exponent, the scene gets the exponent that the law needs, and a new
-    stiffness. Without losses, the first impact under ``contact.model`` in the fit ``first`` would then be as
-    deep as before. Without such an impact, or without ``first``, exponent and stiffness stay.
+    stiffness (``law_values``), for the first impact under ``contact.model`` in the first data set of the fit
+    ``first``. Without ``first``, or if the data set has no impact of this kind, exponent and stiffness stay.
     """
     impacts = first.models[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)

@@ -56,8 +56,8 @@ MOST_IN_TITLE = 2  # largest number of parameters in the headline
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
 CURVE_POINTS = 1500  # number of equal intervals of time between the points of the model's curve
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
-# free space before the first and after the last number on an axis of impact numbers; two numbers have the
-# distance 1
+# free space before the first and after the last number on an axis of impact numbers; successive numbers have
+# the distance 1
 BESIDE = 0.5
 # opacity of the dots of values measured over time, so that the model's curve is visible behind the dots
 DOT_OPACITY = 0.35
@@ -200,7 +200,7 @@ def strongest_correlation(fit: Estimates) -> str:
 
 
 def _model(fit: Estimates, k: int) -> Result:
-    """Return the run of data set ``k`` with the fitted values and inputs, in CURVE_POINTS equal steps."""
+    """Return the run of data set ``k`` with the fitted values, in CURVE_POINTS + 1 rows of equal distance."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, data.end(scene.simulation.stop_time))
     inputs = dict(data.inputs) | {
@@ -322,7 +322,10 @@ def _colours(count: int) -> list[str]:
 
 
 def _estimate_texts(fit: Estimates) -> list[str]:
-    """Return a text for each of the first MOST_ESTIMATES parameters, and one with the number of others."""
+    """Return a text for each of the first MOST_ESTIMATES parameters.
+
+    If there are more parameters, the last text has the number of these.
+    """
     texts = [_estimate_text(fit, label) for label in fit.values]
     left = len(texts) - MOST_ESTIMATES
     return texts[:MOST_ESTIMATES] + ([f"{left} more parameters"] if left > 0 else [])

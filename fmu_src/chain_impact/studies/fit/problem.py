@@ -23,8 +23,8 @@ from chain_impact.studies.fit.parameters import Parameter
 
 # the size of a column whose values are all 0; a size must not be 0, because numbers are divided by it
 SMALLEST = 1e-300
-# A coordinate counts as at a bound if its distance from the bound is at most AT_BOUND × its standard error
-# or, if this is smaller, AT_BOUND × the distance from its start to the bound.
+# A coordinate counts as at a bound if its distance from the bound is at most AT_BOUND × its standard error,
+# and at most AT_BOUND × the distance from its start to the bound (``Problem._near``).
 AT_BOUND = 0.01
 # A coordinate also counts as at a bound if its distance from the bound is at most AT_BOUND_PART × the
 # distance between its two bounds.
@@ -203,11 +203,12 @@ class Problem:
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
         """Return the largest distance at which each coordinate counts as at a bound, shape (P,).
 
-        The distance is AT_BOUND times the standard error or, if this is smaller, times the distance from the
-        start to the bound; but at least AT_BOUND_PART times the distance between both bounds. The standard
-        error alone does not suffice, because that of an undetermined parameter is so large that every value
-        would count as at the bound. If the start is at the bound, only the standard error counts. An infinite
-        error counts as 0, as does an infinite distance between both bounds.
+        The largest distance is AT_BOUND times the standard error, or AT_BOUND times the distance from the
+        start to the bound, whichever is smaller; but at least AT_BOUND_PART times the distance between both
+        bounds. The standard error alone does not suffice, because an undetermined parameter has such a large
+        standard error that every value would count as at the bound. If the start is at the bound, only the
+        standard error counts. An infinite error counts as 0, as does an infinite distance between both
+        bounds.
 
         ``bounds``: the lower or the upper bound of each coordinate; ``errors`` as for ``bounds_reached``.
         """
@@ -219,7 +220,7 @@ class Problem:
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
-        """Return data and reason of the first run that stopped at a fault; "" if no run stopped at one."""
+        """Return words for the data and the fault of the first run that stopped at a fault; "" without."""
         for k, run in enumerate(evaluation.runs):
             if run.status != OK:
                 return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"

@@ -31,7 +31,8 @@ ONE_BAR_SPREAD = 1e-9  # [1] all values share one bar if their range is at most 
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
     """Draw a histogram of each quantity in its panel: numbers of runs over values, lines at the QUANTILES.
 
-    Runs without a value are left out: runs that failed and, for peaks of forces, runs with impulses.
+    Runs without a finite value are left out, such as runs with impulses in a histogram of peak forces. If no
+    run has a finite value, the panel has the words NEVER.
     """
     for axes, quantity in zip(panels, quantities, strict=True):
         values = quantity.of(runs)
@@ -98,7 +99,10 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
-    """Return words for the varied number that each quantity follows most, and the rank correlation; or ""."""
+    """Return words for each quantity: the varied number with the largest |rank correlation|, and its value.
+
+    Quantities without a correlation are left out; the result is "" if none is left.
+    """
     numbers, parts = [variation.name for variation in varying if not variation.choices], []
     for quantity in quantities:
         found = {name: rank_correlation(runs[name], quantity.of(runs)) for name in numbers}
@@ -110,7 +114,7 @@ def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Vari
 
 
 def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
-    """Draw a quantity over a varied parameter, with a dot for each run and a line at the scene's value."""
+    """Draw a quantity over a varied parameter, with a dot for each run and a line at ``own_value``, if any."""
     shown, given = quantity.of(runs), runs[variation.name]
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()

@@ -60,7 +60,7 @@ class Runs:
         return table
 
     def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
-        """Yield the columns ``names`` of CHUNK or fewer runs at a time, in their order: name → values."""
+        """Yield the columns ``names`` of some successive runs at a time, up to all runs: name → values."""
         if isinstance(self.rows, Dataset):
             yield from self.rows.chunks(names)
             return

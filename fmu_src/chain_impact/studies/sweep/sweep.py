@@ -135,7 +135,9 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """If an exception ends the ``with`` block, write the finished runs to the table, and call ``keep``.
+    """If an exception ends the ``with`` block, call ``keep``, and write the finished runs to the table.
+
+    Without a finished run, nothing is written.
 
     Args:
         table: the path of the table.
