@@ -147,9 +147,9 @@ class Result(Pictured):
 
     @property
     def _has_all(self) -> bool:
-        """Whether ``outputs`` has all outputs, in the fields of ``output_dtype``.
+        """Whether ``outputs`` has the fields of ``output_dtype``.
 
-        Otherwise ``outputs`` has only those that were named in ``simulate(output=…)``, a field for each.
+        Otherwise ``outputs`` has a field for each continuous output that ``simulate(output=…)`` named.
         """
         return "point_position" in (self.outputs.dtype.names or ())
 

@@ -21,7 +21,7 @@ SUFFIX = ".partial"
 
 
 def partial_path(table: Path) -> Path:
-    """Return the path of the file with a table's finished runs: the path of the table and SUFFIX."""
+    """Return the path of the file with a table's finished runs: the table's path, with SUFFIX at the end."""
     return table.with_name(table.name + SUFFIX)
 
 

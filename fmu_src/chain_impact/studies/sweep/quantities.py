@@ -92,7 +92,7 @@ class Quantity:
     def of(self, runs: Runs) -> np.ndarray:
         """Return the values in all runs, shape (R,), in the unit of the picture; NaN if a run failed.
 
-        A peak of force is also NaN after an impulse of a rigid wall or stop.
+        A peak force or moment is also NaN after an impulse of a rigid wall or stop.
         """
         return np.where(runs.failed, np.nan, self.factor * runs[self.column].astype(float))
 
@@ -142,9 +142,9 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, the picture
     tells the main results (QUANTITIES) and the first MOST_ASKED additional outputs, except quantities that
     the scene cannot have, such as a force at walls without walls, and forces that rigid walls leave unknown
-    in all runs. Of these, the picture draws the quantities that differ between the runs, and forces that are
-    unknown in some runs; without any, all. Of samples, the picture tells and draws only the forces and
-    moments (``LOADS``) among the quantities that it would draw otherwise, if there are any.
+    in all runs. Of the quantities that are told, the picture draws those that differ between the runs, and
+    forces that are unknown in some runs; if there are none, all. Of samples, the picture tells and draws only
+    the forces and moments (``LOADS``) among the quantities that it would draw otherwise, if there are any.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
@@ -223,10 +223,10 @@ def _at_end(name: str, prepared: PreparedScene) -> Quantity:
 
 
 def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
-    """Return the quantities with prefixes in their units, such as kN, and the factors for these.
+    """Return the quantities with prefixes in their units, such as kN, and the factors for the prefixes.
 
-    The prefix of a unit suits the largest |value| of all quantities with this unit, in all runs; so equal
-    units get the same prefix. An additional output whose unit is not in SHARED gets no prefix.
+    An additional output whose unit is not in SHARED gets no prefix. All other quantities with equal units
+    get the same prefix, which suits the largest |value| of these quantities in all runs.
     """
     shared = [quantity in QUANTITIES or quantity.unit in SHARED for quantity in quantities]
     families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]

@@ -40,9 +40,9 @@ class Sweep(Runs):
     varied parameters. The other columns are:
 
     - ``peak_force`` [N] and ``max_penetration`` [m]: the largest values of all contacts at walls and at stops
-      of the slider; 0 without a contact. The force is NaN after an impulse of a rigid wall.
+      of the slider; 0 without a contact. The force is NaN after an impulse.
     - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the largest values at stops of joints, in
-      a scene with stops.
+      a scene with stops of joints. The moment is NaN after an impulse.
     - ``joint_force`` [N]: the largest force in any joint at any time, without impulses, in a scene with
       ``outputs.loads``.
     - ``time`` [s]: the time at which the run ended: the stop time, or an earlier time after a fault.
@@ -50,7 +50,7 @@ class Sweep(Runs):
       the values of the FMU at the end of the run.
     - ``status``: ``ok``, or a word for the fault; ``solver.status`` has the number of the status.
 
-    A run with a fault has NaN for energies and for additional outputs of the motion.
+    A run with a fault has NaN for energies, and for additional outputs of the motion and derivatives.
 
     Attributes:
         scene: the scene, which has the values of all parameters that are not varied.
@@ -70,7 +70,7 @@ class Sweep(Runs):
         return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
 
     def _repr_html_(self) -> str:
-        """Return HTML for a notebook: the text of ``repr``, and a table of at most SHOWN_RUNS runs."""
+        """Return HTML for a notebook: the text of ``repr``, and the rows of the first SHOWN_RUNS runs."""
         first = next(iter(self.chunks(self.names)), {})
         rows = list(
             zip(*(map(_cell_text, column[:SHOWN_RUNS].tolist()) for column in first.values()), strict=True)
@@ -115,10 +115,11 @@ class Sweep(Runs):
             size: width and height [inches]; with the height None, the contents determine the height.
                 In a picture narrower than 6 inches all panels are in one column.
             panels: the columns to draw, such as ``"peak_force"``; ``*`` stands for any text. By default, the
-                main results and the first four additional outputs are drawn, as far as they differ between
-                the runs. If the runs are samples, and forces or moments are among these columns, only the
-                forces and moments are drawn. If three parameters vary without samples, one of them must have
-                at most nine values: only the first of these columns is drawn, with a map for each value.
+                main results and the first four additional outputs are drawn: those that differ between the
+                runs or, if none does, all. If the runs are samples, and forces or moments are among these
+                columns, only the forces and moments are drawn. If three parameters vary without samples, one
+                of them must have at most nine values: only the first of these columns is drawn, with a map
+                for each value.
 
         Raises:
             SceneError: when too many parameters vary for a picture, there are too many runs or panels, or no
