@@ -185,8 +185,8 @@ class Pictured(Recording):
     def detailed_energies(self) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
         """Times [s], shape (T,), and ``energies`` at these times.
 
-        If the run can be repeated, there are many more times within impacts than rows. Without these times,
-        curves would miss the largest elastic energy of short impacts.
+        If the run can be repeated, these are the times of the rows and many times within each impact, because
+        curves through the rows alone would miss the largest elastic energy of short impacts.
         """
         if self.rerun is None:
             return self.time, self.energies

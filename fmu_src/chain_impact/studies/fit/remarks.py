@@ -12,7 +12,7 @@ from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.uncertainty import exceeded, information
 
-# a value is no outlier if its |residual| is at most SMALL × the range of the fitted values of its column
+# a value is no outlier if its |residual| is at most SMALL × the range of the measured values of its column
 SMALL = 1e-3
 # correlations between residuals r/σ of a column do not matter if their mean square is at most this number
 VISIBLE = 0.01
@@ -25,13 +25,13 @@ IMPROBABLE = 1e-3
 # A remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this number, which
 # has a probability of 2 % if the residuals are independent.
 ALIKE_NEIGHBOURS = 2.0
-# a value's leverage h counts as 1 if 1 − h is smaller than this, because the rest is round-off
+# a value's leverage h counts as 1 if 1 − h is smaller than this number, because 1 − h is then only round-off
 LEVERAGE_ROUND_OFF = 1e-9
 NAMED_VALUES = 3  # the largest number of outliers that the remark names; further ones are only counted
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
-    """Yield a remark with the measured values that contradict all others, the largest contradiction first.
+    """Yield a remark on the measured values that contradict all others; it names at most NAMED_VALUES.
 
     If a value with residual r and leverage h is left out, the model fitted to the other values differs from
     this value by r / (1 − h), to first order. The ratio of this difference to its standard error, from the
@@ -56,7 +56,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
     # kept: 1 − h for each value in use, with its leverage h, shape (number of these values,)
     kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)
-    # alone: values without which some parameter would not be determined; such a value contradicts no others
+    # alone: values that are no outliers; first, those without which some parameter would not be determined
     alone = kept < LEVERAGE_ROUND_OFF
     kept[alone] = 1.0
     others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
@@ -96,7 +96,10 @@ def labels_of(data_set: Measurements) -> Iterator[str]:
 
 
 def unusual(result: Estimates) -> Iterator[str]:
-    """Yield a remark if the χ² of all columns with a given σ is improbably large or improbably small."""
+    """Yield a remark if the χ² of all columns with a given σ is improbably large or improbably small.
+
+    A χ² so small that the data count as simulated (SIMULATED) gets no remark.
+    """
     given = result.used.copy()
     for name in result.estimated:
         given &= ~result.columns[name]

@@ -55,7 +55,7 @@ class Fit(Estimates):
         sigma: standard deviation of each value, given or estimated from the residuals, shape (M,).
         estimated: columns whose standard deviation was estimated.
         deviance: −2 log of the likelihood, up to a constant that depends only on the data.
-        converged: whether the search ended because no step notably improves the fit.
+        converged: whether the last search of the fit converged (``Search`` in least_squares.py).
         runs: how often the model was evaluated, each time with a run, with derivatives, of every data set.
         horizons: the successive times [s] up to which data were used; the last is that of all data.
         at_bounds: name of a parameter at a bound of its range → "lower" or "upper".

@@ -56,9 +56,9 @@ def unknown(
 def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
     """Return whether a standard error is too large for a value to count as determined.
 
-    ``error`` is the standard error of the value's coordinate. An infinite error is too large. If the
-    coordinate is not a logarithm, a finite error is too large only for a value with two bounds (UNKNOWN_PART)
-    or with the lower bound 0 alone (UNKNOWN).
+    ``error`` is the standard error of the value's coordinate. An infinite error is too large. A finite error
+    is too large above a limit: UNKNOWN if the coordinate is a logarithm, else UNKNOWN_PART × the range of a
+    value with two bounds, or UNKNOWN × the value if 0 is the only bound. Other values have no limit.
     """
     if not math.isfinite(error):
         return True

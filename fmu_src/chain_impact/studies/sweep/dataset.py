@@ -49,7 +49,7 @@ class Dataset:
         runs: the number of runs of the complete sweep.
         dtype: ``Job.dtype``: the columns without the varied values and the word for the status.
         _head: the data that identify the sweep (``known_by``).
-        files: name of a complete file → span of the runs in the file.
+        files: name of a file that the manifest lists → span of the runs in the file.
     """
 
     path: Path
