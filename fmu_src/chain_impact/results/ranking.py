@@ -262,7 +262,7 @@ class Ranking:
 
     @property
     def _words(self) -> str:
-        """The name of the quantity in words if it is a peak or JOINT_FORCE, else its name as an output."""
+        """The quantity in words if it is one of PEAKS or JOINT_FORCE, else the name of the quantity."""
         if peak := PEAKS.get(self.quantity):
             return peak.words
         return "joint force" if self.quantity == JOINT_FORCE else self.quantity
@@ -279,7 +279,8 @@ class Ranking:
     def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:
         """Return the arguments of ``pictures.Bars`` for effects; their unit has a prefix that suits ``size``.
 
-        ``size`` is the length of the longest bar in the block or, with one scale, in all blocks.
+        ``size`` is the length of the longest bar that the axis shows, in the block or, with one scale, in all
+        blocks.
         """
         factor, unit = readable(size, self.unit)
         values = [factor * effect.change for effect in effects]

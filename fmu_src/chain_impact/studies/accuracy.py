@@ -31,8 +31,8 @@ class Differences:
         point: the name of the point that has this largest distance.
         time: the time at which the point has this largest distance [s].
         end: the time up to which the runs are compared [s].
-        parted: whether the runs differ in an impact that begins by the end of the shorter run. Then
-            ``end`` is the onset of this impact, the earlier one if both have it; else it is that end.
+        parted: whether the runs differ in an impact that begins by the end of the shorter run. If so, ``end``
+            is the onset of this impact, or the earlier one of two onsets; if not, the end of the shorter run.
     """
 
     impacts: int

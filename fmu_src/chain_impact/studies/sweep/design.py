@@ -95,7 +95,7 @@ class Design:
     def _sobol(self, first: int, end: int) -> np.ndarray:
         """Return the points first … end − 1 of a Sobol' sequence in the unit cube, shape (end − first, K).
 
-        Each thread keeps a generator of the sequence, which skips the points up to ``first``; skipping takes
+        Each thread keeps a generator of the sequence, which skips the points before ``first``; skipping takes
         about 5 ns for each point.
         """
         key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
