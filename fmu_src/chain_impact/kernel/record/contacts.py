@@ -202,8 +202,8 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
-        # 1: the impulse of a rigid wall in the active set is a pull, or the motion along a constraint outside
-        # the set is below ``target``
+        # constraints of rigid walls in ``solve_lcp``: 1 if the impulse of one in the active set is a pull, or
+        # if ``reached`` of one outside the set is below ``target``; else 0
         ("violated", INTEGER, (count,)),
         ("start", REAL, (count,)),  # m, m/s or m/s² along the row, without any impulse
         ("reached", REAL, (count,)),  # as ``start``, with the impulses of all constraints
@@ -214,7 +214,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("residual", REAL, (count,)),
         ("impulse", REAL, (count,)),  # impulse [kg·m or N·s] or force [N] of the constraint, by the problem
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
-        # kg, impedance with which a contact with a force law resists a projection; else 0
+        # kg, impedance with which a contact with a force law resists a projection if elements stick; else 0
         ("resistance", REAL, (count,)),
         # N, near a fold: force of the constraint, computed from its forces at earlier and later times
         ("refined", REAL, (count,)),
@@ -222,9 +222,9 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # DIFFERENCE (ode/folds.py); small if the force is smooth
         ("uneven", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
-        # sampled; the points are in the order of ``touch.active_index``
+        # sampled, the earlier time first; the points are in the order of ``touch.active_index``
         ("sample", REAL, (2, candidates)),
-        # N, least force of a rigid wall on each candidate in the stages of the step; 0 if no force is < 0
+        # N, least force of the rigid wall on each held candidate in the stages of a step; 0 if none is < 0
         ("least_force", REAL, (candidates,)),
     )
 
@@ -241,8 +241,8 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
         ("change", REAL, (coordinate_count(links),)),
         ("inside", INTEGER, (count,)),  # 1: the force is between its limits; 0: the force is at a limit
-        # ±1: the force of a sticking element is at its limit, and has this sign (``sign_at_limit``); 0: the
-        # force is below the limit; the elements are in the order of ``element.stuck``
+        # ±1: the force of a sticking element is at its limit, with the sign of ``sign_at_limit``; 0: the
+        # |force| is below the limit; the elements are in the order of ``element.stuck``
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
         ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
@@ -312,14 +312,14 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     count = candidates + elements + 3
     return record(
         ("computed", INTEGER),  # 1: steps integrate quadratures; 0: no output needs a quadrature
-        # N·s, value of ``total`` at the onset of the candidate's contact
+        # N·s, value of ``total`` at the onset of the candidate's latest contact
         ("impulse_at_onset", REAL, (candidates,)),
         # integral of each quadrature from the run's start to the last ``commit_quadratures`` or impact
         ("total", REAL, (count,)),
-        # rate of each quadrature at the time of ``total``; 0 if the quadrature was not integrated
+        # rate of each quadrature at the last ``commit_quadratures``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
         ("count", bounded(0, count)),  # number of quadratures that steps integrate at present
-        # index in ``total`` of each of these quadratures; only the first ``count`` entries are used
+        # index in ``total`` of each quadrature that steps integrate; only the first ``count`` entries count
         ("index", bounded(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
         ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end

@@ -92,8 +92,8 @@ def output_dtype(
         ("slider_position", REAL),  # m, position of the base along the slider's line, 0 at the start
         ("slider_velocity", REAL),  # m/s, velocity of the base along the slider's line
         ("slider_acceleration", REAL),  # m/s², acceleration of the base along the slider's line
-        # N, force of the slider's line on the carriage, along the normal to the left; set only if loads are
-        # requested
+        # N, force of the slider's line on the carriage, > 0 to the left of the line's direction; set only if
+        # loads are requested
         ("slider_reaction", REAL),
         # N·m, moment of the slider's line on the carriage, anticlockwise; set only if loads are requested
         ("slider_moment", REAL),
@@ -128,7 +128,7 @@ STATE_OUTPUTS = (
     *("joint_angular_velocity", "slider_position", "slider_velocity", "kinetic", "potential", "elastic"),
     *("dissipated", "supplied", "total", "channel", "signal"),
 )
-"""The outputs that follow from state and time alone, without an evaluation of forces and accelerations."""
+"""The outputs that ``observe_state`` (observe.py) fills; they contain no forces and no accelerations."""
 
 
 def friction_output_dtype(elements: int) -> np.dtype:
@@ -188,10 +188,10 @@ def transmitted_dtype(loads: int) -> np.dtype:
         # search starts from a stored maximum (loads.py)
         ("largest_square", REAL, (loads,)),
         ("largest_time", REAL, (loads,)),  # s, time of ``largest_square``, if this exceeds ``peak``
-        # N², ``largest_square`` after the search of the step that was last searched as a whole
+        # N², ``largest_square`` after ``fill_load_peaks`` (loads.py) has last searched a whole step
         ("searched_square", REAL, (loads,)),
-        # values of `step.breaks` and of `step.end` [s] when a whole step was last searched: they tell which
-        # step that was
+        # values of `step.breaks` and of `step.end` [s] when ``fill_load_peaks`` last searched a whole step:
+        # the values tell which step this was
         ("searched_breaks", INTEGER),
         ("searched_end", REAL),
         ("x", REAL, (loads,)),  # N, x and y of the joint forces at the last sampled time (loads.py)
