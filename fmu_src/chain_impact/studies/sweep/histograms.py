@@ -114,7 +114,7 @@ def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Vari
 
 
 def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
-    """Draw a quantity over a varied parameter, with a dot for each run and a line at ``own_value``, if any."""
+    """Draw a quantity over a varied parameter, with a dot for each run and a line at ``own_value``."""
     shown, given = quantity.of(runs), runs[variation.name]
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()

@@ -217,8 +217,9 @@ def _colours(
 def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: QuadMesh, own: Any) -> None:
     """Write the value of each cell at the cell's place (``Scale.middles``), or below a mark at this place.
 
-    ``scales`` and ``shown``: as for ``_draw_map``; ``own``: the scene's value on each axis, or None. If both
-    are given, the scene's mark counts as at the place nearest to these values.
+    ``scales``: as for ``_draw_group``; ``shown``: the values in the map, with a row for each cell of the
+    vertical axis; ``own``: the scene's value on each axis, or None. If both are given, the scene's mark
+    counts as at the place nearest to these values.
     """
     places = np.asarray(mesh.norm(shown)) / (
         mesh.norm.Ncmap - 1 if isinstance(mesh.norm, BoundaryNorm) else 1
