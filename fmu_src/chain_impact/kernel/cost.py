@@ -61,15 +61,15 @@ def counted_cost(d):
 
 
 def uncount_cost(d, counted):
-    """Reset both counts to ``counted``, an earlier result of ``counted_cost``.
+    """Reset the counts of evaluations and of other cost to ``counted``, a result of ``counted_cost``.
 
-    The cost between the two calls is the cost of outputs, which does not count.
+    The cost since the call of ``counted_cost`` is the cost of outputs, which does not count.
     """
     d.statistics.rhs_evaluations, d.limits.other_cost = counted
 
 
 def cost_exceeded(d):
-    """Return whether the cost in the present window of time (COST_WINDOW) exceeds `solver.work_limit`.
+    """Return whether the present window (COST_WINDOW) costs more than `solver.work_limit` allows.
 
     Searches and iterations that may take long call this function, to end early.
     """
