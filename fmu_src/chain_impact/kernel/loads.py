@@ -299,8 +299,8 @@ def search_peaks(d, time, peak_at_end):
             raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
-                # ``largest_square`` raises the maximum and its time at each sample; the summit of the last
-                # parabola adds about round-off
+                # the function ``largest_square`` raises the field of the same name, and the time, at each of
+                # its samples; the summit of the last parabola adds about round-off
                 largest = largest_square(d, i, middle, reach, end)
                 transmitted.largest_square[i] = max(transmitted.largest_square[i], largest)
 

@@ -98,7 +98,7 @@ def set_start_to_load_motion(d):
 
 
 def clear_least_forces(d):
-    """Set the least forces of contacts at rigid walls to 0 before a step; its stages reduce these forces."""
+    """Set the least forces of contacts at rigid walls to 0, before the stages of a step find lower forces."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.constraints.least_force[d.touch.active_index[k]] = 0.0
 
