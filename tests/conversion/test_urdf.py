@@ -44,12 +44,40 @@ def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
     assert told in read(tmp_path, urdf(*parts))[1].differs
 
 
+def test_a_moment_of_inertia_counts_without_a_mass(tmp_path):
+    bare, _ = read(tmp_path, urdf(*TWO))
+    tool = link("tool", center="0 0 0", mass=0)
+    scene, _ = read(tmp_path, urdf(*TWO[:2], tool, *TWO[3:]))
+    first, last = scene.chain.links
+    assert first == bare.chain.links[0]
+    assert last.inertia == pytest.approx(bare.chain.links[1].inertia + 0.02, rel=1e-12)
+    assert (last.mass, last.center_of_mass) == (0.5, bare.chain.links[1].center_of_mass)
+
+
 @pytest.mark.parametrize(
     ("parts", "said"),
     [
         (['<joint name="a" type="fixed"/>'], "joint a: has no parent, must have one as in"),
         ([link("u"), joint("a", "base", "u", axis="0 0 0")], "robot.urdf: joint a: its axis is 0 0 0"),
         ([link("u", mass="1kg"), joint("a", "base", "u")], "link u cannot be read: could not convert"),
+        ([link("u", mass=-1), joint("a", "base", "u")], "link u: mass value = -1 must be at least 0"),
+        ([link("u", "inf 0 0"), joint("a", "base", "u")], "link u: origin xyz = inf 0 0 must be finite"),
+        (
+            [link("u"), joint("a", "base", "u", more='<dynamics damping="nan"/>')],
+            "joint a: dynamics damping = nan",
+        ),
+        (
+            [link("u"), joint("a", "base", "u", **limited("nan", 1))],
+            "joint a: limit lower = nan must be a number",
+        ),
+        (
+            [link("u"), joint("a", "base", "u", more='<axis xyz="1 0 0"/>')],
+            "joint a: has 2 elements axis, must",
+        ),
+        (
+            [link("u").replace("<mass", '<mass value="2"/><mass'), joint("a", "base", "u")],
+            "link u: has 2 elements mass",
+        ),
         ([link("u"), link("u"), joint("a", "base", "u")], "a link has 2 times the name u"),
         ([link("u"), joint("a", "base", "u"), joint("b", "base", "u")], "link u is the child of two joints"),
         ([link("u"), joint("a", "u", "u")], "joints make a ring of u; each link must lead back to base"),

@@ -23,7 +23,7 @@ from chain_impact.conversion.differences import (
     of_joint,
 )
 from chain_impact.conversion.robot import Body, Joint, LinkShape, Robot, identifier, outline
-from chain_impact.conversion.urdf_elements import GEOMETRIES, other_elements
+from chain_impact.conversion.urdf_elements import GEOMETRIES, check_elements, other_elements
 from chain_impact.extras import require
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import SceneError
@@ -51,6 +51,7 @@ def read_urdf(path: Path) -> Robot:
     root = urdf_of(path)
     shapes = {link.get("name", ""): list(_shapes(link)) for link in root.iter("link")}
     _check_parts(root, path)
+    check_elements(root, path)
     with collected_warnings("yourdfpy") as warned:
         robot = _loaded(yourdfpy, root, path)
     links = {link.name: link for link in robot.links}
@@ -248,9 +249,9 @@ def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator
 def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
     pose = np.eye(4) if joint is None or joint.origin is None else np.asarray(joint.origin, float)
     mass, center, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
-    if link is not None and link.inertial is not None and link.inertial.mass:
+    if link is not None and link.inertial is not None:
         at = np.eye(4) if link.inertial.origin is None else np.asarray(link.inertial.origin, float)
-        mass, center = float(link.inertial.mass), at[:3, 3]
+        mass, center = float(link.inertial.mass or 0.0), at[:3, 3]
         if link.inertial.inertia is not None:
             inertia = at[:3, :3] @ np.asarray(link.inertial.inertia, float) @ at[:3, :3].T
     joints = [] if joint is None or joint.type == "fixed" else [_joint(joint)]

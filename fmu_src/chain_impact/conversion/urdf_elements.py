@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from chain_impact.conversion.differences import Difference, Effect
+from chain_impact.scene.reading import SceneError
 
 USED_ATTRIBUTES = {
     "robot": "name",
@@ -31,6 +35,41 @@ UNUSED_ELEMENTS = ("material",)
 """Names of elements that have no effect wherever they stand; a material is a colour."""
 MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
 """Element of a joint that changes the motion, and that scenes lack → the rest of the sentence on it."""
+
+
+def check_elements(root: Element, path: Path) -> None:
+    """Refuse elements that stand twice, and numbers that make no sense, in links and joints of a file.
+
+    An error names ``path``, the file. A value that is no number at all is not refused here.
+    """
+    for part in (*root.findall("link"), *root.findall("joint")):
+        name = f"{path}: {part.tag} {part.get('name')}"
+        inside = {element: where for where, element in _below(part, f"robot/{part.tag}")}
+        known = [element for element, where in inside.items() if where in USED_ATTRIBUTES]
+        for parent in (part, *known):
+            for tag, count in Counter(element.tag for element in parent if element in known).items():
+                if count > 1:
+                    raise SceneError(f"{name}: has {count} elements {tag}, must have one")
+        for element in known:
+            numbers = [key for key in USED_ATTRIBUTES[inside[element]].split() if key != "link"]
+            for key in numbers:
+                value = element.get(key, "")
+                if allowed := _allowed_instead(element.tag, value):
+                    raise SceneError(f"{name}: {element.tag} {key} = {value} must be {allowed}")
+
+
+def _allowed_instead(tag: str, value: str) -> str:
+    """Return which numbers an element ``tag`` may have instead of those in ``value``; "" if they are fine.
+
+    Limits may be infinite. The result is also "" if a word of ``value`` is no number.
+    """
+    try:
+        numbers = [float(word) for word in value.split()]
+    except ValueError:
+        return ""
+    if any(math.isnan(number) or (math.isinf(number) and tag != "limit") for number in numbers):
+        return "a number" if tag == "limit" else "finite"
+    return "at least 0" if tag == "mass" and min(numbers, default=0.0) < 0.0 else ""
 
 
 def other_elements(root: Element) -> Iterator[Difference]:
