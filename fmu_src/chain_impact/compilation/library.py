@@ -14,8 +14,8 @@ from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 from chain_impact.user_laws.law_file import LawError, UserLaw, read_law
 
-# [s] usual times to lower a part of a kernel, and to compile and link it, for messages that tell how long to
-# wait
+# [s] usual times for each part of a kernel, which messages tell: LOWERING to lower it, LINKING to compile and
+# link it
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
 # platform → [s] additional time of zig's first link for this platform, in which zig builds libraries of its
 # own; 0 for all others

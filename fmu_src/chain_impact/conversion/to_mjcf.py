@@ -185,7 +185,7 @@ def _attributes(
 
 
 def _add_start(root: Element, scene: Scene) -> None:
-    """Add a keyframe with the positions and velocities of all joints at the start to ``root``."""
+    """Add to ``root`` a keyframe with the positions and velocities of all joints at the start of the run."""
     start = scene.initial
     places, rates = {
         "pinned": ((), ()),

@@ -228,7 +228,10 @@ def _is_number(value: Any) -> bool:
 
 
 def _start_value(variable: Any, value: Any) -> float | int:
-    """Return the checked value of a parameter, as fmpy needs it: angles in radians, choices as numbers."""
+    """Return the checked value of a parameter, as fmpy needs it.
+
+    A text such as "30 deg" becomes a number in radians, the name of a choice its number.
+    """
     if variable.type == "Enumeration":
         numbers = {item.name: int(item.value) for item in variable.declaredType.items}
         number = numbers.get(value) if isinstance(value, str) else value

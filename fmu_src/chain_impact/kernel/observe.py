@@ -77,7 +77,7 @@ def fill_outputs(d):
 
 
 def refill_motion(d):
-    """Fill the outputs of motion, forces and energies again, with the values at ``step.time``.
+    """Fill the outputs of motion, forces and energies again, at the communication point ``step.time``.
 
     Impulses, peaks, the list of impacts and the energy of friction do not change.
     """

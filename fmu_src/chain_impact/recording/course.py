@@ -76,7 +76,7 @@ def course_of(
 
     The run is repeated up to the end of the impact, with additional rows within the impact. The repeated run
     is identical bit by bit, because additional rows do not change the solution. If the contact lasts longer
-    than ``impact_ends`` gives, more samples lie just after the onset and in the time up to that end.
+    than ``impact_ends`` gives, more samples lie just after the onset, and up to the end from ``impact_ends``.
 
     Args:
         prepared: the prepared scene.

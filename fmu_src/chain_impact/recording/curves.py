@@ -156,9 +156,10 @@ def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
-    """Return the onset of the impact number ``around``, and start and end of its close view, all in [s].
+    """Return the onset of an impact, and start and end of its close view, all in [s].
 
-    If ``around`` is None, the onset is None, and the view is the whole run.
+    ``around`` is the number of the impact, from 1. If it is None, the onset is None, and the view is the
+    whole run.
     """
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:

@@ -84,9 +84,9 @@ def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
 
 @lru_cache(100)
 def _names(walls: tuple[str, ...]) -> np.ndarray:
-    """Return the names of the walls between two empty names, one in front and one at the end.
+    """Return the names of walls and stops between two empty names, one in front and one at the end.
 
-    So an impact gets the name "" if the number of its wall is −1 or so large that no wall has this number.
+    So an impact gets the name "" if the number of its wall is −1, or larger than that of any wall or stop.
     """
     return np.array(["", *walls, ""], IMPACT_DTYPE["wall_name"])
 
@@ -137,8 +137,8 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
         record: columns of values over time, each of shape (T,), by their names: a mapping, a structured array
             such as fmpy returns, or a data frame. The columns are `time`, `impact.count` and `impact[j].*`, j
             = 1 … M. It may also be a `Result`, whose table is returned.
-        walls: the names of all walls by their numbers, `scene.wall_names`; by default the names in the
-            columns of contacts and stops.
+        walls: the names of all walls by their numbers, `scene.wall_names`; by default those of the box, then
+            the other names in the columns of contacts and stops.
 
     Returns:
         A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The effective mass,

@@ -25,7 +25,7 @@ def parts_in_words(scene: Contents) -> list[str]:
 
     The record's field ``fault.part`` has the number of a part in this list, from 1; 0 if no part is known.
     The list has, in this order: the candidates; the links; the joint of each link; the slider, if there is
-    one; and, for each pair of a point and a wall that can touch, the base at the wall of this pair.
+    one; and, for each pair of a point and a wall that can touch, the base, which may be beyond this wall.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)

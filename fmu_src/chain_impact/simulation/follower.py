@@ -3,7 +3,7 @@
 A piece is an interval with one polynomial for each function: its Chebyshev series from values at
 Chebyshev–Gauss points. The ends of a piece are not among these points, so the exact value at a jump does not
 matter. An interval in which a series does not converge is halved, or divided where the functions change from
-one polynomial to another. An interval around a jump or kink gets no piece if it is at most SHORTEST long.
+one polynomial to another. Instead of an interval up to SHORTEST around a jump, the piece before lasts longer.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
 coefficients bound the error.

@@ -16,7 +16,7 @@ from typing import Any
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     function.__name__: function for function in (abs, bool, float, int, max, min, pow, range, round)
 }
-"""Name → function: the functions of Python that a law can call."""
+"""Name → function: the built-in functions of Python that a law can call."""
 LONG = {"comb", "dist", "factorial", "fsum", "isqrt", "lcm", "perm", "prod", "sumprod"}
 """Functions of ``math`` that a law cannot use: kernels do not have these functions, and the evaluation of a
 constant with such a function could take long."""
@@ -135,7 +135,7 @@ class _Names:
         self._texts = {id(text) for node in ast.walk(tree) for text in _texts(node)}
 
     def allow(self, node: ast.AST) -> bool:
-        """Return whether a node of the syntax tree is allowed; its children are checked on their own."""
+        """Return whether a node, whose type is in NODES, keeps the other rules, without its children."""
         fine = True
         match node:
             case ast.Name(id=name):

@@ -196,8 +196,8 @@ def values_of(
 ) -> ValueOf:
     """Return the function from a name in a rule to its value, for the rules of the tables in this file.
 
-    ``lists`` and ``known`` have the values of lists, and of all other names without a dot. A name with a dot
-    is a key of the scene's file: any key if ``scene`` is given; else it must be one of FLAGS, in ``known``.
+    ``lists`` has the values of lists, ``known`` those of all other names without a dot. A name with a dot is
+    a key of the scene's file: any key if ``scene`` is given; else it must be one of FLAGS, in ``known``.
     """
 
     def value_of(name: str) -> Any:

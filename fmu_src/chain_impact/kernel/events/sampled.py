@@ -317,7 +317,7 @@ def friction_round_off(d, e):
 
 
 def element_margin(d, e, theta):
-    """Return the margin of element e to the end of its mode at θ, plus ``element_error``.
+    """Return the margin of element e to the end of its mode at θ, plus the tolerated error ``element_error``.
 
     The margin is the speed in the direction of sliding [m/s]; if e sticks, the limit minus |friction| [N].
     """

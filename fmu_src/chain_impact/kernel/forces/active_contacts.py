@@ -112,7 +112,7 @@ def contact_slopes(d, c):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of active candidate c, for the located points.
 
     F is the contact force of a force law and δ the penetration. Both slopes are 0 if a step uses F = 0
-    (``is_cut_off``).
+    (``is_cut_off``). ∂F/∂δ is 0 for δ = 0, and in place of a negative value.
     """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)

@@ -12,7 +12,7 @@ F_t is the friction force along t, F_n the normal force, t·a the tangential acc
 sliding friction, and µ_s ≥ µ the coefficient of static friction. Tangential motions at a wall are relative to
 its belt. The sign s is fixed (latched) within a step; the sign of the tangential speed is not evaluated. A
 joint has one friction moment in place of both µ F_n and µ_s F_n: they stand for this moment divided by the
-lever arm of the joint's place. For the slider both stand for its friction force. The normal force of a
+length of the longest link. For the slider both stand for its friction force. The normal force of a
 contact with a force law depends on the state alone. So modes and accelerations that satisfy the two
 conditions above exist; for µ_s = µ the accelerations are unique.
 

@@ -324,7 +324,7 @@ def coefficient(stages, m, j):
 
 
 def store_stages(d, faded):
-    """Set the dense output; store the stages for later steps, with tiny numbers set to 0 if ``faded``."""
+    """Store the stages, if ``faded`` with tiny coordinates set to 0, and set the dense output from them."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):

@@ -28,8 +28,8 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
 # value of step.regularized if no contact is regularized: the integration variable of the step is time
 NO_CONTACT = -1
-# The least u to which a regularized step may go. u is integrated, so it may become negative: then the step
-# has passed the end of the contact, and time runs backwards.
+# The least u = √(δ/δ*) to which a regularized step may go. u is integrated, so it may become negative: then
+# the step has passed the end of the contact, and time runs backwards.
 LEAST_ROOT = -0.5
 # A point with u + |δ̇|/v₀ ≤ RESTING_SUM counts as resting on the wall, not as hitting it; |δ̇|/v₀ is the
 # point's normal speed relative to the impact speed. A step from such a state runs in time: with s as the
@@ -80,7 +80,8 @@ def root_curve(d, u, slope):
     The points must be located and accelerated.
     """
     quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
-    # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²), with p = dt/ds and the penetration δ
+    # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²), with u′ = du/ds, p = dt/ds and δ̈ = d²δ/dt² of the
+    # penetration δ
     curve = 0.5 * time_rate(u) * -gap_acceleration(d, c) / d.touch.depth_scale[c]
     return quotient * (curve - 2.0 * u * slope * slope)
 

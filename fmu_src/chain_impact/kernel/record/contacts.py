@@ -245,7 +245,9 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         # |force| is below the limit; the elements are in the order of ``element.stuck``
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
-        ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
+        # N, force p of each constraint before the iteration: 0 before the first one, else the force p⁺ of the
+        # iteration before
+        ("center", REAL, (count,)),
         ("residual", REAL, (count,)),  # m/s², required acceleration minus the acceleration with the forces p
         # N, the force p + D m⁺, which may exceed its limits: p is the force before the iteration, D the
         # impedance, and m⁺ the residual after the iteration (rows/limits.py)

@@ -81,7 +81,7 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         # number of the point at which the two arms of the elimination meet (chain/elimination.py): 0, the
         # base, if the base has a joint; else N/2, rounded down
         ("meeting_joint", bounded(0, links)),
-        ("gravity_size", REAL),  # m/s², magnitude of gravity
+        ("gravity_size", REAL),  # m/s², magnitude of the vector ``gravity``
         ("reach", REAL),  # m, largest distance from the base that a point or site can have
         # m, length of the longest link: the scale of positions, to which errors and round-off are relative
         ("longest_link", REAL),

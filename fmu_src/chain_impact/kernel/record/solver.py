@@ -119,10 +119,10 @@ def statistics_dtype() -> np.dtype:
 
 @written_by("cost.py")
 def limits_dtype() -> np.dtype:
-    """Return the layout of the counts of events and cost, each of which is limited in a window of time."""
+    """Return the layout of the data that limit the number of events and the cost in windows of time."""
     return record(
         ("event_start", REAL),  # s, start of the window in which events are counted
-        ("event_count", INTEGER),
+        ("event_count", INTEGER),  # number of events since ``event_start``
         ("cost_start", REAL),  # s, start of the window in which the cost is limited
         ("cost_count", INTEGER),  # cost from the start of the run to ``cost_start``, in evaluations
         # cost from the start of the run to the start of the present communication step, in evaluations;
@@ -183,10 +183,11 @@ def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
 
 
 def elimination_dtype(links: int) -> np.dtype:
-    """Return the layout of the results of chain/elimination.py: for each link h/H, 1/H and h₀/H.
+    """Return the layout of the results of chain/elimination.py.
 
-    These are ``gain``, ``inverse`` and ``bias``, with the inertia H and the coupling h of the link's rotation
-    and the moment h₀ about the link's inner joint without accelerations.
+    For each link these are h/H (``gain_x``, ``gain_y``), 1/H (``inverse``) and h₀/H (``bias``). H is the
+    moment of inertia about the link's joint on the side of ``meeting_joint``, h the coupling of the rotation
+    about this joint with the joint's acceleration, and h₀ the moment about it without accelerations.
     """
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
@@ -260,7 +261,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
     input_rate="events/search.py",
 )
 def search_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the search for events, with clearances at both ends of the searched interval."""
+    """Return the layout of the search for events, with each φ (exclusion.py) at both ends of an interval."""
     return record(
         # what is known of the candidates' φ (``phi_end``) at the last step's end (events/exclusion.py):
         # NOTHING; VALUES: φ and φ′; WITH_CURVES: also φ″; FAR: candidates without contact have at least the

@@ -104,7 +104,7 @@ def block(d, number):
 
 
 def as_words(part):
-    """Return an instance, or a part of an instance, as one array of words of 8 bytes.
+    """Return a view of an instance, or of a part of an instance, as one array of words of 8 bytes.
 
     A dual number is DIRECTIONS + 1 words: first the value, then the derivatives.
     """

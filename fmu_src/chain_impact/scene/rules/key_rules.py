@@ -101,7 +101,7 @@ def keys(table: Any) -> tuple[Field[Any], ...]:
 def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpack[KeyRules]) -> Any:
     """Return a dataclass field with the metadata of one key of the scene file.
 
-    The metadata are `unit` ("1" for a pure number, "" for a value that is no number), `description`,
+    The metadata are `unit` ("1" for a pure number, "" for a count or for what is no number), `description`,
     `default` (a value, a `Derived`, or `dataclasses.MISSING` if the file must give the key), and an entry for
     each key of `KeyRules`, None without such a rule.
     """
