@@ -34,11 +34,11 @@ HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in r
 DOT = 24.0  # [square points] the size of a dot
 RUN_MARK = 4.5  # [points] the size of the diamonds, see ``Bars.marks``
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
-# The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar or mark in
-# each block, as far as not cut off, is at most ONE_SCALE times as long as that in any other block.
+# The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar or mark of
+# any block, without a part that is cut off, is at most ONE_SCALE times as long as that of any other block.
 ONE_SCALE = 10.0
 CUT = 4.0  # see ``axis_ends``
-ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are seen beside the marks
+ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are visible beside the marks
 CUT_BARS = "; a bar with an arrow is longer than the axis"
 ARROW_HEAD = 6.0  # [points] the size of the arrow at the end of a bar that is cut off
 
@@ -144,7 +144,11 @@ def have_one_scale(longest: Sequence[float]) -> bool:
 
 
 def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
-    """Return the ends of each block's axis: the same for all if labels are equal and ``have_one_scale``."""
+    """Return the ends of each block's axis.
+
+    All axes have the same ends if their labels are equal, and if ``have_one_scale``. Otherwise each axis has
+    the ends of its own block.
+    """
     longest = [max(map(abs, block.ends)) for block in blocks]
     if len({block.label for block in blocks}) > 1 or not have_one_scale(longest):
         return [block.ends for block in blocks]

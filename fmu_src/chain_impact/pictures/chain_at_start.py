@@ -26,8 +26,8 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
 DRAWING_SIZE, ICON_SIZE = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of the drawing, and of the icon
-# [inch] the free width at left and right together, and also the free height at both edges together: in the
-# drawing and in the icon
+# [inch] in the drawing and in the icon: the least free width, left plus right, which is also the least free
+# height, top plus bottom
 DRAWING_MARGIN, ICON_MARGIN = 1.4, 0.3
 # [points] three lengths: of an arrow, of the radius of the arc of an angle, and of the line from which an
 # angle is measured
@@ -97,9 +97,9 @@ def _chain(
 ) -> tuple[Any, np.ndarray, float]:
     """Draw the walls, and the chain at the start, into a new figure.
 
-    The view contains the chain and, of each wall, the point that is nearest to the middle of the chain.
-    ``size``: width and height of the figure [inches]; ``border``: how much of the width, and of the height,
-    stays free at both sides together [inches]; ``style``: linewidth and markersize of the chain [points].
+    The view contains the chain and, of each wall, the point that is nearest to the mean of the points 0…N.
+    ``size``: width and height of the figure [inches]; ``border``: the least free width, left plus right, and
+    least free height, top plus bottom [inches]; ``style``: linewidth and markersize of the chain [points].
 
     Returns the axes, the positions of the points 0…N, shape (N + 1, 2) [m], and the length in the scene [m]
     that is drawn as a typographic point (1/72 inch).
@@ -135,8 +135,8 @@ def _foot(plane: HalfPlane, point: np.ndarray) -> np.ndarray:
 def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
     """Draw the line and the name of a wall, and arrows with ``letters`` along its normal and its tangent.
 
-    With one letter, only the normal has an arrow. The arrows stand beside the middle of the wall, because the
-    chain may be at the middle.
+    With one letter, only the normal has an arrow. The arrows stand beside the point of the wall that is
+    nearest to the middle of the view, because the chain may be at this point.
     """
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     foot, normal = _foot(plane, 0.5 * (low + high)), np.array(plane.normal)
@@ -152,7 +152,7 @@ def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
 
 
 def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: float) -> None:
-    """Draw the arc of a link's angle from the x axis, at the link's joint, within −180° to 180°.
+    """Draw the arc of a link's angle from the x axis, at the link's joint; full turns are left out.
 
     ``joint``: position of the joint [m]; ``text``: name and value of the angle; ``angle``: the angle [rad];
     ``unit``: the length in the scene [m] that is drawn as a typographic point.

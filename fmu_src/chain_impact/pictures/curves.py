@@ -42,8 +42,8 @@ DASHES = ("-", "--", ":")
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
-# the largest number of characters of a name for a legend beside the panel, and for a panel with one curve to
-# have the name as its label; with a longer name the legend is above the panel
+# the largest number of characters of a curve's name in a legend beside the panel, and in the label of a panel
+# with one curve; a longer name stands in a legend above the panel
 WIDEST = 28
 # unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
@@ -94,7 +94,7 @@ def check_curves(curves: Curves) -> None:
     """Refuse curves that a reader could not distinguish.
 
     Raises:
-        ValueError: when there are more than MOST_PANELS units, or more than MOST_CURVES curves with a unit.
+        ValueError: when there are more than MOST_PANELS units, or more than MOST_CURVES curves of one unit.
             Outputs without a curve (``drawn_in``) do not count.
     """
     panels = curves.panels
@@ -112,8 +112,8 @@ def check_curves(curves: Curves) -> None:
 def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
     """Draw the curves on an empty figure.
 
-    If the title is "", the headline names the impact in view or, without one, summarizes the run. None means
-    no headline.
+    If the title is "", the headline names the impact around which the curves are drawn (``in_view``); for
+    curves of the whole run, it summarizes the run. None means no headline.
 
     Raises:
         ValueError: as ``check_curves``.
@@ -132,7 +132,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     found = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
-        # a narrow figure has numbers below each panel: they make space for the labels of the largest values
+        # a narrow figure has numbers below each panel, which make space for the labels of the largest values
         axes.tick_params(labelbottom=axes is grid[-1] or is_narrow(figure))
         if axes is not grid[-1]:
             axes.set_xlabel("")
@@ -154,7 +154,7 @@ def extremes(
 
     Args:
         time: the times in the unit of the axis, shape (T,).
-        drawn: the values of each curve in ``unit``, shape (T,).
+        drawn: the values of each curve in ``unit``, each of shape (T,).
         unit: the unit of all values.
         scale: the factor from values to the numbers of the axis.
         styles: the properties of each curve, with matplotlib's names.
@@ -211,7 +211,7 @@ def in_view(recording: Recording, curves: Curves) -> str:
 
 
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
-    """Draw the curves of each unit into one of the axes that a user gives.
+    """Draw the curves into axes that a user gives: those of each unit into one of the axes, in order.
 
     Raises:
         ValueError: when the numbers of axes and units differ, or there are too many curves.
@@ -324,7 +324,7 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
 
 def whole_name(name: str) -> str:
-    """Return the label of a panel with one curve: ``name``; if long, with the quantity in a second line."""
+    """Return the label of a panel with one curve: ``name``, if long (LONGEST) with the quantity in line 2."""
     quantity = shared_part([name])
     return name if len(name) <= LONGEST else f"{name.removesuffix(f'.{quantity}')}\n{quantity}"
 
@@ -336,7 +336,7 @@ def look_of_energy(name: str) -> dict[str, Any]:
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
-    """Return the outputs in all panels without a curve: outputs that are 0 at all times (``drawn_in``)."""
+    """Return the outputs without a curve in their panel, of all panels: outputs that are always 0."""
     return [name for names in panels for name in names if name not in drawn_in(curves, names)]
 
 

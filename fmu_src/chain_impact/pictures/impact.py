@@ -90,7 +90,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     give_ticks(*timed, loop)
     figure.align_ylabels(timed)
     legend = loop.get_legend()
-    # the single entry of the legend repeats the text below the title, and is removed
+    # a legend with a single entry repeats the text below the title, and is removed
     if legend is not None and len(legend.get_texts()) == 1:
         legend.remove()
     settle(figure)
@@ -110,8 +110,8 @@ def duration_text(impact: np.void, course: Course) -> str:
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
     """Draw the normal force over penetration; the area in the loop is the energy that the force dissipates.
 
-    Energy that dry friction dissipates is not in this area. The loop of a contact that lasts to the end of
-    the run is open, with a dot at its end. An impulse has no loop.
+    Energy that dry friction dissipates is not in this area. If the contact lasts to the end of the run, the
+    loop is open, with a dot at the last point of the curve. An impulse has no loop.
 
     ``at_stop``: whether the impact is at a stop of a joint: moment and angle then replace force and length.
     """
@@ -148,7 +148,8 @@ def say_impulse(axes: Axes) -> None:
 def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
     """Return name, values, unit and colour of each curve over time: force, penetration and speed.
 
-    ``at_stop``: whether the impact is at a stop of a joint; the curves are then moment, angle and its rate.
+    ``at_stop``: whether the impact is at a stop of a joint. The curves are then moment [N·m], penetration
+    [rad] and angular speed [rad/s].
     """
     force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
     return (

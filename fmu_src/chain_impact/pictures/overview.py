@@ -47,7 +47,7 @@ def draw_place(axes: Axes, recording: Recording) -> None:
 
 
 def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of impacts into the panel of a motion; return the numbers without room as text.
+    """Write the numbers of impacts into the panel of a motion; return words for the numbers without room.
 
     If the motion is drawn over time, its panel has no numbers, and "" is returned.
     """
@@ -65,7 +65,7 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
 NUMBERS = {"motion": number_places, "impact": number_one_impact, "impacts": number_impacts}
 """Name of a panel → function that writes the numbers of impacts into the panel, after the layout is final.
 
-Each function returns the numbers without room, as text. The function of the panel "impact" writes the peak
+Each function returns words for the numbers without room. The function of the panel "impact" writes the peak
 force, and returns "".
 """
 # the largest height of all texts at the foot together, if one of these texts names impacts, relative to the
@@ -81,9 +81,9 @@ PANEL_WORDS = {"motion": "motion", "impacts": "panel of impacts"}
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw the panels named ``panels`` on an empty figure; without names, those of ``panels_to_draw``.
 
-    A motion in the plane is to the left of the panels over time or, if the motion is broad or the figure
-    narrow, above these panels. In a narrow figure, the legend of a slim motion is beside the motion, unless a
-    panel is there. If the title is "", a summary of the run is the headline; None means no headline.
+    A motion in the plane is to the left of the panels over time or, if there is no room for that
+    (``is_beside``), above these panels. In a narrow figure, the legend of a slim motion is beside the motion,
+    unless a panel is there. If the title is "", a summary of the run is the headline; None means no headline.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -136,8 +136,8 @@ def number_and_list(
     """Write the numbers of impacts into all panels; a text at the foot lists the numbers without room.
 
     The text makes the panels smaller, so that fewer numbers may have room; all numbers are then written
-    again. ``panel_axes``: name of a panel → its axes; ``motion``: the axes of a motion that has equal scales
-    along x and y, or None.
+    again, up to FEET times. ``panel_axes``: name of a panel → its axes; ``motion``: the axes of a motion that
+    has equal scales along x and y, or None.
     """
     engine, foot = figure.get_layout_engine(), None
     room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None

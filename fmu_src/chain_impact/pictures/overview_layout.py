@@ -20,8 +20,8 @@ from chain_impact.recording.recording import Recording
 
 # Ratios of width to height of the motion. SLIM, BROAD: the least and the largest ratio that the panel of
 # motion has beside other panels. BROADEST_BESIDE: a motion with a larger ratio has the whole width of the
-# figure, above the other panels. BROADEST_HIGH: on a narrow figure, the panel of a motion with a larger ratio
-# is lower than ABOVE_TIME allows.
+# figure, above the other panels. BROADEST_HIGH: on a narrow figure, a motion with a larger ratio has a lower
+# panel than ABOVE_TIME.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
 BROADEST_FLAT = 3.5  # the largest ratio of width to height that the panel of motion has
 # the height of the panel of motion beside other panels, relative to the width of the figure, for a wide and a
@@ -29,8 +29,8 @@ BROADEST_FLAT = 3.5  # the largest ratio of width to height that the panel of mo
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
 # contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
-# room for the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion
-# above other panels, on a figure with a width of COLUMN [inch] or less; on a wider figure below WIDE, this
+# height of the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion
+# above other panels, on a figure with a width of COLUMN [inch] or less; from COLUMN to WIDE, the largest
 # height grows with the width. All but COLUMN are relative to the height of the panel of energies.
 RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 2.0, 3.5
 # If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
@@ -67,10 +67,7 @@ def is_in_column(recording: Recording, name: str) -> bool:
 
 
 def broadness(recording: Recording) -> float:
-    """Return the ratio of width to height of the motion with its walls, but at most BROADEST_FLAT.
-
-    A motion with a larger ratio is drawn with a larger scale along y than along x.
-    """
+    """Return the ratio of width to height of the view of the motion (``view_of``), at most BROADEST_FLAT."""
     width, height = np.ptp(view_of(recording).corners, axis=0)
     return float(min(width / height, BROADEST_FLAT))
 
@@ -148,7 +145,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
         share = motion_share(ratio, width)
         columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
         motion = figure.add_subplot(columns[0], label="motion")
-        # the panels over time have a grid of their own, so that their margin does not depend on the motion
+        # the panels over time have a grid of their own, so that the motion does not change their left margin
         grid: Any = columns[1].subgridspec(len(heights), 1, height_ratios=heights)
         return {"motion": motion} | _timed_axes(figure, grid, names)
     above = [_height_above(ratio, width)] if has_motion else []
@@ -164,8 +161,8 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
 def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
     """Return new axes in the last cells of a grid, in the order of ``names``: name of a panel → axes.
 
-    All but those of a single impact share the axis of time. Among the axes of the figure, "time" is made
-    first, and a single impact last.
+    All axes except "impact", the axes of a single impact, share the axis of time. The axes "time" are made
+    first, and the axes "impact" last.
     """
     axes: dict[str, Axes] = {}
     for name in sorted(names, key=lambda name: (name != "time", name == "impact")):
@@ -176,7 +173,7 @@ def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Ax
 
 
 def _height_above(ratio: float, width: float) -> float:
-    """Return the height of the panel of a motion above other panels, relative to a panel of energies.
+    """Return the height of the panel of motion above other panels, relative to that of a panel of energies.
 
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """
@@ -187,7 +184,7 @@ def _height_above(ratio: float, width: float) -> float:
 
 
 def _whole_height(ratio: float, width: float) -> float:
-    """Return the height [inches] of the panel of a motion that takes the whole width of a figure.
+    """Return the height [inches] of a panel of motion as wide as the figure, at most HIGHEST × ``width``.
 
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """

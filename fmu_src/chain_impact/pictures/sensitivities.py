@@ -5,8 +5,9 @@ A panel for each output has curves over time; a table has the changes of each im
 A curve shows the derivative of an output with respect to a parameter, times a small change of this parameter
 (``Sensitivities.step``). So the curves of all parameters share an axis, in the unit of the output.
 
-The curves and the row of a parameter end where the change of any drawn output, by this parameter, exceeds the
-range of the output in the run (``span_of``), because a change to first order says nothing after this time.
+The curves of a parameter, and the row of the table for it, end at the time from which the change of any drawn
+output by this parameter exceeds the range of the output in the run (``span_of``), because a change to first
+order says nothing after this time.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         mark_unknown(axes, recording, sensitivities)
         give_ticks(axes)
     for place, axes in enumerate(panels):
-        # the next row has panels only, so that all panels of this row have a panel below
+        # the row of panels below is complete, so that this panel has a panel below it, which has the numbers
         if (place // across + 2) * across <= len(panels):
             axes.tick_params(labelbottom=False)
         else:
@@ -96,7 +97,8 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
 def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes]:
     """Return ``count`` axes with a common axis of time, and then the axes of the table of impacts.
 
-    ``across`` is the number of axes in a row; the table takes the rest of the last row.
+    ``across`` is the number of axes in a row. The table follows the ``count`` axes, and takes the rest of the
+    last row.
     """
     rows, panels = -(-(count + 1) // across), list[Axes]()
     heights = [1.0] * (rows - 1) + [LOW_TABLE if across == 1 else 1.0]
@@ -133,8 +135,8 @@ def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
 def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
     """Return |change| of an output, for a step of each parameter, relative to ``span_of``, shape (T, P).
 
-    If a |change| at the start is larger than this span, as a shift of the whole motion can be, all changes
-    are relative to the largest one at the start. The result is 0 within impacts that end in the run, and
+    If the largest |change| at the start exceeds ``span_of``, as a shift of the whole motion can, all changes
+    are relative to this largest |change| instead. The result is 0 within impacts that end in the run, and
     where the derivative is unknown.
     """
     parts = np.abs(np.nan_to_num(sensitivities.changes(output)))
@@ -147,7 +149,7 @@ def span_of(recording: Recording, output: str) -> float:
     """Return the range of an output in the run, in its unit; for an energy, the range of all energies [J].
 
     For a component x or y of a vector, the result is the larger one of the ranges of both components. A range
-    that is round-off (ROUND_OFF) is replaced by 1.
+    of 0 is replaced by 1, and so is, except for energies, a range that is round-off (ROUND_OFF).
     """
     if output.startswith("energy."):
         return range_of(dict(recording.energies)) or 1.0
@@ -173,13 +175,13 @@ def finding(
     """Return the headline, which tells what the most important parameter does, and words on first order.
 
     The most important parameter is the one by which a change of an output first exceeds the range of this
-    output or, without such a parameter, the one with the largest change relative to the range. In the second
-    case, the headline names the output with the largest change by this parameter, among outputs of the same
-    unit. If the change in a run with the changed parameter differs from first order (``differs``), the
-    headline has the change in this run, and the words have the change to first order. A parameter with the
-    value 0 is named only if no other parameter has an effect, because a change by 0.01 of a unit cannot be
-    compared with a change by 1 %. The headline tells if no parameter has an effect, or if there are no
-    derivatives after the start.
+    output. If no change exceeds the range, it is the parameter with the largest change relative to the range;
+    of all outputs with the unit of the output that changes so, the headline then names the one with the
+    largest change by this parameter. If the change in a run with the changed parameter differs from this
+    change to first order (``differs``), the headline has the change in the run, and the words have the change
+    to first order. A parameter with the value 0 is named only if no other parameter has an effect, because a
+    change by 0.01 of a unit cannot be compared with a change by 1 %. The headline tells if no parameter has
+    an effect, or if there are no derivatives after the start.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
     """
@@ -218,9 +220,9 @@ def finding(
 def _change_in_run(
     recording: Recording, sensitivities: Sensitivities, output: str, parameter: str, row: int
 ) -> float | None:
-    """Return the change of an output in a row, from a run in which a parameter has changed by a step.
+    """Return the change of an output in a row, from another run, with ``parameter`` changed by its step.
 
-    Without such a run, or if the run lacks the output, the result is None.
+    If the run cannot be repeated, or if the other run lacks the output, the result is None.
     """
     value = sensitivities.parameters[parameter] + sensitivities.step(parameter)
     other = recording.in_other_run({parameter: value}, float(recording.time[row]))
@@ -247,9 +249,9 @@ def _sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: i
 def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     """Return the properties of each parameter's curves, with matplotlib's names.
 
-    The LARGEST_EFFECTS parameters with the largest changes have colours, all others are grey; a parameter
-    without effect is always grey. Only the last grey curve has a label, for all grey curves. ``relative`` is
-    the largest of the ``shares`` of all drawn outputs, shape (T, P).
+    The LARGEST_EFFECTS parameters with the largest changes have colours, unless a change is round-off; all
+    others are grey. Of the grey curves, only the last has a label, which stands for all grey curves.
+    ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P).
     """
     names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
@@ -281,9 +283,9 @@ def draw_changes(
 ) -> None:
     """Draw the changes of an output over time, a curve for each parameter.
 
-    A curve has gaps within impacts that are too short to be visible, and where the derivative is unknown; it
-    ends where ``known``, the result of ``holds``, is False. More than MOST_GREY grey curves are drawn as a
-    band. ``looks`` are the results of ``looks_of``.
+    A curve has gaps within impacts that are too short to be visible, and where the derivative is unknown. A
+    curve ends where ``known``, the result of ``holds``, is False. If there are more than MOST_GREY grey
+    curves, they are drawn as a band. ``looks`` is the result of ``looks_of``.
     """
     changes = np.where(known, sensitivities.changes(output), np.nan)
     changes[short_contacts(recording)] = np.nan
@@ -319,7 +321,7 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
 
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
-    """Shade the time from the first row in which all derivatives are unknown to the end."""
+    """Shade the time from the first row without any known derivative to the end of the run."""
     unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]

@@ -20,36 +20,40 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation, Text
 
 DARK = 0.18  # a ground with less luminance is dark: white text has more contrast on it than black text
-# the least luminance of a colour on a dark ground, which on black has the contrast ratio 5; with a larger
-# number, blue and light blue would look alike
+# the least luminance of a colour on a dark ground; a colour with this luminance has the contrast ratio 5 on
+# black; with a larger least luminance, blue and light blue would look alike
 LEAST_LUMINANCE = 0.2
 # the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE_CONTRAST applies to colours,
-# and to greys from 0 (black) to TEXT, which are the greys of text and outlines. VISIBLE_CONTRAST applies to
-# greys between TEXT and LINES, which are those of lines. Greys above LINES, of areas and grids, have no least
-# ratio.
+# and to the greys of text and outlines, from 0 (black) to TEXT. VISIBLE_CONTRAST applies to the greys of
+# lines, between TEXT and LINES. The greys of areas and grids, above LINES, have no least ratio.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
-# The number of mixtures of a colour with white, or of the colours of ground and text, by increasing part of
-# white or text. The first mixture that is light enough is taken; for a grey the last one if none is.
+# The number of mixtures that are tried: of a colour with white, by increasing part of white; for a grey, of
+# the colours of ground and text, by increasing part of text. The first mixture that is light enough is taken;
+# for a grey, the last mixture if no mixture is light enough.
 MIXTURES = 41
-NEAR_WHITE = 0.999  # no mixture needs a larger luminance; that of white is 1 up to round-off
+# the largest luminance that is required of a mixture with white; it is less than 1 because the luminance of
+# white is 1 only up to round-off
+NEAR_WHITE = 0.999
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
-# colours of curves: UMBER, PLUM and OCHRE on white, where the other three are too pale for lines; YELLOW, SKY
-# and ORANGE on a dark ground
+# colours of curves: UMBER, PLUM and OCHRE on white; YELLOW, SKY and ORANGE, which are too pale for lines on
+# white, on a dark ground
 UMBER, PLUM, OCHRE = "#6b4c00", "#5c1a6e", "#c07f00"
 YELLOW, SKY, ORANGE = "#f0e442", "#8fd3ff", "#e69f00"
-# colour of a curve on white → the colour on a dark ground; mixed with white, the curve would look like others
+# colour of a curve on white → the colour that replaces it on a dark ground; only mixed with white, the colour
+# would look like that of another curve
 REPLACED = {UMBER: YELLOW, PLUM: SKY, OCHRE: ORANGE}
 NO_MARK = ("", "None", None)  # what matplotlib returns as the marker of a line without marks
 COLOURED = 0.3  # a colour with less saturation counts as a grey
-# On a dark ground, the distance of a grey from the ground, 0…1, is raised to this power. The distance becomes
-# larger, because greys near black are hard to see.
+# The distance of a grey from white, 0…1, raised to this power is the part of the text's colour in the mixture
+# with a dark ground. The power enlarges the part, because greys near black are hard to see.
 SPREAD = 0.8
-# [points] the width of the outline of a text; a line behind the text is not seen in the spaces between words
+# [points] the width of the outline of a text: so large that a line behind the text is not visible in the
+# spaces between words
 TEXT_OUTLINE = 4.0
-# The name of the colour map for time. Its colours change on a dark ground, because lines have them. Of any
-# other colour map, only the colour for missing values changes.
+# The name of the colour map for time. Its colours change on a dark ground, because lines are drawn in these
+# colours. Of any other colour map, only the colour for missing values changes.
 TIME = "time"
 ON_COLOUR = "on colour"  # the matplotlib identifier (gid) of a text on a coloured area, whose colour stays
 Colour = tuple[float, float, float, float]
@@ -116,7 +120,10 @@ class Ground(NamedTuple):
                         label.set_color(colour)
 
     def _opacity(self, least: float, colour: Any) -> float:
-        """Return the opacity of marks, at least ``least``, with which their colour is seen on this ground."""
+        """Return the least opacity, from ``least`` on, with which marks have VISIBLE_CONTRAST to the ground.
+
+        ``colour`` is the colour of the marks. The result is 1 if no opacity is enough.
+        """
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(colour))
         needed = least_luminance(self.ground, VISIBLE_CONTRAST)
         tried = np.linspace(least, 1.0, MIXTURES).tolist()
@@ -137,7 +144,8 @@ class Ground(NamedTuple):
     def _suited_each(self, colours: Any) -> Colour | list[Colour]:
         """Return the colours that replace the colours of a collection.
 
-        A single colour is returned without a list: for it, matplotlib accepts any number of opacities.
+        A single colour is returned without a list, because matplotlib accepts any number of opacities with a
+        colour that is not in a list.
         """
         each = [self.suited(colour) for colour in np.asarray(colours)]
         return each[0] if len(each) == 1 else each
@@ -180,8 +188,8 @@ def least_luminance(ground: Any, ratio: float) -> float:
 def lighter(colour: Any, least: float = 0.0) -> Colour:
     """Return a colour mixed with white: its luminance is at least LEAST_LUMINANCE and ``least``.
 
-    The part of white is about the least possible, and the opacity stays. A colour in REPLACED is replaced
-    before it is mixed.
+    But at most NEAR_WHITE is required. Of MIXTURES parts of white, the least that is enough is taken. The
+    opacity stays. A colour in REPLACED is replaced before it is mixed.
     """
     alpha = to_rgba(colour)[3]
     red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))

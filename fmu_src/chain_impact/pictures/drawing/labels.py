@@ -19,9 +19,9 @@ from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
 from chain_impact.pictures.drawing.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] the usual distance from a position to its label
-# The distances between a position and its label, relative to CLOSE, in the order in which they are tried.
-# NEARBY comes first: a label at such a distance has no leader, a line from its position to the label. Then
-# comes FAR, with a leader or, if leaders are not allowed, UNLED.
+# The distances between a position and its label, relative to CLOSE, in the order in which they are tried. A
+# leader is a line from the position to its label. Labels at the distances NEARBY, which come first, have no
+# leader. Then come the distances FAR, with a leader, or, if leaders are not allowed, UNLED.
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
 FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
@@ -30,14 +30,15 @@ FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 DIRECTIONS = 16
 TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
 COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
-# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED: [points] the
-# largest length of a leader on strong pixels; the two limits are tried in this order. OWN: [points] the first
-# part of a leader, which does not count for this limit, because the mark of the position is there.
+# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED: [points] two
+# limits of the length of a leader on strong pixels, in the order in which they are tried. OWN: [points] the
+# first part of a leader, which does not count for CROSSED, because the mark of the position is there.
 CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
 OWN_LINE = 4.5
-# [pixels] a leader crosses a strong pixel or another leader if both are at most this far from each other
+# [pixels] a pixel of a leader crosses a strong pixel, or a pixel of another leader, if the distance of both
+# pixels is at most this along x and along y
 CROSSING = 2
 BEYOND = 64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
 PAD = 1.0  # [points] the width of the border around a label that must be free, too
@@ -300,7 +301,7 @@ def _place(
         label: the label, with its position and the best direction from this position to the text.
         homes: the best boxes of the labels that are written later: two corners of each, shape (H, 2, 2).
         others: the positions of the other labels, shape (O, 2) [pixels]. Without leaders, the middle of the
-            text must be nearer to the label's position than to any of these.
+            text must not be nearer to one of ``others`` than to the label's own position.
         sizes: text → half of its width and height [pixels]; the texts are tried in the order of the dict.
         ink: the used pixels of the figure.
         steps: the distances from the position that are tried, in this order, relative to CLOSE.

@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 
 from matplotlib.text import Text
 
-# pattern of a space at which a line may end: not beside =, ≤ or ±, after +, or before a unit
+# pattern of a space at which a line may end: a space that is not beside =, ≤ or ±, not after +, and not
+# before a unit
 BREAKABLE_SPACE = re.compile(r"(?<![=≤±+]) (?![=≤±]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions of a run; lines end here if possible
 COMMA = ", "  # the text between two parts of a headline
@@ -19,15 +20,15 @@ HALVINGS = 8  # the number of steps of a bisection for the least width that need
 def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> None:
     """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
 
-    A part of the text is broken only if the part is longer than a line, or if whole parts would need more
-    than ``more`` additional lines. At the end of a line, the separator between two parts is left out, except
-    a comma.
+    A part of the text is broken only if the part is longer than ``room``, or if lines of whole parts would be
+    more than ``more`` lines more than necessary. At the end of a line, the separator between two parts is
+    left out, except a comma.
 
     Args:
         text: the text, which is changed.
         room: the width [pixels].
         parts: the separator between two parts.
-        more: how many additional lines are allowed so that parts stay whole.
+        more: how many lines more than necessary are allowed, so that parts stay whole.
     """
     whole, dropped = text.get_text(), parts if parts != COMMA else " "
 

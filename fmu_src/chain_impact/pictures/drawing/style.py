@@ -36,20 +36,20 @@ LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.
 
-The first four are from Okabe and Ito, Color Universal Design (2008); the other colours there, except black,
-are too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from
-the first four.
+The first four are from Okabe and Ito, Color Universal Design (2008), whose other colours, except black, are
+too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from the
+first four.
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
 """Greys: GREY of curves in the background, PALE of a grid's lines, INK of text and outlines."""
 OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground beyond walls, and where the chain may be only at some times."""
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
-"""The colours of the ground on which labels may stand: where the chain may be, and the two above."""
+"""The colours of the ground on which labels may stand."""
 # Parts of the text's colour in mixtures with the ground (``faint``). SHADE: for a time in which nothing
 # moves; LINE: for the line at an impact.
 SHADE, LINE = 0.05, 0.1
-# the colour map viridis without its end, which is too pale on white
+# the colour map viridis without its upper end, whose yellow is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 
 STYLE: Any = {
@@ -81,17 +81,18 @@ COLOURS: Any = {
         *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
     )
 }
-"""Settings with which every picture is drawn: black on white, whatever the user's style is.
+"""Settings with which a picture in a new figure is drawn: black on white, whatever the user's style is.
 
 If the user's style is dark, ``suit_figure`` changes the colours afterwards.
 """
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
-"""The groups of matplotlib's settings, such as ``font``, whose values a figure stores until it is drawn."""
+"""The groups of matplotlib's settings, such as ``font``, whose values a ``StyledFigure`` stores."""
 DPI = 160
 # [inch] FULL: the usual width of a figure; WIDE: the least width for two columns of axes
 FULL, WIDE = 10.0, 6.0
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
-# [inch] GAP: space below the headline, and below the conditions; LINE_GAP: between the lines in colours
+# [inch] GAP: space below the headline, and below the conditions; LINE_GAP: space between two of the coloured
+# lines below the headline
 GAP, LINE_GAP = 0.09, 0.02
 MOST_HEAD = 0.33  # conditions are left out if they and the headline are higher than this part of the figure
 # The largest height of all texts at the foot, relative to the height of the figure. FREE_FOOT: if the
@@ -197,7 +198,7 @@ def give_ticks(*axes: Axes) -> None:
 
 
 def scale_numbers(axis: Axis, factor: float) -> None:
-    """Write the values at the ticks of an axis times ``factor``; the caller writes the unit for this."""
+    """Write the values at the ticks of an axis times ``factor``; the caller writes the unit of the result."""
     if factor != 1.0:
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.10g}".replace("-", "−")))
 
@@ -236,7 +237,7 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
 
 
 def tells_peak(figure: Figure | None) -> bool:
-    """Return whether a figure has a text in PEAK_COLOUR below its headline, on the largest force."""
+    """Return whether a figure has a line in PEAK_COLOUR below its headline (``headline``)."""
     return figure is not None and any(text.get_gid() == PEAK_LINE for text in figure.texts)
 
 
@@ -274,13 +275,19 @@ def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | N
 
 
 def foot_of(figure: Figure) -> float:
-    """Return the height that is reserved for texts at the foot, relative to the height of the figure."""
+    """Return the height that is reserved for texts at the foot, relative to the height of the figure.
+
+    The result is 0 if the figure's layout is not constrained.
+    """
     engine = figure.get_layout_engine()
     return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
 
 
 def reserve(figure: Figure, top: float, bottom: float) -> None:
-    """Keep the fractions ``top`` and ``bottom`` of a figure's height free, if its layout is constrained."""
+    """Keep at least the fractions ``top`` and ``bottom`` of a figure's height free above and below its axes.
+
+    Nothing happens if the figure's layout is not constrained.
+    """
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, low, width, height = engine.get()["rect"]
@@ -290,7 +297,10 @@ def reserve(figure: Figure, top: float, bottom: float) -> None:
 
 
 def words_of(figure: Figure) -> dict[str, str]:
-    """Return the metadata of a picture's file: the headline, and all other texts except numbers at ticks."""
+    """Return the metadata of a picture's file: the headline as title; other texts as description.
+
+    The other texts are those of the figure and, of all axes, centred titles, labels, texts and legends.
+    """
     title = figure.get_suptitle()
     texts = [text.get_text().replace("\n", " ") for text in figure.texts if text.get_text() != title]
     for axes in figure.axes:

@@ -23,7 +23,10 @@ TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure
 
 @contextmanager
 def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
-    """Let a ``with`` block draw into a user's axes in the user's style; a dark ground gets suited colours."""
+    """Let a ``with`` block draw into a user's axes in the user's style.
+
+    If axes have a dark ground, the drawing in these axes gets colours for this ground.
+    """
     grounds = {
         panel: Ground(panel.get_facecolor(), panel.xaxis.label.get_color())
         for panel in axes
@@ -77,8 +80,8 @@ def _fit(axes: Axes, figure: Figure) -> None:
 def _room(axes: Axes, figure: Figure) -> Bbox:
     """Return the rectangle [pixels] that axes and their texts may take.
 
-    The rectangle ends TEXT_SPACE before the edges of the figure, and before the neighbouring axes with their
-    texts.
+    The rectangle ends TEXT_SPACE before the edges of the figure, and before other axes and their texts that
+    are beside, above or below.
     """
     own = axes.get_position(original=True)
     space = TEXT_SPACE * figure.dpi / 72.0

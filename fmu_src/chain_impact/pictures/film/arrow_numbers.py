@@ -96,10 +96,10 @@ def write_numbers(
 
 
 def is_free(box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], taken: Sequence[Bbox]) -> bool:
-    """Return whether a box for a number is within ``room`` and free of other things; all are in pixels.
+    """Return whether a number may be written in a box; all arguments are in pixels.
 
-    The box is free if it covers none of ``dots``, shape (D, 2), if its middle is outside of all ``bodies``,
-    and if it overlaps none of the boxes ``taken``.
+    The box must be within ``room``, cover none of ``dots``, shape (D, 2), and overlap none of the boxes
+    ``taken``. The middle of the box must be outside of all ``bodies``.
     """
     (low, high), (least, most) = box.get_points(), room.get_points()
     if (low < least).any() or (high > most).any() or any(map(box.overlaps, taken)):

@@ -34,7 +34,7 @@ class ArrowScale:
         self.peak, self.side = peak, side
 
     def length(self, force: float) -> float:
-        """Return the length of the arrow of a force [N], at least SHORTEST_ARROW times the side [m]."""
+        """Return the length [m] of the arrow of a force [N], at least SHORTEST_ARROW × side of the view."""
         # the length is LONGEST_ARROW · side · ∛(F / F_max) for the force F
         return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
 
@@ -45,10 +45,10 @@ class ArrowScale:
     def marks(self) -> list[tuple[float, str]]:
         """Return the distance from the ruler's left end [m], and the text, of each mark from right to left.
 
-        The first mark is the largest force, at the right end. The other marks are at most DECADES powers of
-        ten [N], from the largest one up to the largest force downwards. A power of ten is left out if it is
-        nearer to the left end than FIRST_MARK, or nearer to the mark at its right than MARK_GAP, both times
-        the length of the ruler.
+        The first mark is the largest force, at the right end. The other marks are powers of ten [N]: the
+        DECADES largest powers up to the largest force, in falling order. A power of ten is left out if its
+        mark would be nearer to the left end than FIRST_MARK × the length of the ruler, or nearer to the mark
+        at its right than MARK_GAP × this length.
         """
         highest, whole = math.floor(math.log10(self.peak)), LONGEST_ARROW * self.side
         marks, free = [(whole, force_text(self.peak, "N"))], whole

@@ -42,7 +42,7 @@ class Caption:
         """Write the caption for frame ``frame``, from 0, with the longest words that have room.
 
         The caption tells the latest impact whose caption has begun (``caption_starts``). It is empty before
-        the first caption begins, and more than CAPTION_FRAMES frames after the end of the latest impact.
+        the first caption begins, and more than CAPTION_FRAMES frames after the end of the told contact.
         """
         if not len(self.times):
             return
@@ -67,8 +67,9 @@ class Caption:
 def caption_starts(recording: Recording) -> np.ndarray:
     """Return the times [s] at which the captions of the impacts begin, shape (I,).
 
-    The caption of an impact in slow motion begins RAMP before the onset, or in the middle between the latest
-    end of earlier impacts and the onset, if this is later. Any other caption begins at the onset.
+    The caption of an impact in slow motion begins RAMP [s] before the onset or, if the latest end of earlier
+    impacts is less than 2 RAMP before the onset, in the middle between this end and the onset, but not after
+    the onset. Any other caption begins at the onset.
     """
     onsets = recording.impacts["onset"]
     ends = np.maximum.accumulate(

@@ -1,7 +1,7 @@
 """The charts beside the motion in a film: the energies over time and, below them, the largest forces.
 
-The axis of time is that of the screen: times in slow motion take more of it, so that the course of an impact
-is seen.
+The axis of time is proportional to the time on the screen: it is stretched in slow motion, so that the course
+of an impact is visible.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ FORCE = "#d9480f"  # the colour of wall forces in a film
 CHARTS = (0.69, 0.12, 0.29, 0.6)
 """The room for the charts: left, bottom, width and height, relative to the size of the figure."""
 # Lengths relative to the axis of time. EVEN: positions that differ by less look equal; TICK_GAP: the least
-# distance of two numbers; AT_END: a number that is beyond the end by at most this is at the end.
+# distance of two numbers; AT_END: a number beyond an end of the axis by at most this counts as at this end.
 EVEN, TICK_GAP, AT_END = 0.01, 0.13, 1e-9
 # heights of the chart of forces and of the space above this chart, relative to the height of the figure
 STRIP, ABOVE_STRIP = 0.13, 0.075
 
 
 def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: float) -> list[Line2D]:
-    """Draw the charts; return the vertical line at a frame's time in each chart, that of energies first.
+    """Draw the charts; return a vertical line, the cursor, of each chart; the chart of energies is first.
 
     ``times`` has the time of the recording that each of the F frames shows [s], ascending, shape (F,).
     Without forces at walls or in joints there is no chart of forces. The legend of the energies must end
@@ -55,10 +55,11 @@ def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: fl
 
 
 def stretch(axes: Axes, times: np.ndarray) -> bool:
-    """Stretch an axis of time in slow motion, so that the cursor moves evenly; return whether this was done.
+    """Stretch an axis of time where the film is slow, so that the cursor moves evenly.
 
-    The numbers are times of the recording. ``times`` is as in ``draw_charts``. An axis stays as it is if the
-    frames do not show the whole axis, or if the cursor moves nearly evenly on it (EVEN).
+    The numbers are times of the recording. ``times`` is as in ``draw_charts``. The axis stays as it is, and
+    the result is False, if the frames do not show the whole axis, or if the cursor moves nearly evenly on the
+    unstretched axis (EVEN). Otherwise the result is True.
     """
     frames, ends = np.linspace(0.0, 1.0, len(times)), axes.get_xlim()
     give_ticks(axes)
@@ -83,7 +84,7 @@ def stretch(axes: Axes, times: np.ndarray) -> bool:
 def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
     """Return "wall" → largest normal force at walls, "joint" → largest force in joints; both (T,) [N].
 
-    Stops of a slider count as walls, stops of joints do not. A name whose forces are unknown or always 0 is
+    Stops of a slider count as walls, stops of joints do not. An entry whose forces are unknown or always 0 is
     left out.
     """
     at_walls = [touch.force for touch in recording.touches if touch.kind in (WALL, SLIDER_STOP)]
@@ -114,7 +115,7 @@ def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
         key = axes.legend(**position, ncols=columns, fontsize=8, handlelength=1.0, columnspacing=1.0)
         if key.get_window_extent().x1 <= axes.figure.bbox.x1:
             break
-    # the axes become lower for a legend of many rows, so that the legend does not touch the caption
+    # for a legend of many rows, the axes become lower, so that the legend does not touch the film's caption
     box = axes.get_position()
     above = (key.get_window_extent().y1 - top) / axes.figure.bbox.height
     axes.set_position((box.x0, box.y0, box.width, box.height - max(0.0, above)))

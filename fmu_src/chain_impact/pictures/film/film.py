@@ -41,7 +41,7 @@ FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.lab
 FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
 ROOM = (7.0, 3.9375)  # [inch] the least width and height of a figure with charts
-# position and size of the axes: left, bottom, width and height, relative to the size of the figure
+# the axes with the chain: left, bottom, width and height, relative to the size of the figure
 SCENE = (0.02, 0.09, 0.6, 0.79)
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
 CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.832)
@@ -60,13 +60,13 @@ class Film:
     def __init__(
         self, figure: Figure, recording: Recording, times: np.ndarray, ground: Ground | None = None
     ) -> None:
-        """Draw the parts that do not move.
+        """Draw the parts that do not move, and prepare the other parts for ``show``.
 
         Args:
             figure: an empty figure.
             recording: the recording to show.
             times: the time of the recording that each of the F frames shows [s], shape (F,).
-            ground: the colours of the style in use, if it is dark.
+            ground: the colours of the style in use, if the style is dark; else None.
         """
         self.recording, self.times, self.ground = recording, times, ground
         self.points = np.stack(
@@ -134,7 +134,7 @@ class Film:
             figure.set_facecolor(self.ground.ground)
 
     def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
-        """Return vectors at the times of the frames, shape (F, 2), from ``vectors`` in each row, (T, 2)."""
+        """Return vectors at the times of the frames, shape (F, 2), interpolated between rows, (T, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
     def _rings(self) -> tuple[Line2D, np.ndarray]:
@@ -182,7 +182,7 @@ class Film:
         return [*draw_room(self.scene, self.view, walls), *pin]
 
     def _moved_room(self, frame: int) -> list[Artist]:
-        """Draw walls and the base's mark anew for a frame; return the artists; [] if none of them moves."""
+        """Draw walls and the base's mark anew for a frame; return the artists; [] if neither ever moves."""
         if not self.room_moves:
             return []
         for artist in self.room:
@@ -193,7 +193,7 @@ class Film:
         return self.room
 
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
-        """Move the chain to its pose in a frame; return the artists to draw, in order.
+        """Move chain, walls, forces and texts to a frame; return the artists to draw, in order.
 
         Args:
             frame: the index of the frame, from 0.
@@ -239,8 +239,8 @@ class Film:
     def _forces(self, frame: int) -> Iterator[Artist]:
         """Draw and yield the forces in a frame.
 
-        These are arrows of forces with a bar at a contact that sticks, marks of moments at stops and of
-        joints and sliders that stick, and the numbers of forces and moments.
+        A force has an arrow, and a contact that sticks a bar along the wall. A moment at a stop of a joint
+        has a mark, and so has a joint or slider that sticks. Forces and moments have numbers.
         """
         for artist in self.moving:
             artist.remove()
@@ -275,9 +275,9 @@ class Film:
         return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
-        """Add an arrow for the force in each joint in a frame; the largest force gets its value if this fits.
+        """Add an arrow for the force in each joint in a frame; a number is wanted for the largest only.
 
-        A force that is too small for ``ArrowScale.shows`` has neither arrow nor value.
+        A force that is too small for ``ArrowScale.shows`` has neither arrow nor number.
         """
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)

@@ -94,7 +94,7 @@ def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray])
 
 
 def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
-    """Return where each wall meets the line of a ball: name of the wall → coordinate, shape (T,) [m].
+    """Return where each wall in view meets the line of a ball: name of wall → coordinate, shape (T,) [m].
 
     ``along`` is the axis along which the ball moves, and so the axis of this coordinate: 0 for x, 1 for y.
     """

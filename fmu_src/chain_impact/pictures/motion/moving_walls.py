@@ -17,8 +17,8 @@ from chain_impact.recording.view import pin_mark
 
 FAINT_WALLS = 8  # the number of faint positions of a moving wall, at equal distances in time
 FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows with equally spaced indices
-# [1] The trace of a moving wall is that of one of its points: the distance of this point from an end of the
-# wall's visible part, relative to the length of this part.
+# [1] the distance of the point whose path is the trace of a moving wall (``_wall_trace``) from an end of the
+# wall's visible part, relative to the length of the visible part
 TRACE_GAP = 0.04
 
 
@@ -56,7 +56,8 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
 def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
     """Draw the ground mark of a moving base at start and end, faintly in between, and the base's trace.
 
-    If the base moves less than the size of its mark, there is one mark, because more would cover each other.
+    If the base moves less than the size of its mark, only the mark at the start is drawn, because several
+    marks would cover each other.
     """
     bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
     line_style: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}

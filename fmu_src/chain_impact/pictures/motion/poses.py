@@ -19,11 +19,11 @@ MOST_STRONG_POSES = 6
 CANDIDATES = 60  # largest number of impacts, the fastest ones, among whose poses strong poses are chosen
 FAINT_POSES = 40  # the largest number of faint poses, from rows with equally spaced indices
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
-# STRONG_APART of strong ones. The pose at the fastest impact is always kept.
+# STRONG_APART of strong poses. Of the strong poses, the pose at the fastest impact is always drawn.
 FAINT_APART, STRONG_APART = 0.03, 0.1
-# RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end covers it;
-# COVERED_WITHIN: this is so if every point ends nearer to its start than this, relative to the size of the
-# motion
+# RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end covers it.
+# COVERED_WITHIN: the chain at the end covers the chain at the start if the distance of each point's end from
+# its start is smaller than this, relative to the size of the motion.
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 
 
@@ -54,8 +54,8 @@ def strong_times(recording: Recording) -> list[float]:
     """Return the times [s] of the strong poses between start and end, in order.
 
     These are the onsets of at most MOST_STRONG_POSES of the CANDIDATES fastest impacts. The fastest impact is
-    one of them. Slower impacts follow, the faster ones first, if their pose differs (``apart``) from the
-    poses at start, at end, and at all impacts that are chosen before.
+    chosen in any case. A slower impact is chosen, the faster ones first, if the pose at its onset differs
+    (``apart``) from the poses at start, at end, and at all impacts that are chosen before.
     """
     onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
     if not onsets:

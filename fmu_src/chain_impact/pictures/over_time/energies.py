@@ -16,11 +16,12 @@ from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPL
 from chain_impact.pictures.over_time.time_axis import mark_impacts, over_all_time
 from chain_impact.recording.recording import Recording
 
-# The curve of an energy is dashed if, in at least the part MOSTLY of all rows, it differs from an earlier
-# curve by at most ALIKE, relative to the range of all curves. The curve of the total energy does not count.
+# The curve of an energy except the total energy is dashed if, in at least the part MOSTLY of all rows, the
+# curve differs from an earlier one by at most ALIKE, relative to the range of all curves. The curve of the
+# total energy is neither an earlier one nor in the range.
 ALIKE, MOSTLY = 0.03, 0.8
-# the zero of the potential energy is moved if the range of all energies (``range_of``) is then smaller than
-# this, relative to the range with the usual zero
+# the zero of the potential energy is moved if the move makes the range of all energies (``range_of``) smaller
+# than this part of the range with the usual zero
 CLOSER = 0.8
 ENERGY_PARTS = {"friction": BROWN}
 """Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``."""
@@ -37,8 +38,8 @@ ENERGIES = {
 """Name of an energy → its colour in all pictures."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
 VISIBLE_ELASTIC = 0.01
-# Energies whose |values| are all less than this, relative to the largest |value| of any energy, look like one
-# line at 0; more than MOST_GREY such energies are drawn as a band.
+# An energy whose |values| are all less than this, relative to the largest |value| of any energy, looks like a
+# line at 0; more than MOST_GREY of these energies are drawn as a band (``tiny_curves``).
 TINY = 0.05
 
 
@@ -62,8 +63,8 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 
     The values are those of ``recording.detailed_energies``, but ``without_gap`` may have added a number [J]
     to the potential and the total energy. If so, the labels of these two energies tell the number. The curve
-    of the total energy is wide and behind other curves. Another curve is dashed if it would hide an earlier
-    curve, or if its energy is in ENERGY_PARTS.
+    of the total energy is wide, behind other curves, and never dashed. Any other curve is dashed if it would
+    hide an earlier curve other than that of the total energy, or if its energy is in ENERGY_PARTS.
     """
     shown, offset = shown_energies(recording)
     if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):

@@ -18,7 +18,10 @@ TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to t
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
-    """Draw a bar with the colour of each time in the panel of the motion, above the label of the time."""
+    """Draw a bar over the shown time in the colours that times have in the panel of the motion.
+
+    The label of the axis of time is below the bar.
+    """
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, shown.start + 1e-9)
     axes.set_axes_locator(_slim)
@@ -40,7 +43,8 @@ def _slim(axes: Any, _: Any) -> Bbox:
 def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
     """Give the x axis the label and the limits of the shown time.
 
-    The label also has words on a rest that is shaded or cut off; without a rest, the label has the ``note``.
+    The label also has words on times without motion, which are shaded or cut off. Without such times, the
+    label has the ``note``.
     """
     shown = shown_time(recording)
     margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
@@ -51,7 +55,7 @@ def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
 
 
 def name_time(axes: Axes, end: float) -> str:
-    """Return the name of an x axis of time up to ``end`` [s], with the unit that the numbers get here."""
+    """Return the name of an x axis of time up to ``end`` [s], with a unit; write the numbers in this unit."""
     factor, unit = time_unit(end)
     scale_numbers(axes.xaxis, factor)
     return f"time [{unit}]"

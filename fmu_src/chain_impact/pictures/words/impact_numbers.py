@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 MOST_LISTED = 5  # the largest number of numbers and ranges that a text at the foot lists
 # MOST_IN_LABEL: the largest number of items in a label; an item is an impact, or a range such as "1–81".
-# LISTED_OF_MANY: if there are more items, the label lists so many impacts, and counts all other impacts.
+# LISTED_OF_MANY: how many impacts a label lists if there are more items; all other impacts are counted.
 MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
 
 
@@ -40,8 +40,8 @@ def listed(numbers: Iterable[int]) -> str:
 def listed_or_counted(numbers: Sequence[int], count: int) -> str:
     """Return numbers of impacts as text, such as "3, 7–9".
 
-    With more than MOST_LISTED numbers and ranges, the text only tells how many numbers these are: "31 of 81",
-    where ``count`` is the number of all impacts.
+    If the text would have more than MOST_LISTED items (numbers or ranges), it tells only how many different
+    ``numbers`` there are: "31 of 81". ``count``, here 81, is the number of all impacts.
     """
     text = listed(numbers)
     return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of {count}"

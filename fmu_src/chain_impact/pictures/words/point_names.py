@@ -26,7 +26,7 @@ def short(name: str) -> str:
 
 
 def what_touches(recording: Recording, impact: np.void) -> str:
-    """Return words for what touches in an impact: "ball" for the point of a ball, else ``toucher``."""
+    """Return words for what touches in an impact: "ball" for a ball at a wall, else ``recording.toucher``."""
     is_ball = ball_of(recording) == impact["point"] and not recording.is_stop(impact["wall"])
     return "ball" if is_ball else recording.toucher(impact)
 
