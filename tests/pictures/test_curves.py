@@ -1,13 +1,15 @@
 """Pictures of any outputs over time."""
 
-# Tests: recording/curves.py
+# Tests: pictures/curve_looks.py, recording/curves.py
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 from chain_impact import UnknownNameError, load_scene, simulate
-from chain_impact.pictures.curves import extremes, largest_vectors, looks_of
+from chain_impact.pictures.curve_looks import looks_of
+from chain_impact.pictures.curves import extremes, largest_vectors
+from chain_impact.pictures.drawing.style import LOAD, PALETTE, PEAK_COLOUR
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.curves import CLOSE_TIMES, Curves
 from tests.pictures.pictures import WIDTHS, check_texts
@@ -150,6 +152,24 @@ def test_an_owner_has_one_look_in_all_panels():
     places: dict[str, int] = {}
     assert looks_of(["link[1].angle", "link[2].angle", "link[3].angle"], places) == [0, 1, 2]
     assert looks_of(["link[3].angular_velocity", "point[1].vx"], places) == [2, 0]
+
+
+def test_the_contacts_of_a_point_have_the_colour_of_the_point():
+    places: dict[str, int] = {}
+    assert looks_of(["point[2].y", "point[4].y"], places) == [0, 1]
+    contacts = ["contact[4].x_max.force", "contact[4].y_min.force", "contact[2].y_min.force"]
+    assert looks_of(contacts, places) == [1, 1 + len(PALETTE), 0]  # the second wall has dashes
+    assert looks_of([f"contact[4].wall{k}.force" for k in range(4)], places) == [0, 1, 2, 3]
+
+
+@pytest.mark.full("takes long")
+def test_words_have_a_colour_only_if_the_picture_has_a_mark_of_it(result):
+    narrow = (WIDTHS[0], None)
+    of_curves = result.plot(curves="point[*].y", size=narrow)
+    assert {text.get_color() for text in of_curves.texts}.isdisjoint({PEAK_COLOUR, LOAD})
+    overview = result.plot(size=narrow)
+    assert PEAK_COLOUR in {text.get_color() for text in overview.texts}
+    assert LOAD not in {text.get_color() for text in overview.texts}
 
 
 @pytest.mark.full("takes long")

@@ -330,6 +330,12 @@ def test_legends_have_each_entry_once():
     fit_legends(first.figure)
     assert first.get_legend() is not None
     assert second.get_legend() is not None, "another look"
+    first, second = Figure((4.0, 6.0)).subplots(2)
+    legend_above(first, [Patch(label="sticks")])
+    legend_above(second, [Patch(label="sticks"), Patch(label="slides")])
+    fit_legends(first.figure)
+    labels = [text.get_text() for text in second.get_legend().get_texts()]
+    assert labels == ["sticks", "slides"], "an incomplete legend would mislead"
 
 
 def test_a_legend_in_two_rows_is_read_row_by_row():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.curve_looks import DASHES, looks_of, shared_part
 from chain_impact.pictures.drawing.distinct_curves import hides, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
@@ -38,7 +38,6 @@ from chain_impact.recording.text import LOAD_UNITS, few, plural
 from chain_impact.scene.words.names import AXES, name_parts
 from chain_impact.scene.words.unit_text import in_brackets, unit_text
 
-DASHES = ("-", "--", ":")
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
@@ -301,28 +300,6 @@ def draw_all(
     return found
 
 
-def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
-    """Return, for each output of a panel, the index from 0 that determines the curve's colour and dashes.
-
-    The index belongs to the owner of the output, such as a point: ``places`` has owner → index. An owner
-    keeps its index from earlier panels. A new owner gets an index that is free in this panel, and is added to
-    ``places``.
-
-    In three cases the outputs are numbered in their order, from 0, and ``places`` does not change: two
-    outputs of the panel have the same owner; two owners in the panel have the same index from earlier panels;
-    or an index from earlier panels is not below the number of colours.
-    """
-    owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
-    known = [places.get(owner, -1) for owner in owners]
-    earlier = [number for number in known if number >= 0]
-    if len({*owners}) < len(owners) or len({*earlier}) < len(earlier) or max(known) >= len(PALETTE):
-        return list(range(len(names)))
-    free = (number for number in range(2 * len(names)) if number not in earlier)
-    numbers = [number if number >= 0 else next(free) for number in known]
-    places |= zip(owners, numbers, strict=True)
-    return numbers
-
-
 def whole_name(name: str) -> str:
     """Return the label of a panel with one curve: ``name``, if long (LONGEST) with the quantity in line 2."""
     quantity = shared_part([name])
@@ -388,12 +365,3 @@ def short_name(name: str, names: Sequence[str]) -> str:
     """
     shared = shared_part(names) if len(names) > 1 else ""
     return name.removesuffix(f".{shared}")
-
-
-def shared_part(names: Sequence[str]) -> str:
-    """Return the part behind the last dot of some names if all names share this part; "" otherwise.
-
-    For a component of a vector, the last part includes the name of the vector: "force.x".
-    """
-    last = {re.sub(r".*?((?:\w+\.)?[xy]|\w+)$", r"\1", name) for name in names}
-    return last.pop() if len(last) == 1 else ""

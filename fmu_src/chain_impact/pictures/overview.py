@@ -90,7 +90,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     """
     shown = panels_to_draw(recording, panels)
     if title is not None:
-        write_head(figure, recording, title)
+        write_head(figure, recording, title, panels=shown)
     late = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown else ""
     notes = (
         full_names(recording),

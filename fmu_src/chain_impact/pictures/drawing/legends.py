@@ -61,9 +61,9 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break each legend above its axes into rows, as few as fit into the width of the axes.
 
-    In a narrow figure, an entry that the legend of earlier axes has, too, with the same look, is removed, and
-    so is a legend without entries. ``wanted`` are the axes whose legends are broken, in order; by default all
-    axes of the figure. Returns whether a legend has changed its size or was removed.
+    In a narrow figure, a legend is removed if the legends of earlier axes have all entries of this legend,
+    with the same looks. ``wanted`` are the axes whose legends are broken, in order; by default all axes of
+    the figure. Returns whether a legend has changed its size or was removed.
     """
     is_changed = False
     known: set[tuple[str, ...]] = set()
@@ -71,20 +71,18 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         legend: Any = axes.get_legend()
         if legend is None or legend.get_gid() != MARK:
             continue
-        before = legend.get_window_extent().size
-        labels = [text.get_text() for text in legend.get_texts()]
-        entries = list(zip(legend.legend_handles, labels, strict=True))
-        kept = [(handle, label) for handle, label in entries if (label, *_look(handle)) not in known]
-        if is_narrow(figure):
-            known.update((label, *_look(handle)) for handle, label in kept)
-        if len(kept) < len(entries):
+        labels = (text.get_text() for text in legend.get_texts())
+        entries = {(label, *_look(mark)) for mark, label in zip(legend.legend_handles, labels, strict=True)}
+        if entries <= known:
             legend.remove()
-            _put(axes, kept)
-        if kept:
-            axes.apply_aspect()
-            legend = axes.get_legend()
-            _fill_rows(legend, axes.get_window_extent().width)
-        is_changed |= not kept or not np.allclose(legend.get_window_extent().size, before)
+            is_changed = True
+            continue
+        if is_narrow(figure):
+            known |= entries
+        before = legend.get_window_extent().size
+        axes.apply_aspect()
+        _fill_rows(legend, axes.get_window_extent().width)
+        is_changed |= not np.allclose(legend.get_window_extent().size, before)
     return is_changed
 
 

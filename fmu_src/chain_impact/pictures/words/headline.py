@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,6 +39,7 @@ SAME_PEAK = 1e-3
 LITTLE_SUPPLIED = 0.01
 # words for the impulse of a contact, and for the part of this impulse without the time integral of the force
 IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
+MARKING = ("motion", "impact", "impacts")  # the panels of an overview that mark the impact with the peak
 SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
 
 
@@ -114,27 +116,36 @@ def hit(recording: Recording, impact: np.void) -> str:
     return f"{what_touches(recording, impact)} hits {recording.wall_names[impact['wall']]}"
 
 
-def write_head(figure: Figure, recording: Recording, title: str, *first: str, row: int | None = None) -> None:
+def write_head(
+    figure: Figure,
+    recording: Recording,
+    title: str,
+    *first: str,
+    row: int | None = None,
+    panels: Sequence[str] = (),
+) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
     The headline is ``title`` or, if ``title`` is "", the result of ``message``. ``first`` are texts that
-    stand before the results; with such a text, the results lack the largest force in a joint (``load_text``).
-    The results tell the impacts of ``peaks`` or, if ``row`` is given, the impact in this row.
+    stand before the results. ``row`` is for a picture of a single impact: the row of this impact; the results
+    then tell only this impact. ``panels``: the names of the panels of an overview.
 
-    In a narrow figure without a ``title``, the message is short. The first of the told impacts then has a
-    line of its own below the message, and the rest of the message stands among the conditions. In any narrow
-    figure, the largest force in a joint has a line of its own.
+    In a narrow figure without a ``title``, the message is short. The impact of the first of ``peaks`` then
+    has a line of its own below the message, and the rest of the message stands among the conditions. In any
+    narrow figure, the largest force in a joint (``load_text``) has such a line. A line has the colour of the
+    mark if a panel has a mark.
     """
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
     lines: list[tuple[str, str]] = []
     if short and most and not title:
+        is_marked = most[0].equal == 1 and not {*panels}.isdisjoint(MARKING)
         first_told = told.pop(0).removeprefix(f"{most[0].words} in ")
-        lines.append((first_told, PEAK_COLOUR if most[0].equal == 1 else INK))
+        lines.append((first_told, PEAK_COLOUR if is_marked else INK))
     # a picture of curves gives texts in ``first``, on what it draws, instead of the largest force in a joint
     load = "" if any(first) else load_text(recording)
     if short and load:
-        lines.append((load, LOAD))
+        lines.append((load, LOAD if "motion" in panels and recording.loads else INK))
     results = [*first, *told, "" if short else load]
     if short and not title:
         results += [*([counted(recording)] if most else []), *lost_and_supplied(recording)]

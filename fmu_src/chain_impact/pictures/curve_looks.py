@@ -1,0 +1,60 @@
+"""The colours and dashes of curves of outputs: what belongs to one point has one colour in all panels."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+from chain_impact.pictures.drawing.style import PALETTE
+
+DASHES = ("-", "--", ":")
+
+
+def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
+    """Return, for each output of a panel, the index from 0 that determines the curve's colour and dashes.
+
+    The colour is that of the index modulo the number of colours, the dashes those of the quotient. The index
+    belongs to the ``body_of`` the output: ``places`` has body → index. A body keeps its index from earlier
+    panels. A new body gets an index that is free in this panel, and is added to ``places``. Of several
+    outputs of one body, such as contacts of a point with two walls, the later ones have other dashes.
+
+    In four cases the outputs are numbered in their order, from 0, and ``places`` does not change: two outputs
+    of the panel have the same owner; two bodies in the panel have the same index from earlier panels; an
+    index from earlier panels is not below the number of colours; or there are too few dashes.
+    """
+    owners = [owner_of(name) for name in names]
+    bodies = [body_of(owner) for owner in owners]
+    different = list(dict.fromkeys(bodies))
+    known = [places.get(body, -1) for body in different]
+    earlier = [number for number in known if number >= 0]
+    free = (number for number in range(2 * len(names)) if number not in earlier)
+    numbers = {body: k if k >= 0 else next(free) for body, k in zip(different, known, strict=True)}
+    looks, before = [], Counter[str]()
+    for body in bodies:
+        looks.append(numbers[body] + len(PALETTE) * before[body])
+        before[body] += 1
+    is_unclear = len({*owners}) < len(owners) or len({*looks}) < len(looks)
+    if is_unclear or max(known) >= len(PALETTE) or max(looks) >= len(PALETTE) * len(DASHES):
+        return list(range(len(names)))
+    places |= numbers
+    return looks
+
+
+def owner_of(name: str) -> str:
+    """Return the owner of an output, such as point[2] or contact[2].y_min: the name without the quantity."""
+    return name.removesuffix(f".{shared_part([name])}")
+
+
+def body_of(owner: str) -> str:
+    """Return the point that touches if the owner of an output is a contact, else the owner."""
+    return re.sub(r"^contact(\[\d+\])\..*", r"point\1", owner)
+
+
+def shared_part(names: Sequence[str]) -> str:
+    """Return the part behind the last dot of some names if all names share this part; "" otherwise.
+
+    For a component of a vector, the last part includes the name of the vector: "force.x".
+    """
+    last = {re.sub(r".*?((?:\w+\.)?[xy]|\w+)$", r"\1", name) for name in names}
+    return last.pop() if len(last) == 1 else ""
