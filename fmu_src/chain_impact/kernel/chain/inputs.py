@@ -36,9 +36,9 @@ REINITIALIZE, CONTINUES = 1, 2
 UNEXPLAINED_PART = 0.05
 # the displacement, relative to the longest link, that round-off adds to both bounds of the difference
 UNEXPLAINED_DISPLACEMENT = 1e-9
-# Two lengths count as 0 up to this part of the size of a cubic: the jump of the acceleration at its start
-# times its squared duration, and its coefficient of x³. The size is the sum of the absolute positions at both
-# ends and of the absolute velocities there times half the duration.
+# Two lengths of a cubic count as 0 up to ACCELERATION_ROUND_OFF times its size: the jump of the acceleration
+# at its start times its squared duration, and its coefficient of x³. The size is the sum of the absolute
+# positions at both ends and of the absolute velocities there times half the duration.
 ACCELERATION_ROUND_OFF = 1e-14
 # A cubic motion that lasts a time h counts as fast as a sine of the angular frequency CUBIC_CHANGE/h [rad/s],
 # which is stored as `change_rate`. The value is small, because a cubic has no sixth derivative, to which the
@@ -132,7 +132,8 @@ def set_inputs(d, time):
 def set_from_signals(d, time):
     """Set the inputs that signals drive to their values at a ``time`` [s].
 
-    The rate of a driven target sets the target velocity. Prescribed motions are set by ``move_channels``.
+    If a signal drives the target of a drive, the signal's rate sets the target velocity. Prescribed motions
+    are set by ``move_channels``.
     """
     for j in range(d.signals):
         k, i = d.signal.input[j], d.signal.index[j]

@@ -6,10 +6,10 @@ present segment begins. In a signal of the form SINE a sine is added to the poly
 
     u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
 
-with the sine's start, its amplitude a, phase ψ, frequency f and rate of change ḟ of the frequency; r rises
-from 0 to 1, or is 1 from the start on. A step ends where a segment ends, and the next segment begins with the
-next step (events/segments.py). So the step that ends at a jump of a signal uses the value before the jump,
-and the next step the value after the jump.
+with the sine's start, its amplitude a, phase ψ, frequency f at the start and rate of change ḟ of the
+frequency; r rises from 0 to 1, or is 1 from the start on. A step ends where a segment ends, and the next
+segment begins with the next step (events/segments.py). So the step that ends at a jump of a signal uses the
+value before the jump, and the next step the value after the jump.
 
 If a signal is the velocity or the acceleration of a base, a wall or a belt, this module integrates the signal
 to a position, so that position, velocity and acceleration always agree; the polynomials of a table are given
@@ -157,9 +157,9 @@ def signal_rate(d, j):
 
     For a sine that has begun, it is the largest angular frequency of the sine in the step. For a polynomial
     of a degree above 3, as of a smooth ramp, it is π divided by the duration of the segment, as if the
-    segment were half a period of a cosine: such a polynomial can rise and fall within a step of which neither
-    the values nor the rates at both ends show it. For a polynomial of degree 3 or less the result is 0,
-    because its values and rates at both ends of a step determine it.
+    segment were half a period of a cosine: it can rise and fall within a step, though its values and rates at
+    both ends of the step do not show this. For a polynomial of degree 3 or less the result is 0, because its
+    values and rates at both ends of a step determine it.
     """
     if is_sine(d, j):
         return largest_frequency(d, j)
@@ -290,7 +290,7 @@ def derive_signals(d, time):
 
 
 def begin_signal(d, j, time):
-    """Let signal j begin at a ``time`` [s]: set the segment that contains this time.
+    """Let signal j begin at a ``time`` [s]: set the segment that contains this time, or else the first one.
 
     For a periodic table, the number of its repetition at this time is set, too; this number may be negative.
     """
@@ -377,8 +377,8 @@ def integrate(d, j, time):
 def signals_are_valid(d):
     """Return whether all signals are valid.
 
-    The knots must be finite, and their times must not decrease. If a sine is integrated, its frequency and
-    the frequency's rate of change must not both be 0.
+    Times and coefficients of the knots must be finite, and the times must not decrease. If a sine is
+    integrated, its frequency and the frequency's rate of change must not both be 0.
     """
     signal = d.signal
     for j in range(d.signals):
@@ -389,7 +389,8 @@ def signals_are_valid(d):
             total += d.knot.time[k]
             for p in range(SIGNAL_DEGREE + 1):
                 total += d.knot.powers[k, p]
-        # sines.py has no integral of a sine with frequency 0: its formulas divide by the frequency
+        # sines.py has no integral of a sine that has the frequency 0 at all times: its formulas divide by the
+        # frequency
         still = signal.form[j] == SINE and signal.frequency[i] == 0.0 and signal.frequency_rate[i] == 0.0
         if not math.isfinite(total) or (still and signal.order[j] > 0):
             return False

@@ -1,4 +1,4 @@
-"""Sites: points fixed to links beside the joints, such as the heel of a foot or the corner of a brick.
+"""Sites: additional points that are fixed to links, such as the heel of a foot or the corner of a brick.
 
 A site lies at x along the line of its link, from the proximal joint, and at y to the left of the line. With
 the vector L along the link and L⊥ = ẑ × L, the arm from the proximal joint to the site is
@@ -106,7 +106,7 @@ def has_link_moments(d):
 def clear_link_moments(d, load):
     """Set the moments on all links in ``load`` to zero, if the scene can have any (``has_link_moments``).
 
-    Such moments come from forces beside the joints; the torques of drives are in ``scratch.moment``.
+    The torques of drives are not among these moments: they are in ``scratch.moment``.
     """
     for i in range(d.links if has_link_moments(d) else 0):
         load.link[i] = 0.0

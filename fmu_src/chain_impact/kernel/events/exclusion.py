@@ -1,9 +1,9 @@
 """Clearances at the two ends of a step, and a test of them that excludes events without a search.
 
-φ is the clearance of a candidate without contact, and the penetration of a candidate in contact. For the
-regularized contact φ is u, the root of the penetration over the expected penetration (ode/sundman.py). φ′ and
-φ″ are the derivatives of φ in the integration variable of the step, φ̇ and φ̈ those in time. δ is the
-penetration, and v₀ the impact speed in the law.
+φ is the clearance of a candidate without contact, and the penetration of a candidate in contact; in contact
+with a rigid wall φ is infinite. For the regularized contact φ is u, the root of the penetration over the
+expected penetration (ode/sundman.py). φ′ and φ″ are the derivatives of φ in the integration variable of the
+step, φ̇ and φ̈ those in time. δ is the penetration, and v₀ the impact speed in the law.
 """
 
 import math
@@ -16,11 +16,11 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, t
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
 
 # [rad] If a link turns, or the phase of an input advances, by SMALL_TURN or more in an explicit step, the
-# estimate of the interpolant's error is not valid, and the step is searched.
+# estimate of the interpolant's error is not valid, and the step is searched for events.
 SMALL_TURN = 1.0
 # In ``stays_positive``, the least Bernstein coefficient of a clearance or penetration must exceed the limit
-# by this part of the range of all coefficients. Without the margin, round-off or a wrong estimate of the
-# interpolant's error could exclude an event that happens.
+# of the test by BERNSTEIN_MARGIN times the range of all coefficients. Without the margin, round-off or a
+# wrong estimate of the interpolant's error could exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
 # The impact speed v₀ is latched at the onset of the contact. If the rate δ̇ of the penetration later exceeds
 # RELATCH_RATIO times v₀, v₀ is multiplied by this ratio. In a usual impact gravity adds only a thousandth to
@@ -154,9 +154,9 @@ def distance_per_radian(d):
 def remains_far(d):
     """Return whether, by an estimate, the last step has no event that ``excludes_events`` excludes.
 
-    The result is true if all candidates without contact are far from touching, and no contact has a force
-    law, except a regularized contact that lasts, keeps its impact speed v₀ and crosses no kink. If the result
-    is true, FAR is remembered.
+    The result is true only if all candidates without contact are far from touching, and no contact has a
+    force law, except a regularized contact that lasts, keeps its impact speed v₀ and crosses no kink. If the
+    result is true, FAR is remembered.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
@@ -195,7 +195,7 @@ def nearly_fast(d, c):
 
 
 def stays_positive(d, c, error):
-    """Return whether φ of candidate c exceeds ``error`` − ``harmless_depth`` [m] in the whole last step.
+    """Return whether φ of candidate c surely exceeds ``error`` − ``harmless_depth`` [m] in the last step.
 
     φ is the clearance or, in contact, the penetration; the result has no meaning for the regularized contact.
     The value of φ at the start of the step is not tested. The test uses the quintic Hermite interpolant of φ,

@@ -6,12 +6,13 @@ friction. Otherwise it slides: a motion begins, and friction acts against this m
 
     sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
 
-F_t is the friction force along t with the coefficient µ_s of static friction, F_n the normal force, s = ±1
-the direction of sliding, and t·a the tangential acceleration. Motion, rest and t·a at a wall are relative to
-its belt. The modes of elements at rest are found by pivoting, as in ``solve_lcp``. In each pivot all elements
-that violate the condition of their mode change their modes, and all other elements keep their modes. The
-pivots end when no element violates its condition. If the number of violations stops falling before, the modes
-follow from forces within the limits of friction (rows/limits.py); such forces always exist.
+F_t is the friction force along t, µ_s the coefficient of static friction, F_n the normal force, s = ±1 the
+direction of sliding, and t·a the tangential acceleration. In a joint or slider the given friction takes the
+place of µ_s F_n. Motion, rest and t·a at a wall are relative to the wall's belt. The modes of elements at
+rest are found by pivoting, as in ``solve_lcp``. In each pivot all elements that violate the condition of
+their mode change their modes, and all other elements keep their modes. The pivots end when no element
+violates its condition. If the number of violations stops falling before, the modes follow from forces within
+the limits of friction (rows/limits.py); such forces always exist.
 """
 
 import math
@@ -46,14 +47,15 @@ from chain_impact.kernel.rows.limits import find_limited_forces
 # squared; ``acceleration_error`` adds a second part. A larger acceleration makes the mode inconsistent.
 ACCELERATION_ERROR = 1e-9
 # An element that sticks or has just stopped may have this speed, relative to the longest link per second, as
-# an error at a loose tolerance; a faster element slides.
+# an error at a loose tolerance; a faster element counts as moving.
 SPEED_ERROR_AT_REST = 1e-3
 
 
 def update_modes(d, jumped):
     """Choose the modes of friction at the end of the last step, and move sticking elements to their anchors.
 
-    The changes of modes are logged, and the marks of changes are removed.
+    The changes of modes are logged. The marks of the last step that a mode ends (events/marks.py) are
+    removed.
 
     Args:
         d: the instance, with the points located at the end of the last step.
@@ -87,7 +89,8 @@ def update_modes(d, jumped):
 def reinit_modes(d, jumped):
     """Choose the modes anew (``update_modes``), after parameters, inputs or the state have been set.
 
-    If the scene has, or has had until now, dry friction, the last step is then reset to zero length.
+    If the scene neither has dry friction nor had any until now, no modes are chosen; else the last step is
+    reset to zero length at the end.
 
     Args:
         d: the instance.
@@ -103,10 +106,9 @@ def reinit_modes(d, jumped):
 def set_slack(d, e):
     """Set the slack of element e: the speed [m/s] against the direction of sliding that counts as an error.
 
-    If e is undecided (``first_mode``), and the mode is unchanged or inconsistent with the forces, the slack
-    is the tolerance times the longest link per second: in the mode "slides", other forces may hold e, and
-    errors decide whether e moves. In any other case the slack is 0. The slack of an element that sticks has
-    no effect.
+    If e is undecided (``first_mode``), and its mode is the mode before or is inconsistent
+    (``is_inconsistent``), the slack is the tolerance times the longest link per second. In any other case the
+    slack is 0.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = (
@@ -117,8 +119,7 @@ def set_slack(d, e):
 def widen_slack(d, e):
     """Widen the slack of an undecided element e to twice the speed of e against the direction of sliding.
 
-    A larger slack stays. The exact speed of e is zero; the computed speed is the error with which the event
-    at zero speed was located.
+    A slack that is already larger is unchanged. The exact speed of e is zero; the computed speed is an error.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     if d.element.undecided[e]:
@@ -141,7 +142,8 @@ def first_mode(d, e, jumped):
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
     if resting and abs(speed) <= SPEED_ERROR_AT_REST * d.chain.longest_link:
         return STICKS
-    # an element that has been sliding counts as at rest up to its slack: such a speed may be an error
+    # an element that has been sliding counts as at rest up to its slack: a speed below the slack may be an
+    # error
     slides = abs(before) == 1 and not jumped
     if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
@@ -182,8 +184,7 @@ def count_inconsistent_now(d):
 def choose_by_limits(d):
     """Let all undecided elements stick, except those whose forces reach their limits (rows/limits.py).
 
-    An element whose force is at its limit gets the mode "slides". Other forces may still hold this element;
-    a motion of the element, in either direction, is then only an error.
+    An element whose force is at its limit gets the mode "slides", even if other forces hold this element.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
@@ -204,9 +205,8 @@ def any_force_over_limit(d):
 def slide_at_limits(d):
     """Let those sticking elements slide whose forces by ``find_limited_forces`` are at their limits.
 
-    If no force is at its limit, all elements could stick, with other shares of the forces. Then the element
-    whose constraint force exceeds its limit most slides, with a force at its limit, and the other elements
-    share the rest.
+    If no force is at its limit, all elements could stick, with other shares of the forces. In this case only
+    the element slides whose constraint force exceeds its limit most.
     """
     all_stick, worst, most = True, -1, -math.inf
     for i in range(d.friction.stuck_count):

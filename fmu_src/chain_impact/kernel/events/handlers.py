@@ -53,10 +53,11 @@ LEAVING_TIME = 0.01
 
 
 def end_if_point_left(d, c):
-    """End the contact of candidate c if its point does not move inward, and is outside or gets out very soon.
+    """End the contact of candidate c if its point does not move inward, and is outside or nearly so.
 
-    The located end of a contact has an error within the tolerance, so the point may still move inward or need
-    a long time to get out. In these cases the contact does not end.
+    Nearly so means that the point needs at most LEAVING_TIME. The located end of a contact has an error
+    within the tolerance, so the point may still move inward or need a long time to get out. In these cases
+    the contact does not end.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -171,8 +172,8 @@ def choose_next_size(d, onset, goes_on):
 
     Args:
         d: the instance.
-        onset: of the candidates with a force law, the one whose contact the program has begun last; −1 if no
-            contact with a force law begins.
+        onset: the candidate with a force law whose contact has begun at these events; the last of several, −1
+            if none has.
         goes_on: whether the proposed size stays valid while contacts last; not used if ``onset`` ≥ 0.
     """
     if d.touch.active_count == 0:

@@ -14,8 +14,8 @@ u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A point that almos
 this wall has u⁻ > 0, and could gain energy. An impact that would add energy is therefore computed with e = 0
 for all contacts; such an impact adds no energy.)
 
-A contact ends if its point separates with a speed above LEAST_REBOUND_SPEED and round-off. The points of all
-other contacts are at rest. Forces F hold these points as long as the forces push:
+A contact ends if its point separates with a speed above a limit (``end_rebounding_contacts``). The points of
+all other contacts do not move along the normals. Forces F hold these points as long as the forces push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
 
@@ -78,8 +78,8 @@ from chain_impact.kernel.rows.geometry import (
     largest_velocity,
 )
 
-# A point rebounds only with more than this speed, relative to the minimum impact speed of the contact's law;
-# a slower point does not separate. Otherwise a point whose bounces get slower and slower would bounce
+# A point rebounds only with a speed above LEAST_REBOUND_SPEED times the minimum impact speed of the contact's
+# law; a slower point does not separate. Otherwise a point whose bounces get slower and slower would bounce
 # infinitely often in a finite time (Zeno behaviour).
 LEAST_REBOUND_SPEED = 1e-3
 # IMPACT_ROUND_OFF: the round-off of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|), with the impulses
@@ -100,7 +100,7 @@ def handle_impact(d):
     """Apply the events at rigid walls for the located points: first the impulses, then the new active set.
 
     Onsets of contacts with a force law that are still marked in ``touch.event`` are applied after the
-    impulses, because these change the points' speeds.
+    impulses, because the impulses change the points' speeds.
 
     Returns:
         The last candidate with a force law whose contact began, or −1 if none began.
@@ -158,7 +158,7 @@ def begin_late_contacts(d):
 
 
 def set_rates_after_impulses(d):
-    """Set the rates and kink sides of contacts with a force law, from the speeds after the impulses."""
+    """Set rates of contacts with a force law, and on which side of the kink they are, after the impulses."""
     locate_points_now(d, d.step.state_end)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -230,7 +230,7 @@ def find_impulses(d, fraction):
 
 
 def lacks_rebound(d):
-    """Return whether the impulses leave any point slower than the restitution demands.
+    """Return whether any point separates more slowly after the impulses than the restitution demands.
 
     This happens to a wedged point, to which no impulses can give the demanded speed.
     """

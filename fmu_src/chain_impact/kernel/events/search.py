@@ -47,9 +47,9 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_a
 # located up to round-off, about 1e-15. A deeper onset is an error of the step, and would add energy: 1e-11 J
 # for a depth of 1e-9 m and a stiffness of 1e12 N/m^1.5. A step with such an onset is rejected.
 DEEPEST_ONSET = 1e-9
-# A crossing before this fraction θ of a step must agree with the Taylor polynomial of second order at the
-# start of the step, whose relative error is then about 1e-9; the interpolant of a stiff step can have larger
-# errors.
+# A crossing before the fraction EARLY_THETA of a step must agree with the Taylor polynomial of second order
+# at the start of the step, whose relative error is then about 1e-9; the interpolant of a stiff step can have
+# larger errors.
 EARLY_THETA = 1e-3
 # A step that was repeated to end at an onset is rejected if the onset is farther from the step's end than
 # this part of the step's size.

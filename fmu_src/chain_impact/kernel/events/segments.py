@@ -24,9 +24,9 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
-# The effect of the end of a signal's segment on the motion. NO_JUMP: no effect. BENDS: an input, or the
-# acceleration of a channel, jumps, and so do accelerations of the chain. JUMPS: the speed of a belt jumps,
-# and so do speeds of sliding.
+# The effect of the end of a signal's segment on the motion. NO_JUMP: neither speeds nor accelerations jump.
+# BENDS: an input, or the acceleration of a channel, jumps; accelerations of the chain may jump. JUMPS: the
+# speed of a belt jumps, and so do speeds of sliding on it.
 NO_JUMP, BENDS, JUMPS = 0, 1, 2
 # The values of a signal before and after the end of a segment are equal if their difference is at most
 # VALUE_ROUND_OFF, relative to a sum: the absolute values before and after, and a scale that the caller of
@@ -35,10 +35,10 @@ VALUE_ROUND_OFF = 1e-9
 
 
 def limit_to_segment(d, h):
-    """Return a size ≤ h of the next step, with which the step does not pass the first end of a segment.
+    """Return a size ≤ h of the next step, with which it does not pass the first end of the segments in use.
 
-    The step ends at this end or well before (``limit_to_time``). A step in the fictitious time of a contact
-    keeps the size h.
+    The step ends exactly at that time or well before it (``limit_to_time``). A step in the fictitious time of
+    a contact keeps the size h.
     """
     return h if d.step.regularized >= 0 else limit_to_time(d, first_end(d), h)
 
@@ -100,7 +100,8 @@ def begin_next_segment(d, j):
 def begin_segments(d):
     """Begin the segments that follow the segments which end at the end of the last step.
 
-    If a target jumps, its spring gains or loses energy at once; this change counts as supplied energy.
+    If the target of a drive jumps, the drive's spring gains or loses energy at once, which counts as supplied
+    energy.
 
     Returns:
         The largest effect of these segments on the motion, in the order NO_JUMP < BENDS < JUMPS.
@@ -128,7 +129,8 @@ def begin_segments(d):
 def begin_segment(d, j):
     """Begin the next segment of signal j; return its effect on the motion: NO_JUMP, BENDS or JUMPS.
 
-    If a target jumps, its spring gains or loses energy at once; this change counts as supplied energy.
+    If the target of a drive jumps, the drive's spring gains or loses energy at once, which counts as supplied
+    energy.
     """
     y = d.step.state_end
     stores = d.signal.input[j] != CHANNEL

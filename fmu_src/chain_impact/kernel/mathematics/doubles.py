@@ -6,7 +6,7 @@ from chain_impact.kernel.functions import inlined
 
 ONE, INFINITY, LEAST_NORMAL = 0x3FF << 52, 0x7FF << 52, 1 << 52
 """The bits of 1, of infinity, and of the least positive double that is not subnormal."""
-# number of bits of the fraction of a double, the lowest of all bits; the bits of the exponent are above these
+# number of bits of the fraction of a double: the lowest bits, below those of the exponent
 FRACTION = 52
 # HALF and FRONT round a double to 26 significant bits: HALF is added to the bits of the double, and FRONT
 # masks the sum
@@ -47,10 +47,10 @@ def product(y, high, low):
 
 
 def in_two_doubles(fixed, fraction_bits):
-    """Return ``fixed``/2^FIXED, for an integer ``fixed``, as the sum of two doubles, the larger one first.
+    """Return ``fixed``/2^FIXED, for an integer ``fixed``, as the sum of two doubles.
 
-    The first double is a multiple of 2^−fraction_bits, so that sums of such doubles can be exact. Only the
-    second double is rounded.
+    The first double is the nearest multiple of 2^−fraction_bits, so that sums of first doubles can be exact.
+    Only the second double is rounded.
     """
     unit = 1 << (FIXED - fraction_bits)
     first = (fixed + unit // 2) // unit

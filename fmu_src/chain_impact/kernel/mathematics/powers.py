@@ -27,7 +27,7 @@ def power(x, y):
 
 
 def any_power(x, y):
-    """Return x^y for any x and y; for 0, infinity, NaN and x < 0 the same as pow() in C."""
+    """Return x^y for any x and y; 0, infinity, NaN and x < 0 have the results that pow() in C prescribes."""
     if y == 0.0 or x == 1.0:
         return 1.0
     if math.isnan(x) or math.isnan(y):

@@ -5,12 +5,11 @@ regularized step, θ is the fraction in the step's own variable, not in time.
 
 Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists their kinds.
 They advance with the stages and the dense output of the state, have no effect on the motion, and are ignored
-by the error control. The change of the chain's momentum in a step equals what gravity, inputs and these
-impulses give, to the accuracy of the step. ``quadrature.total`` has the value of each quadrature at the most
-recent ``commit_quadratures`` or impact. Steps integrate only some quadratures: ``quadrature.index`` lists
-their indices in ``quadrature.total``. The fields ``state``, ``state_end``, ``rate_end``, ``tried``, ``stage``
-and ``dense`` of ``quadrature`` contain only these quadratures, in the order of the list. In a scene that does
-not request quadratures, none is integrated.
+by the error control. ``quadrature.total`` has the value of each quadrature at the most recent
+``commit_quadratures`` or impact. Steps integrate only some quadratures: ``quadrature.index`` lists their
+indices in ``quadrature.total``. The fields ``state``, ``state_end``, ``rate_end``, ``tried``, ``stage`` and
+``dense`` of ``quadrature`` contain only these quadratures, in the order of the list. In a scene that does not
+request quadratures, none is integrated.
 """
 
 import numpy as np
@@ -25,8 +24,8 @@ DENSE_COEFFICIENTS = len(POWERS)
 # The number of guesses of a fast method for a root, such as Newton's, in an interval that contains the root;
 # three to ten guesses usually suffice. After FAST_GUESSES guesses each further guess halves the interval.
 FAST_GUESSES = 20
-# The largest number of guesses for a root: 64 halvings make an interval of length 1 shorter than any
-# resolution, or leave no floating-point number inside it.
+# The largest number of guesses for a root: 64 halvings make an interval of length 1 shorter than 1e-19, or
+# leave no floating-point number inside it.
 MOST_GUESSES = FAST_GUESSES + 64
 FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularized step reaches a time
 
@@ -254,7 +253,8 @@ def correct_falling_impulses(d):
         c, fallen = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
         if fallen > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
-            # stops are left out: the stops of all joints have one wall number, but each is a wall of its own
+            # stops are left out: stops of different joints have the same wall number, though each is a wall
+            # of its own
             if k >= d.touch.compliant_count and at_wall(d, c):
                 reduce_largest_impulse(d, d.candidate.wall[c], fallen)
 

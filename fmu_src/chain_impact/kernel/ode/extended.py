@@ -84,7 +84,7 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def gap_at(d, k):
-    """Return the index in the extended state z of the clearance of active contact k, counted from 0.
+    """Return the index in the extended state z of the clearance of contact k in z, counted from 0.
 
     z has no u and t, which are the last two entries of y. So in z the clearances begin at the index that u
     has in y.
@@ -98,7 +98,7 @@ def clearance_count(d):
 
 
 def rate_at(d, k):
-    """Return the index in the extended state z of the rate of active contact k's clearance, k from 0."""
+    """Return the index in the extended state z of the rate of the clearance of contact k in z, k from 0."""
     return gap_at(d, clearance_count(d) + k)
 
 
@@ -130,9 +130,9 @@ def extend_start(d):
         implicit.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.start, implicit.start_rate)
     if any_sticking(d):
-        # This call computes the limits of friction at the start. A system that is factorized before the first
-        # stage, as in ``size_for_fast_motion``, needs these limits: the impedances of sticking elements
-        # depend on them.
+        # ``apply_contacts`` computes the limits of friction at the start. A system that is factorized before
+        # the first stage, as in ``size_for_fast_motion``, needs these limits: the impedances of sticking
+        # elements depend on them.
         apply_contacts(d)
 
 
@@ -157,8 +157,8 @@ def extended_rate(d, z, elapsed, rate):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
-    # this call also writes to the indices of u and t in y; z has other components there, whose rates are set
-    # below
+    # ``free_rate_from_loads`` also writes to the indices of u and t in y; z has other components at these
+    # indices, whose rates are set below
     free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
@@ -172,8 +172,8 @@ def extended_rate(d, z, elapsed, rate):
 def extended_slopes(d, z):
     """Set the slopes of the forces of drives, and of contacts with a force law, at the extended state z.
 
-    These are derivatives by position and by speed. The function also stores the present link vectors, for the
-    linear systems.
+    The slopes are −∂F/∂ψ and −∂F/∂ψ̇ of drives, ∂F/∂δ and ∂F/∂δ̇ of contacts. The function also stores the
+    present link vectors, for the linear systems.
     """
     implicit, link = d.implicit, d.scratch.link
     for i in range(d.links):
@@ -271,8 +271,7 @@ def solve_real(d, s, x):
 def factorize_complex(d, s, pair):
     """Factorize M + Jᵀ D J + K (see the head of this module) for a complex shift s [s].
 
-    D are the impedances of the contacts for this s, K those of the drives. The factors are stored in slot
-    ``pair`` of ``implicit.pairs``.
+    D and K depend on s. The factors are stored in slot ``pair`` of ``implicit.pairs``.
     """
     factorize_shift(d, s, d.implicit.pairs, pair)
 
@@ -292,9 +291,9 @@ def solve_complex(d, s, pair, x, y, size):
 
 
 # The largest allowed difference between the clearance that follows from the coordinates at the end of a step
-# and the integrated clearance, relative to the penetration, or to the expected penetration if this is larger.
-# With a larger limit the dense output of the state could have an error as large as this limit; a smaller
-# limit shortens steps in which links turn on a stiff wall.
+# and the integrated clearance, relative to the larger of the contact's penetration and its expected
+# penetration. With a larger limit the dense output of the state could have an error as large as this limit; a
+# smaller limit shortens steps in which links turn on a stiff wall.
 CLEARANCE_MISMATCH = 0.03
 
 
@@ -303,9 +302,9 @@ def project_coordinates(d, y, derivative, change):
 
     ``implicit.normal`` has the clearances or rates to be reached. ``derivative`` is 0 for coordinates and
     clearances, and 1 for velocities and rates. A contact whose impedance D is far larger than the chain's
-    mass almost reaches the given value; a soft contact covers only a part of the way. The points must have
-    been located for y, but need not be located again after the coordinates in y have changed. The change of
-    the coordinates or velocities is stored in ``change``, shape (N+2,).
+    mass almost reaches the given value; a soft contact only comes nearer to it. The points must have been
+    located for y, but need not be located again after the coordinates in y have changed. The change of the
+    coordinates or velocities is stored in ``change``, shape (N+2,).
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.scratch.load)
@@ -324,7 +323,7 @@ def project_coordinates(d, y, derivative, change):
 def project_clearances(d, z, y):
     """Move the state y, whose points are located, toward the clearances and their rates in z.
 
-    A stiff contact almost reaches these values, a soft contact covers a part of the way.
+    A stiff contact almost reaches these values, a soft contact only comes nearer to them.
 
     Returns:
         Two numbers. The first is the largest change of a component of y, divided by the component's scale and

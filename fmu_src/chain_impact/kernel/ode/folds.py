@@ -1,7 +1,7 @@
 """Forces of constraints near a fold, where equal links lie on each other: a correction for outputs and peaks.
 
 At a fold the mobility W of a held point, the acceleration per force, is 0. The constraint force p = m/W may
-have a limit there, but the numerator m also contains the error of the state, so the error of p grows without
+be finite there, but the numerator m also contains the error of the state, so the error of p grows without
 bound toward the fold. The motion depends on W p only, and stays right. For outputs and peaks near a fold, a
 force is therefore computed from the forces some time before and after, if these show that the force passes
 the fold smoothly. A force that itself grows without bound toward the fold is left unchanged, because it is

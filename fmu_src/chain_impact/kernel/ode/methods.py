@@ -7,8 +7,8 @@ onset; with the step size h, the explicit method is stable for about hρ < 6. Ex
 hρ below 1, so an explicit step with hρ above STIFF_STEP shows that the contact is sustained. A sustained
 contact that oscillates also limits hρ; implicit steps may be cheaper for such a contact, too. An implicit
 step costs as much as two or three explicit steps, so the implicit method is kept only if its next step is
-longer than the last explicit step by this factor. The comparison uses the proposed size of the next implicit
-step, because the first implicit steps after an event grow fast.
+longer than EQUAL_COST_RATIO times the last explicit step. The comparison uses the proposed size of the next
+implicit step, because the first implicit steps after an event grow fast.
 
 A drive with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A spring
 oscillates rather than decays. If the oscillation is larger than the tolerance, the error control keeps hρ of
@@ -38,7 +38,7 @@ from chain_impact.kernel.ode.control import (
 # [1/s] the fastest rate of the contacts and joints. With STIFF_STEP below 1 the method would change in
 # impacts; above about 6 explicit steps are unstable.
 STIFF_STEP = 2.0
-# the value that takes the place of STIFF_STEP if all contacts with a force law are sustained
+# the value that replaces STIFF_STEP if there are active contacts with a force law and all these are sustained
 STIFF_STEP_IN_CONTACT = 0.1
 # A contact counts as sustained after SUSTAINED_AFTER times its time scale, the expected penetration divided
 # by the impact speed. An impact takes three to ten time scales, so with a smaller value an impact could
@@ -71,8 +71,8 @@ MIN_SWITCH_STEPS = 3
 def choose_method(d):
     """Choose the method of the next step: by `solver.method`, or from contacts, drives and sizes of steps.
 
-    If the scene has walls or stops, all are rigid, and no drive has a spring or damper, the method is
-    explicit. The points must be located at the start of the next step.
+    In any case the method is explicit if walls or stops exist and are all rigid, and no drive has a spring or
+    a damper. The points must be located at the start of the next step.
     """
     step = d.step
     touching = d.touch.active_count > 0
@@ -125,8 +125,8 @@ def suggests_switch(d):
 def limit_to_stable(d):
     """Limit the next explicit step, with active contacts or stiff joints, to a stable size.
 
-    At rest the error estimate does not show that a step is unstable: the state stays correct, but its
-    derivatives with respect to parameters grow.
+    While the chain is at rest, the error estimate does not show that a step is unstable: the state stays
+    correct, but its derivatives with respect to parameters grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
     if z > 0.0:  # z is hρ of the last step, whose size h up to its end is ``size`` × ``end_fraction``
@@ -149,8 +149,8 @@ def begin_impact(d, c):
     """Choose the method at the onset of candidate c, and reset the counts for a change of the method.
 
     The proposed step size must be the result of ``size_at_onset`` for the explicit method. The explicit
-    method begins, unless the present method is implicit and drives make even the steps of the impact stiff
-    (IMPACT_PART); then the implicit method continues, with at most its ``size_at_onset``.
+    method begins, unless the present method is implicit and drives make even a part of the first step of the
+    impact stiff (IMPACT_PART); then the implicit method continues, with at most its ``size_at_onset``.
     """
     if find_joint_stiffness(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:
         d.step.method = EXPLICIT
@@ -162,8 +162,8 @@ def begin_impact(d, c):
 def begin_flight(d):
     """Choose the method after events that leave no active contact with a force law.
 
-    The implicit method continues only if drives make the proposed step stiff. The first explicit step gets a
-    stable size. The counts for a change of the method are reset.
+    The implicit method continues only if drives make the proposed step stiff. If the method is explicit, the
+    next step gets a stable size. The counts for a change of the method are reset.
     """
     z = find_joint_stiffness(d, d.step.next_size)
     if z <= STIFF_STEP:
@@ -176,8 +176,8 @@ def begin_flight(d):
 def stable_size(d, h):
     """Return a stable size [s] for the first explicit step: h, or less if drives are stiff.
 
-    At rest the error estimate does not show that a step is far too long: the state at the end of such a step
-    is correct, but the dense output is not.
+    While the chain is at rest, the error estimate does not show that a step is far too long: the state at the
+    end of such a step is correct, but the dense output is not.
     """
     return h * min(1.0, STABLE_STEP / max(STABLE_STEP, find_joint_stiffness(d, h)))
 
@@ -191,8 +191,8 @@ def begin_explicit(d):
 def reset_stiff_count(d):
     """Reset the data for a change of the method: no step has suggested the other method so far.
 
-    The number of such steps that a change needs becomes MIN_SWITCH_STEPS, and the size of the other method's
-    steps becomes unknown.
+    The number of successive steps that must suggest the other method becomes MIN_SWITCH_STEPS, and the size
+    of the other method's steps becomes unknown.
     """
     step = d.step
     step.stiff_count, step.other_size = 0, 0.0

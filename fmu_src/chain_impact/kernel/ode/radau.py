@@ -199,8 +199,9 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
                 return False
             theta = implicit.correction / before if before > 0.0 else 0.0
             before, implicit.contraction = implicit.correction, theta
-            # The first correction does not show the convergence rate, so there is always a second one: at
-            # rest the first correction is small, but the remaining error may be larger than this correction.
+            # The first correction does not show the convergence rate, so there is always a second one: while
+            # the chain is at rest, the first correction is small, but the remaining error may be larger than
+            # this correction.
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0

@@ -32,7 +32,8 @@ from chain_impact.kernel.rows.geometry import (
 
 # A mobility (1/effective mass) of a point below LEAST_MOBILITY, relative to 1/(mass of chain, carriage and
 # armatures), is raised to this value. In a toggle position of a pinned chain the mobility of a point is 0,
-# and its effective mass would be infinite. A mass a million times the chain's has almost the same effect.
+# and its effective mass would be infinite. A mass a million times the chain's has almost the effect of an
+# infinite mass.
 LEAST_MOBILITY = 1e-6
 # The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. This number
 # is fixed, except that the iteration ends when the residual is round-off: if the number depended on the

@@ -59,11 +59,11 @@ FOLD_RESIDUAL = 1e-3  # at rigid walls, a fold is near if the first iteration le
 # can hardly be constrained, and steps at tight tolerances would be short.
 FIRST_IMPEDANCE = 1e3
 # The force on a single held point is m/W, with the residual m and the mobility W, if W times the mean mass of
-# a link is at least this. Near a toggle position W is smaller and inexact, and the iteration finds the force.
+# a link is at least LEAST_SINGLE_MOBILITY. Near a toggle position the iteration finds the force.
 LEAST_SINGLE_MOBILITY = 1e-3
 # The factor a on sticking elements' impedance D with which one solution replaces n = STICKING_ITERATIONS.
 # With the mobility W and x = D W, n iterations leave (1 + x)⁻ⁿ of a motion; one solution leaves 1/(1 + a x):
-# equal for a = ((1 + x)ⁿ − 1)/x, which is n for small x, and 10 for x = 0.36. A larger x leaves little.
+# both are equal for a = ((1 + x)ⁿ − 1)/x, which is n for small x, and 10 for x = 0.36.
 SINGLE_SOLUTION_FACTOR = 10.0
 SOLVED_RESIDUAL = 1e-15  # largest residual that needs no more iterations, relative to the largest motion
 # A residual of a sticking element well below this, relative to the largest motion, may be round-off, so
@@ -72,7 +72,8 @@ SOLVED_RESIDUAL = 1e-15  # largest residual that needs no more iterations, relat
 RESIDUAL_ROUND_OFF = 1e-13
 UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
 # If no rigid wall holds a point, motions that can hardly be constrained, and are well below NEGLIGIBLE_MOTION
-# × tolerance² × the largest motion, get hardly any impulses, which would end the sticking again and again.
+# × tolerance² × the largest motion, get hardly any impulses, because impulses would end the sticking again
+# and again.
 NEGLIGIBLE_MOTION = 0.1
 # the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
 # relative to the largest impulse or motion
@@ -164,9 +165,8 @@ def iterate_impulses(d, scale, impedance):
     """Iterate until the residual is round-off, or no larger ``impedance`` [kg] reduces the residual.
 
     The loop always ends: each iteration except the last leaves less than SLOW_DECREASE of the residual,
-    increases D, or follows an increase of D; D increases at most twice. The first iteration with a larger D
-    adds round-off, which the next one removes. If no rigid wall holds a point, there are STICKING_ITERATIONS
-    iterations, or fewer if the residual is round-off earlier.
+    increases D, or follows an increase of D; D increases at most twice. If no rigid wall holds a point, there
+    are STICKING_ITERATIONS iterations, or fewer if the residual is round-off earlier.
 
     Returns:
         The largest residual.
@@ -303,9 +303,9 @@ def solve_lcp(d, scale):
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587) begins with the active set in
     ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once
-    or, beyond MAX_STALLED_PIVOTS, only that with the highest index; this search ends if the mobility W is
-    positive definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of
-    pivots, the problem is recorded as unsolved. Arguments and stored results are as in ``solve_equality``.
+    or, beyond MAX_STALLED_PIVOTS, only the last of them; this search ends if the mobility W is positive
+    definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of pivots, the
+    problem is recorded as unsolved. Arguments and results are as in ``solve_equality``.
     """
     constraints, first = d.constraints, d.touch.compliant_count
     count = d.touch.active_count - first

@@ -127,7 +127,7 @@ def stop_sign(d, c):
 
 
 def joint_stop_moment(d, c, force):
-    """Return the moment [N·m] on the joint's outer link by the ``force`` [N] of a joint's stop.
+    """Return the moment [N·m] on the link farther from the base by the ``force`` [N] of a joint's stop.
 
     For an impulse [N·s] the result is the angular impulse [N·m·s]. The result has the sign of ``force`` at
     the lower limit of the joint's angle, and the opposite sign at the upper limit.

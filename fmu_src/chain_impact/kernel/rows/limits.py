@@ -40,10 +40,10 @@ from chain_impact.kernel.rows.compliance import (
 from chain_impact.kernel.rows.constraints import EXTRA_PIVOTS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
 from chain_impact.kernel.rows.geometry import along, constraint_count, constraint_row
 
-# Where W is nearly singular, the residual falls slowly, and forces that are not found yet could be at other
-# limits. Iterations end when all residuals of the constraints inside their limits are at most SOLVED_WITHIN
-# times the largest acceleration without constraint forces, but not before STICKING_ITERATIONS iterations;
-# MOST_LIMITED_ITERATIONS bounds their number.
+# Where W is nearly singular, the residual falls slowly, and a force after few iterations may be at a limit
+# though the exact force is not. Iterations end when all residuals of the constraints inside their limits are
+# at most SOLVED_WITHIN times the largest acceleration without constraint forces, but not before
+# STICKING_ITERATIONS iterations; MOST_LIMITED_ITERATIONS bounds their number.
 SOLVED_WITHIN, MOST_LIMITED_ITERATIONS = 1e-9, 100
 
 
