@@ -75,8 +75,7 @@ SAME_POINT = 1e-8
 
 
 def loose_links(chain, free_base):
-    """Return the first and last link of a sequence that can move, in at least one position, without kinetic
-    energy.
+    """Return the first and last link of a sequence that can, in some positions, move without kinetic energy.
 
     The links of the sequence have no inertia; the module's docstring tells where a sequence begins and ends.
     Links are counted from 0. The result is −1, −1 if no such sequence exists.

@@ -193,7 +193,8 @@ def set_middle_mobility(d, factors, slot, axx, axy, ayy):
 
 @inlined
 def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
-    """Eliminate link i: return the articulated inertia at its inner joint.
+    """Eliminate link i: return the articulated inertia at its inner joint, the one nearer to the middle
+    joint.
 
     The arguments axx to p are the parts A, e and p (head of this module) of the articulated inertia at the
     outer joint; the result has the same six numbers at the inner joint. ``outward``: whether the inner joint
@@ -284,10 +285,10 @@ def solve(d, link_vectors, space, slot, change):
 def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
     """Set in ``change`` the part of α that the loads cause: (s + μ)/(H + κ), the α for a = 0 and β = 0.
 
-    α is the change of ω_i, a that of the inner joint's velocity, β that of the angular velocity of the link
-    on the inner side; the module's docstring has the other symbols. ``moment`` is the angular impulse μ of
-    the inner joint on link i. Returns the impulse b and the angular impulse t at the inner joint, from those
-    at the outer joint: the arguments bx, by and t.
+    α is the change of ω_i, a that of the velocity of the inner joint, which is nearer to the middle joint, β
+    that of the angular velocity of the link on the inner side; the module's docstring has the other symbols.
+    ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
+    impulse t at the inner joint, from those at the outer joint: the arguments bx, by and t.
     """
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
@@ -307,10 +308,12 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
 
 @inlined
 def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, change):
-    """Add to the change of ω_i the effects of the motions of the inner joint and of the link before it.
+    """Add to the change of ω_i the effects of the motions of the inner joint and of the link on its inner
+    side.
 
     ``x`` and ``y`` are the components of the inner joint's change of velocity a, and ``before`` is the change
-    β of the angular velocity of the link on the inner side of this joint.
+    β of the angular velocity of the link on the inner side of this joint. The inner joint of a link is nearer
+    to the middle joint than its outer joint.
 
     Returns:
         The change of the outer joint's velocity, x and y, and the whole change of ω_i.

@@ -78,8 +78,8 @@ from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 # tolerance × S, had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
 STEP_CHANGE = 3.0
 # A run ends with a fault if the energy balance changes in a window of time, up or down, by more than
-# WINDOW_CHANGE × tolerance × S plus round-off. The errors of steps have a common sign only where a point
-# rests: there the ratios of change to tolerance × S add up to 230 in 100,000 steps.
+# WINDOW_CHANGE × tolerance × S plus round-off. The errors of steps have a common sign only while a point
+# rests on a wall: there the ratios of change to tolerance × S add up to 230 in 100,000 steps.
 WINDOW_CHANGE = 100.0
 # [s] the length of a window of time for WINDOW_CHANGE; equal to COST_WINDOW (cost.py)
 WINDOW = 1.0
@@ -92,7 +92,7 @@ ENERGY_GAIN = 0.1
 # ends.
 SLIGHT_GAIN = 1e-8
 # ENERGY_LOSS: the factor 3 in the allowed loss B above. LOSS_TIME: the time [s] in B after which twice the
-# initial loss is allowed. In 3360 random scenes this limit shortens steps in 3 % of the runs, most of them
+# initial loss is allowed. In 3360 random scenes the limit B shortens steps in 3 % of the runs, most of them
 # with stiff springs.
 ENERGY_LOSS, LOSS_TIME = STEP_CHANGE, 10.0
 # A loss above this part of the loss that is allowed to a step counts as an error of the step, and so affects
@@ -198,8 +198,8 @@ def check_energy(d, theta):
     rejected if its dense output is wrong in the middle (``interpolates``).
 
     If the step loses more than NOTABLE_LOSS of its allowed loss (``loss_allowed``), its loss divided by the
-    allowed loss counts as an error of the step: above 1 the step is rejected, and else the loss affects the
-    size of the next step.
+    allowed loss counts as an error of the step: if it is above 1, and not only round-off, the step is
+    rejected; else it affects the size of the next step.
 
     Returns:
         Two energies [J] for ``store_energy``: the energy balance at θ; and the available energy, which is the
@@ -259,9 +259,9 @@ def largest_available_energy(d, y, potential):
 def loss_allowed(d, available):
     """Return the energy [J], > 0, that the last step may lose by errors.
 
-    The result is the largest of: the rest of the loss B that all steps may have (``loss_budget``), the growth
-    of B in this step, and round-off. ``available``: the most [J] that motion, springs, walls and heat can
-    have had up to the end of the step.
+    The result is the largest of: the part of the loss B (``loss_budget``) that earlier steps have left, the
+    growth of B in this step, and round-off. ``available``: the most [J] that motion, springs, walls and heat
+    can have had up to the end of the step.
     """
     balance, budget = d.balance, loss_budget(d, available)
     fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.since)
@@ -272,8 +272,9 @@ def loss_allowed(d, available):
 def loss_budget(d, available):
     """Return the energy B [J] that all steps of the run, up to the end of the last one, may lose by errors.
 
-    ``available``: an upper bound [J] on the energy of motion, springs, walls and heat up to then. Even if
-    nothing of B is left, a step may lose round-off, or as much as B grows in this step (``loss_allowed``).
+    ``available``: the most [J] that motion, springs, walls and heat can have had up to the end of the last
+    step. Even if nothing of B is left, a step may lose round-off, or as much as B grows in this step
+    (``loss_allowed``).
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)
     most = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
