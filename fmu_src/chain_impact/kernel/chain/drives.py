@@ -54,9 +54,9 @@ def is_slider(d, i):
 def along_drive(d, values, first, i):
     """Return the component of ``values`` along the coordinate of drive i.
 
-    For joint i the result is the value of link i minus that of link i − 1, for joint 0 the value of link 0;
-    for the slider, the base's component along the line. The values of the base begin at index ``first`` of
-    ``values``: 0 for coordinates in a state, velocity_at(N) for rates; the values of the links follow.
+    At a joint the result is the value of link i minus that of link i − 1, or the value of link 0 if i is 0;
+    for the slider it is the base's component along the line. The values of the base begin at index ``first``
+    of ``values``: 0 for coordinates in a state, velocity_at(N) for rates; the values of the links follow.
     """
     if is_slider(d, i):
         return along_slider(d, values[first], values[first + 1])
@@ -257,8 +257,8 @@ def transmitted_moment(d, y, rate, i):
 def drive_power(d, y, i):
     """Return the force [N·m or N] of drive i, and its dissipated and its supplied power [W].
 
-    The spring of a passive drive stores energy. The spring's force is no part of these values; the equations
-    add this force (``passive_spring_force``).
+    For a passive drive the results leave out the spring, which stores energy; the equations add the spring's
+    force (``passive_spring_force``). For a powered drive they contain the spring, and all power is supplied.
     """
     rate = along_drive(d, y, velocity_at(d.links), i)
     if is_powered(d, i):

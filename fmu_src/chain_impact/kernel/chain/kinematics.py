@@ -2,9 +2,9 @@
 
 Vectors of all places are records with ``x, y``, shape (2N+1+P,), for N links and P sites. The first N + 1
 places are the points 0…N. The next N places belong to the joints 1…N and are used in scenes with stops or dry
-friction in joints. The coordinate x of such a place is the joint's own angle θ_i − θ_{i−1} times a lever arm,
-the length of the longest link, and y is 0. So other modules treat a stop like a wall that a point at this
-place touches. The last P places are the sites (chain/sites.py).
+friction in joints. The coordinate x of a joint's place is the joint's own angle θ_i − θ_{i−1} times a lever
+arm, the length of the longest link, and y is 0. So other modules treat a stop like a wall that a point at
+this place touches. The last P places are the sites (chain/sites.py).
 """
 
 from chain_impact.kernel.chain.motion import move_channels_to_state
@@ -168,7 +168,7 @@ def clear_joints(values):
 def set_link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal end of each link, for the state y.
 
-    The data of points then do not count as those at the end of the last step.
+    Afterwards the positions, velocities and accelerations in ``scratch`` count as out of date.
     """
     note_points_elsewhere(d)
     set_polar(d.chain.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)

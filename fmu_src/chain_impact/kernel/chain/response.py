@@ -193,8 +193,7 @@ def set_middle_mobility(d, factors, slot, axx, axy, ayy):
 
 @inlined
 def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
-    """Eliminate link i: return the articulated inertia at its inner joint, the one nearer to the middle
-    joint.
+    """Eliminate link i: return the articulated inertia at its inner joint (nearer to the middle joint).
 
     The arguments axx to p are the parts A, e and p (head of this module) of the articulated inertia at the
     outer joint; the result has the same six numbers at the inner joint. ``outward``: whether the inner joint
@@ -308,12 +307,11 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
 
 @inlined
 def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, change):
-    """Add to the change of ω_i the effects of the motions of the inner joint and of the link on its inner
-    side.
+    """Add to the change of ω_i the effects of the inner joint's motion and of the inward link's rotation.
 
     ``x`` and ``y`` are the components of the inner joint's change of velocity a, and ``before`` is the change
-    β of the angular velocity of the link on the inner side of this joint. The inner joint of a link is nearer
-    to the middle joint than its outer joint.
+    β of the angular velocity of the inward link. The inner joint of link i is nearer to the middle joint;
+    beyond the inner joint lies the inward link.
 
     Returns:
         The change of the outer joint's velocity, x and y, and the whole change of ω_i.

@@ -59,7 +59,8 @@ from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 # search for RELATCH takes FEW_SAMPLES: if it misses an event, the latched impact speed only stays too low.
 SAMPLES, FEW_SAMPLES = 8, 4
 # The turn [rad] of an input is its angular frequency times the duration of the step. Up to TURN_OF_STAGES the
-# stages show all events, although they are up to a quarter of the step apart; beyond, every step is searched.
+# stages show all events, although they are up to a quarter of the step apart; with a larger turn, events may
+# lie between them.
 TURN_OF_STAGES = 0.5
 # number of samples per radian in a step with a turn above TURN_OF_STAGES
 SAMPLES_PER_RADIAN = 8.0
@@ -72,8 +73,8 @@ PULL_ROUND_OFF = 1e-11
 LEAST_REJECTED_STEP = 1e-9
 # the largest tangential speed that counts as rest, relative to one longest link per second
 REST_SPEED = 1e-12
-# A friction force that exceeds its limit by less is round-off, relative to a sum: the limit, plus the mean
-# mass of a link times the sum of gravity and the longest link per s².
+# A friction force that exceeds its limit by up to FRICTION_EXCESS is round-off, relative to a sum: the limit,
+# plus the mean mass of a link times the sum of gravity and the longest link per s².
 FRICTION_EXCESS = 1e-10
 
 

@@ -178,8 +178,8 @@ def size_in_flight(d, y, rate):
 def size_at_onset(d, c, method):
     """Return a size [s], in the step's variable, for the first step after an event in candidate c's contact.
 
-    The event is the onset of the contact or, for an explicit step, a later event. The contact has a force
-    law. ``method``: EXPLICIT or IMPLICIT.
+    The event is the onset of the contact or, for an explicit step, an event while the contact lasts. The
+    contact has a force law. ``method``: EXPLICIT or IMPLICIT.
     """
     return ONSET_SIZE[method] * contact_time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
@@ -207,8 +207,8 @@ def contact_time_scale(d, c):
 LARGEST_ERROR = 0.01
 # POSITION_ROUND_OFF: the round-off of a position, relative to the larger of two lengths: the largest
 # coordinate, and the largest angle times the longest link. For contacts that have lasted longer than
-# AGE_AT_REST/ω, with the contact's frequency ω, POSITION_ROUND_OFF_AT_REST is used: there, a single step with
-# more round-off than usual would excite a motion that short steps keep alive.
+# AGE_AT_REST/ω, with the contact's frequency ω, POSITION_ROUND_OFF_AT_REST is used: in such a contact, a
+# single step with more round-off than usual would excite a motion that short steps keep alive.
 POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
 
 

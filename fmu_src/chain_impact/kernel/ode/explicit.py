@@ -112,7 +112,8 @@ LARGEST_STRETCH = 1.2
 # end in the step. A step up to such an end could be shorter than the resolution of time.
 UNRESOLVED_PART = 1e-6
 # An error, relative to the tolerance, beyond one of these limits is not squared, because the square could
-# underflow or overflow. Errors below the lower limit occur at rest, where held points hardly have a speed.
+# underflow or overflow. Errors below the lower limit occur while the chain is at rest, because held points
+# hardly have a speed.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # If the phase of a sine signal of the base advances by more than FAST_SINE [rad] in a step, the sine
 # determines the error of the step (``is_smooth``).
@@ -206,7 +207,7 @@ def size_toward_end(d, h):
     """Return the size of the next step; h is the size that the errors allow, both in the step's variable.
 
     Near the predicted end of a contact with a force law, the step either passes this end, and may then exceed
-    h a little, or covers at most half of the way to this end (``size_up_to_end``).
+    h (LARGEST_STRETCH), or covers at most half of the way to this end (``size_up_to_end``).
     """
     if d.touch.compliant_count == 0:
         return h

@@ -118,10 +118,10 @@ def project_trial(d):
     """Project the end of the tried step onto the constraints, and count the work of friction in this change.
 
     The projection moves points back to rigid walls and sticking elements back to their anchors; other
-    elements move with them, and dry friction does work. At rest this work, and the energy that the step
-    dissipates, may be smaller than the last digit of the dissipated energy. The rounding of the sum loses
-    such a part. The lost part is therefore stored in ``remainder_end``, and added in the next step; otherwise
-    the lost parts would add up.
+    elements move with them, and dry friction does work. In a chain at rest, this work and the energy that the
+    step dissipates may be smaller than the last digit of the dissipated energy. What the rounding of the sum
+    loses is therefore stored in ``remainder_end``, and added in the next step; otherwise the losses of many
+    steps would add up.
     """
     step, y, lost = d.step, d.trial.state, dissipated_at(d.links)
     if d.friction.count == 0:
