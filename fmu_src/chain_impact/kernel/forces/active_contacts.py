@@ -59,8 +59,8 @@ def apply_contact(d, c, gap, gap_rate):
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     store_force(d, c, force)
     add_along(normal_row(d, c), d.scratch.load, force)
-    # the elastic part K δⁿ of the force F stores energy, the rest dissipates the power (F − K δⁿ) δ̇, with
-    # the stiffness K and the penetration δ
+    # the elastic part K δⁿ of the force F stores energy; the other part, F − K δⁿ, dissipates the power
+    # (F − K δⁿ) δ̇, with the stiffness K and the penetration δ
     return (elastic - force) * gap_rate
 
 
@@ -192,7 +192,7 @@ def relatch(d, c, factor):
 
 
 def join_impact(d, c):
-    """Make candidate c active without an onset: its point takes part in the impact of another point."""
+    """Make candidate c active without an onset: c takes part in the impact of another candidate."""
     d.touch.active[c] = 1
 
 

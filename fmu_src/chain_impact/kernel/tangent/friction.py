@@ -250,7 +250,7 @@ def stays_at_rest(t, after, time):
 def largest_slope(vectors, direction):
     """Return the largest |derivative| of any component of the ``vectors`` of all places, in a ``direction``.
 
-    The direction, counted from 0, is a parameter or input.
+    ``direction`` is the index, from 0, of a parameter or input.
     """
     most = 0.0
     for k in range(len(vectors.x)):
@@ -269,7 +269,8 @@ def largest_displacement(t, direction):
 def choose_modes(t):
     """Set the modes of dry friction to those of the primal run.
 
-    The derivatives end if errors of the run, not the forces, have decided one of these modes.
+    The derivatives end if errors of the run, not the forces, have decided one of these modes, and this choice
+    matters (``is_nearly_at_limit``).
     """
     for e in range(t.elements):
         # the mode of an element whose sticking has just ended is certain
