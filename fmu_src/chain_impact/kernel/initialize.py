@@ -110,7 +110,7 @@ def set_initial_state(d, y):
     """Set the coordinates, rates and energies in y to the initial values; the energies are 0."""
     n = d.links
     for j in range(2):
-        # the state does not contain the motion of a moving base: the base's entries are 0
+        # the state does not contain the position of a moving base: the entries are 0
         y[j] = 0.0 if d.channels > 0 and d.chain.base_moves else d.initial.position[j]
         y[velocity_at(n) + j] = d.initial.velocity[j]
     if d.slides:
@@ -126,8 +126,8 @@ def set_initial_state(d, y):
 def clear_run(d, time):
     """Clear the data of an earlier run that would affect a run from ``time`` [s] on.
 
-    The rest of the record, which is large, is not cleared, because that would take a twentieth of the time of
-    a short run.
+    All other data of the record are not cleared, because that would take a twentieth of the time of a short
+    run.
     """
     clear_numbers(d.step)
     clear_numbers(d.trial)

@@ -106,7 +106,8 @@ def block(d, number):
 def as_words(part):
     """Return a view of an instance, or of a part of an instance, as one array of words of 8 bytes.
 
-    A dual number is DIRECTIONS + 1 words: first the value, then the derivatives.
+    A change of a word changes the instance. A dual number is DIRECTIONS + 1 words: first the value, then the
+    derivatives.
     """
     return part.words
 

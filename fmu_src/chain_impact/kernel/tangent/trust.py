@@ -23,8 +23,8 @@ JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint o
 # [1] The derivatives end at a choice, unless its effect is negligible, if the quantity that decides is at
 # most OPEN_DISTANCE times the tolerance away from the choice's bound, relative to a scale.
 OPEN_DISTANCE = 100.0
-# A force jumps at rest if its values at the rates ±NEAR_REST v₀ of the penetration, with the impact speed v₀,
-# differ by more than RELATIVE_JUMP, relative to the force.
+# A force jumps at the penetration's rate 0 if its values at the rates ±NEAR_REST v₀, with the impact speed
+# v₀, differ by more than RELATIVE_JUMP, relative to the force.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
 
