@@ -137,9 +137,9 @@ def turning_margin(d, c):
     """Return the largest |δ̇| [m/s] at which a step may use the force of the wrong side of the kink δ̇ = 0.
 
     If |δ̇| reaches the speed v on the wrong side, the impulse of the contact has a relative error: (v/v₀)²
-    times the result of ``damping_over_elastic``, with the impact speed v₀. TURNING_RATE limits this error. At
-    rest, errors change the sign of δ̇ again and again; therefore the tolerance times one longest link per
-    second is added to the result.
+    times the result of ``damping_over_elastic``, with the impact speed v₀. TURNING_RATE limits this error. In
+    a contact without motion, errors change the sign of δ̇ again and again; therefore the tolerance times one
+    longest link per second is added to the result.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
@@ -175,7 +175,7 @@ def force_on_side(d, c, depth, rate):
     """Return the true force ≥ 0 [N] of candidate c at a penetration ``depth`` [m] and its ``rate`` [m/s].
 
     For a law that damps on approach only, ``touch.beyond_kink`` tells whether the damping acts. The sign of
-    the rate δ̇ cannot tell this, because at rest δ̇ is 0 up to errors.
+    the rate δ̇ cannot tell this, because δ̇ is 0 up to errors in a contact without motion.
     """
     leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
     force, _ = uncut_force(d, c, depth, rate, leaves)

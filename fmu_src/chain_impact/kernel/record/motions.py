@@ -52,7 +52,7 @@ def moved_dtype(channels: int) -> np.dtype:
         # m, position of a channel at ``given_at``, from which later positions are extrapolated
         ("from_position", REAL, (channels,)),
         # m/s, velocity of a channel at ``given_at``; later positions are extrapolated with the velocity
-        # ``from_velocity`` + ``mean``
+        # ``from_velocity`` + ``mean`` at this time, and with the given acceleration
         ("from_velocity", REAL, (channels,)),
         # 1: the motion follows the given position; 0: a belt, or only a velocity or an acceleration was new
         # at the last change, and the position is the integral of the velocity
