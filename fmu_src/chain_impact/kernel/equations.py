@@ -105,8 +105,8 @@ def mechanical_energy(d, y):
 def rate_from_state(d, y, rate):
     """Set ``rate`` to ẏ = f(y).
 
-    The points are located only if a contact is active, or the scene has dry friction or inputs other than
-    motions of walls.
+    The points are located only if a contact is active, an element has dry friction at present, or the scene
+    has inputs other than motions of walls.
     """
     # in free flight no force acts at a point, so points and walls are not located
     if d.touch.active_count > 0 or d.chain.has_inputs or d.friction.count > 0:
