@@ -333,7 +333,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step up to its fraction θ; return where in the repeated step contacts begin.
 
-    The result is a fraction of this step, near 1; −1 for this step's end, without onsets, or after rejection.
+    The result is that of ``onset_fraction`` for the repeated step; −1 if the repeated step is rejected.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)

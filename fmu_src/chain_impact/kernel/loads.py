@@ -115,11 +115,11 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Replace the force, or impulse, that each link needs, in x and y, by that in the link's proximal joint.
+    """Set x and y to the force, or impulse, in the proximal joint of each link.
 
-    The entry of a link before the call is the link's mass times (a_C − g), minus the forces of walls on the
-    link; or the integral of this force over time. The force in a joint is the sum of these entries from the
-    joint's outer link to the tip, minus the force, or impulse, ``at_tip``.
+    Before the call, the entry of a link in x and y is the link's mass times (a_C − g), minus the forces of
+    walls on the link; or the integral of this sum over time. The force, or impulse, in a joint is the sum of
+    these entries from the joint's outer link to the tip, minus the force, or impulse, ``at_tip``.
     """
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
@@ -364,7 +364,8 @@ def square_of_force(d, i):
 def square_at(d, i, theta):
     """Return |f|² [N²] of the joint in row i at the fraction θ of the last step.
 
-    If ``transmitted.largest_square`` of the joint is smaller, this value and its time replace it.
+    If ``transmitted.largest_square`` of the joint is smaller than the result, the result and its time are
+    stored in ``largest_square`` and ``largest_time``.
     """
     load_joints_at(d, theta)
     square = square_of_force(d, i)

@@ -253,7 +253,7 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         # impedance, and m⁺ the residual after the iteration (rows/limits.py)
         ("unlimited", REAL, (count,)),
         ("impedance", REAL, (count,)),  # kg, the impedance D of a constraint inside the limits, else 0
-        # N, impedance times residual of a constraint inside its limits, else the change of its force p
+        # N, impedance times residual of a constraint inside its limits, else the force at the limit minus p
         ("correction", REAL, (count,)),
     )
 

@@ -38,7 +38,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
     return record(
         ("time", REAL),  # s, the communication point; between calls it lies in the last step
         ("start", REAL),  # s, time at which the last step starts
-        # s, the time from which the entry t of the state y counts: the start of the last or of the tried step
+        # s, time that is added to the entry t of the state y: the start of the last or of the tried step
         ("clock", REAL),
         ("end", REAL),  # s, time of the last step's end or, if the step was cut, of the cut
         # s, time from ``start`` to the event that begins the step: 0; in a tangent instance this 0 has
@@ -273,8 +273,8 @@ def search_dtype(candidates: int) -> np.dtype:
         ("safe_distance", REAL),
         # rad/s, largest angular frequency at which an input changes in the searched step
         ("input_rate", REAL),
-        ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the end of a step
-        # m/s², bound on the accelerations of places relative to walls at the end of a step
+        ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the last step's end
+        # m/s², bound on the accelerations of places relative to walls at the last step's end
         ("acceleration", REAL),
         # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),

@@ -31,7 +31,7 @@ from chain_impact.studies.sweep.variation import Variation
 
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
-FOOT = 0.05  # the height of the crosses above the axis, relative to the height of the panel
+FOOT = 0.05  # the distance of the crosses from an edge of the panel, relative to the size of the panel
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
 # the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest

@@ -40,9 +40,10 @@ SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white"
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
 """The mark of the scene's own values in a map, with matplotlib's names."""
 SCENE_LINE: dict[str, Any] = {"color": INK, "linestyle": (0.0, (4.0, 3.0)), "linewidth": 0.8, "zorder": 1.0}
-"""The line at the scene's own value in other panels, with matplotlib's names."""
-# FEW_CELLS: a map with fewer cells on both axes has a number in each cell, and no contours; WIDE_CELLS: in a
-# narrow figure, numbers in a map with more columns have fewer digits
+"""The line at the scene's own value in panels that are no maps, with matplotlib's names."""
+# FEW_CELLS: a map with fewer cells on both axes has no contours, but a number in each cell, unless it shares
+# its colours with other maps; WIDE_CELLS: in a narrow figure, numbers in a map with more columns than this
+# have fewer digits
 FEW_CELLS, WIDE_CELLS = 8, 4
 # CONTOURS: the places in the range of the colours, 0 to 1, near which a map has a contour; MOST_PIECES: the
 # largest number of pieces of a contour; LEAST_CELLS: the least number of cells on each axis for contours;
@@ -105,7 +106,7 @@ def _tables(runs: Runs, quantity: Quantity, over: Sequence[Variation]) -> Any:
 
 
 def own_maps(runs: Runs, third: Variation) -> list[int]:
-    """Return the index of the map with the scene's own value of the third parameter; [] without one."""
+    """Return a list with the index of the map of the scene's own value of the third parameter, if any."""
     own: Any = runs.scene.values.get(third.name)
     values = third.shown(third.values[axis_of(third).order]).tolist()
     return [

@@ -51,7 +51,7 @@ MOST_REASONS = 2  # the largest number of reasons of failed runs that the headli
 # they stand in one row
 IN_ONE_ROW = 3
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
-THREE_MAPS = 9.0  # [inch] least width of a figure with three maps in one row
+THREE_MAPS = 9.0  # [inch] least width of a figure with the maps of three results in one row
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
