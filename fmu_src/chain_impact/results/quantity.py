@@ -1,4 +1,4 @@
-"""The quantities of a run by which parameters can be ranked: a value, with its place and its derivatives."""
+"""The quantities of a run by which parameters can be ranked: value, derivatives, and words for the place."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("peak_force", REAL, (candidates,)),  # N, peak force in the contact so far
         ("max_penetration", REAL, (candidates,)),  # m, largest penetration in the contact so far
         ("joint_square", REAL, (candidates,)),  # N², largest squared force in any joint during the contact
-        ("joint", INTEGER, (candidates,)),  # number of the joint with that force, 1…N; 0 for none
+        ("joint", INTEGER, (candidates,)),  # number of the joint with ``joint_square``, 1…N; 0 for none
         # m, errors of the clearances of the active contacts, in the order of ``active_index``; row 0 and row
         # 1 belong to the two error estimates of an explicit step
         ("gap_error", REAL, (2, candidates)),

@@ -65,7 +65,7 @@ class Parameter:
         )
 
     def coordinate(self, value: float) -> float:
-        """Return the coordinate of a value; as a logarithm, that of a value ≤ 0 is −infinity."""
+        """Return the coordinate of a value; if it is a logarithm, the result for a value ≤ 0 is −infinity."""
         if not self.logarithmic:
             return value
         return math.log(value) if value > 0.0 else -math.inf

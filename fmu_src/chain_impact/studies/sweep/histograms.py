@@ -20,9 +20,9 @@ from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
-"""Quantile → matplotlib's style of the line that marks it in each panel."""
+"""Quantile → matplotlib's style of the line that marks the quantile in each histogram."""
 MOST_SCATTERS = 3  # the largest number of parameters over which each quantity of samples is drawn
-FEWEST = 3  # the correlation of fewer pairs of values counts as 0
+FEWEST = 3  # the correlation of fewer than FEWEST pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
 ONE_BAR_SPREAD = 1e-9  # [1] all values share one bar if their range is at most this times the largest |value|
