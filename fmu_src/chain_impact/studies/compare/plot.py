@@ -99,7 +99,8 @@ def message(comparison: LawRuns, *, small: bool = False) -> str:
     """Return the headline: ranges of the peak forces and of the realised restitutions e′ in the first impact.
 
     If the e′ do not describe the contact alone (``has_restitution``), the headline has only the peak forces.
-    A law under which the impact does not end has no e′; if no law has one, the headline tells only this.
+    A law under which the impact does not end has no e′; if no law has an e′, the headline tells only that the
+    impact does not end.
     ``small``: whether the headline is for a narrow figure, and must be short.
     """
     restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
@@ -131,8 +132,8 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     """Return the text below the headline.
 
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
-    describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without losses
-    if the impact is not free or this e′, rounded, is not 1.00, unless it is unknown or ``pressed_again``;
+    describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without
+    losses, if e′ is known, the contact is not ``pressed_again``, and e′ is not 1.00 or the impact not free;
     stiffness and tolerance; the number of grey lines, unless the grey lines are drawn as a band.
     """
     contact, impact = comparison.contact, comparison.first_impact

@@ -99,7 +99,8 @@ def advice(comparison: LawRuns) -> str:
     If the impact is free and several laws realise the restitution, the sentence advises one of these laws. If
     the impact is not free, the sentence lists laws of impulses, which realise the restitution in any scene,
     before laws with a force, and a second sentence gives the restitutions that can be reached. If other
-    forces press the contact again before it ends (``pressed_again``), the first sentence tells only this.
+    forces press the contact again before it ends (``pressed_again``), the first sentence tells only that the
+    restitutions do not show which laws realise the prescribed restitution.
     """
     e = comparison.contact.restitution
     if comparison.pressed_again:

@@ -84,9 +84,9 @@ class Estimates:
     def aic(self) -> float:
         """Akaike's information criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
 
-        Only the difference between two fits of the same data has a meaning; if this is ≥ 10, the data hardly
-        support the fit with the larger criterion (Burnham & Anderson, Sociological Methods & Research 33
-        (2004) 261).
+        Only the difference between two fits of the same data has a meaning; if the difference is ≥ 10, the
+        data hardly support the fit with the larger criterion (Burnham & Anderson, Sociological Methods &
+        Research 33 (2004) 261).
         """
         return self.deviance + 2.0 * (len(self.parameters) + len(self.estimated))
 

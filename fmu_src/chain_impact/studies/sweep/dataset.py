@@ -1,4 +1,4 @@
-"""The folder of a sweep, to which each batch of runs is written when it is computed, as a file of its own.
+"""The folder of a sweep; each batch of runs that has been computed is written to the folder as one file.
 
 The manifest, a JSON file, identifies the sweep and lists the columns and the runs in each file. A file of
 runs is written under a temporary name; when it is complete, it is renamed and then listed in the manifest.

@@ -99,7 +99,7 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
-    """Return words for each quantity: the varied number with the largest |rank correlation|, and its value.
+    """Return words for each quantity: the number with the largest |rank correlation|, and this correlation.
 
     Quantities without a correlation are left out; the result is "" if none is left.
     """

@@ -42,8 +42,8 @@ SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorde
 SCENE_LINE: dict[str, Any] = {"color": INK, "linestyle": (0.0, (4.0, 3.0)), "linewidth": 0.8, "zorder": 1.0}
 """The line at the scene's own value in panels that are no maps, with matplotlib's names."""
 # FEW_CELLS: a map with fewer cells on both axes has no contours, but a number in each cell, unless it shares
-# its colours with other maps; WIDE_CELLS: in a narrow figure, numbers in a map with more columns than this
-# have fewer digits
+# its colours with other maps; WIDE_CELLS: in a narrow figure, numbers in a map with more than WIDE_CELLS
+# columns have fewer digits
 FEW_CELLS, WIDE_CELLS = 8, 4
 # CONTOURS: the places in the range of the colours, 0 to 1, near which a map has a contour; MOST_PIECES: the
 # largest number of pieces of a contour; LEAST_CELLS: the least number of cells on each axis for contours;

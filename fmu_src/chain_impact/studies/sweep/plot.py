@@ -43,7 +43,7 @@ NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 # values
 MOST_SPLIT = 3
 # without samples, the largest number of varied parameters that a picture can show, and the largest number of
-# maps if there are three
+# maps if three parameters vary
 MOST_VARIED, MOST_MAPS = 3, 9
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
 MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists

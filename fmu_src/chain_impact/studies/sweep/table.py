@@ -117,9 +117,9 @@ class Sweep(Runs):
             panels: the columns to draw, such as ``"peak_force"``; ``*`` stands for any text. By default, the
                 main results and the first four additional outputs are drawn: those that differ between the
                 runs or, if none does, all. If the runs are samples, and forces or moments are among these
-                columns, only the forces and moments are drawn. If three parameters vary without samples, one
-                of them must have at most nine values: only the first of these columns is drawn, with a map
-                for each value.
+                columns, only the forces and moments are drawn. If three parameters vary without samples, only
+                the first of these columns is drawn, with a map for each value of the parameter with the
+                fewest values, which must be at most nine.
 
         Raises:
             SceneError: when too many parameters vary for a picture, there are too many runs or panels, or no
