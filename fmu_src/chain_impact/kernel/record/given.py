@@ -280,7 +280,7 @@ def site_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the sites in the order of their links: points of links other than their ends."""
     return record(
         ("link", bounded(0, links - 1), (sites,)),  # index of the site's link, from 0
-        # 1 to 4: the site is this corner of a box, and the box determines its position; 0: not a corner
+        # 1 to 4: number of the box's corner at which the site lies (``corner_of_box``); 0: not a corner
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint
         ("y", FINITE, (sites,)),  # m, distance of the site from the link's line; > 0: to the left

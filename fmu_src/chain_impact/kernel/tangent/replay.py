@@ -8,7 +8,7 @@ the size of the step, the method and the events from d, and these choices have n
 An event ends a step where a function φ of the state passes through zero. The time of the event depends on the
 parameters, too. With φ′ the derivatives of φ where the step of d ends, the time has the derivatives −φ′/φ̇;
 −ẏ φ′/φ̇ is added to the derivatives of the state at the event. Time is part of the state, and the change of
-the state at an event is differentiated like the rest of the run. At the kink of a force the rate is
+the state at an event is differentiated like a step of the run. At the kink of a force the rate is
 continuous, so the derivative of the event time affects a peak or the end of a contact there, but not the
 motion. The dense output of a step is computed before the end of the step moves, so the derivatives of the
 dense output are those at fixed times. The search for peaks in a step covers exactly the time between the
@@ -17,7 +17,7 @@ events with which the step begins and ends: a force that jumps with a signal may
 In an implicit step, t repeats the iteration, started from the stages that d has found. The result does not
 depend on the approximate Jacobian A, so the linear systems of d, in the scratch memory of d, give the
 derivatives in each direction. The stages' derivatives are first extrapolated from the last step, and converge
-at another rate than the stages' values: where d is at rest, the values converge at once, however long the
+at another rate than the stages' values: if d does not move, the values converge at once, however long the
 step is, but the derivatives do not. So the iteration goes on until the last correction of the derivatives in
 each direction is small, relative to the state's derivatives in this direction.
 
@@ -344,8 +344,9 @@ def ends_regularized(d):
 def copy_end_values(d, t):
     """Set the values of t at the end of the last step to the values of d, which differ by round-off only.
 
-    The rate at the end is the first stage of the next explicit step. If t kept its own rate, long steps at
-    rest would multiply the round-off of this rate from step to step, although the motion itself is stable.
+    The rate at the end is the first stage of the next explicit step. If t kept its own rate, long steps of a
+    chain without motion would multiply the round-off of this rate from step to step, although the motion
+    itself is stable.
     """
     for j in range(len(d.step.state_end)):
         t.step.state_end[j] = dual_with_slope(d.step.state_end[j], 1.0, t.step.state_end[j])
