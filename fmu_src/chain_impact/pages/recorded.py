@@ -117,7 +117,7 @@ def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
 def _range(joint: int, limits: JointRange) -> dict[str, Any]:
     """Return a joint with stops in the form of the page: its number, from 1, and angles [rad].
 
-    The angles, those of both ends of its arc and of each stop, are relative to the previous link's direction.
+    The angles, of the arc's ends and of each stop, count from the previous link or, for joint 1, from +x.
     """
     marks = [stop for stop in (limits.low, limits.high) if math.isfinite(stop)]
     return {"joint": joint, "arc": limits.arc, "marks": marks}

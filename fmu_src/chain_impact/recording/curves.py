@@ -21,8 +21,8 @@ CLOSE_TIMES = 1000  # number of equally spaced times in a picture of one impact 
 BEFORE, AFTER = 0.5, 1.0
 # BEND: a curve bends where it deviates from a straight line by more than this, relative to its range. PARTS:
 # an interval with a bend is divided into so many intervals. ROUNDS: this is repeated at most so many times,
-# but not if there would be more than MOST_TIMES times. Without the additional times, a peak late in a long
-# contact would be drawn too low.
+# but not if there would be more than MOST_TIMES times. Without the additional times, the largest force would
+# be drawn too low if it occurs late in a long contact.
 BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
 # [1] the duration that a close view assumes for a contact that lasts to the end of the run, relative to the
 # run's duration

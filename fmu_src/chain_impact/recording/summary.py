@@ -20,7 +20,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.unit_text import of_power
 from chain_impact.variables.impact_units import unit_at
 
-# largest numbers of impacts in a list: LISTED_IMPACTS in a long text, LISTED_IN_SHORT in a short one
+# largest numbers of impacts in a list: LISTED_IMPACTS in notebooks and on the command line, LISTED_IN_SHORT
+# in the text of a ``Result``
 LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
 NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the time of a joint's largest force
 JOINTS = 8  # largest number of joints whose forces the summary lists

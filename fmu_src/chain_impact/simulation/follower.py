@@ -30,8 +30,8 @@ POINTS = 16  # number of values of a function from which the polynomial of a pie
 SHORTEST = 4e-13  # [1] an interval at most this long, relative to the run, is dropped: at a jump or kink
 # [1] pieces count as equally long if their lengths differ by at most this, relative to one of the lengths
 ALIKE = 1e-6
-# an interval longer than 2^FAR times the last piece is halved without trying a polynomial, which would
-# probably fail
+# an interval longer than 2^FAR times the length of the last piece is halved without trying a polynomial,
+# which would probably fail
 FAR = 2
 # log₂ of the largest number of pieces for which the functions are called at once; values for more pieces
 # would be wasted if polynomials fail
@@ -107,7 +107,7 @@ class Follower:
         self._accuracy = np.maximum(accuracy, VALUE_ROUND_OFF)
         self._calls_left = CALLS
         # for each function, how often a polynomial has failed because of this function; an error names the
-        # worst
+        # function with the largest number
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
         # [s] length of the last interval for which a polynomial failed or, by ``_is_vain``, was not tried; ∞:
@@ -180,9 +180,9 @@ class Follower:
         )
 
     def _join(self, pieces: list[Piece], piece: Piece) -> None:
-        """Append a piece, or replace the last piece by one over both if these meet and one polynomial fits.
+        """Append a piece, or replace the last piece by one over both if both meet and one polynomial fits.
 
-        One polynomial for both is not tried if they are ``_alike``.
+        One polynomial for both pieces is not tried if they are ``_alike``.
         """
         meets = bool(pieces) and pieces[-1].end == piece.start
         both = (
@@ -252,7 +252,7 @@ class Follower:
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
         # The first round extrapolates polynomials from afar, to find on which side of the jump or kink a time
-        # lies. The second round uses polynomials near the jump or kink, to locate this accurately.
+        # lies. The second round uses polynomials near the jump or kink, to find its time accurately.
         for until in (0.125 * quarter, self._shortest):
             left = self._simple(before - quarter, before)
             right = self._simple(after, after + quarter) if left is not None else None
@@ -295,7 +295,7 @@ class Follower:
         The left piece has the functions' values before the jump or kink, the right piece after it. The
         interval between the two times is halved until it is at most ``until`` [s] long. In the first round of
         ``_break``, the search also ends at a time at which neither piece has the functions' values. If both
-        have them at a time, the search returns this time twice.
+        pieces have the functions' values at a time, the search returns this time twice.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
@@ -334,10 +334,10 @@ class Follower:
         return self._fits(np.array([start, end]))[0]
 
     def _foresee(self, start: float, end: float) -> None:
-        """Compute all pieces of an interval in one call of the functions, each as long as the last piece.
+        """Compute all pieces of an interval in one call, each about as long as the last piece.
 
-        Nothing is done for more than 2^TOGETHER pieces, or if a longer piece must be tried first: one of at
-        most 2^FAR times the last length is tried unless ``_is_vain``; a longer one is never tried.
+        Nothing is done for 1 piece, for more than 2^TOGETHER pieces, or if a longer piece must be tried
+        first: one of at most 2^FAR times the last length is tried unless ``_is_vain``, a longer one never.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0

@@ -191,8 +191,9 @@ function turnsOf(values, least) {
 }
 
 /**
- * Return the path of a curve, for the option `paths` of uPlot: straight lines between its rows. A row before the last is left out if it is
- * nearer than CURVE_APART to the row before on the path. uPlot's own paths would be rounded to pixels if rows are much denser than pixels.
+ * Return the path of a curve, for the option `paths` of uPlot: straight lines between its rows. Any row except the last one is left out if
+ * it is nearer than CURVE_APART, along both axes, to the latest row on the path. uPlot's own paths would be rounded to pixels if rows are
+ * much denser than pixels.
  */
 function pathOf(plot, series, first, last) {
   const [times, values] = [plot.data[0], plot.data[series]];

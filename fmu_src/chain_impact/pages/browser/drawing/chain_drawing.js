@@ -33,7 +33,8 @@ const NUMBERED = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
 /**
- * Return a unit vector on the screen, away from the chain at a point: at an end along the link, at a bend to its outer side, else across.
+ * Return a unit vector on the screen, away from the chain at a point: at an end along the link; at a bend to the outer side of the bend; at
+ * a joint of two links that are almost in line, at a right angle to the links.
  */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];
@@ -46,7 +47,7 @@ function outOfChain(positions, point) {
   return size > 0.2 ? bend.map((component) => component / size) : [directions[0][1], -directions[0][0]];
 }
 
-/** Return a unit vector on the screen out of a body: from its middle to `position`, if the body is scaled to a square. */
+/** Return a unit vector on the screen out of a body: from its middle to `position`, after the body is scaled to a square. */
 function outOfBody(position, corners) {
   const vector = position.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);
@@ -99,8 +100,8 @@ export class ChainDrawing {
     const { links, pointCount, touching, pointNames, radius, ball, isPoint, traced, bodies, rail } = this.recording;
     const names = new Map(pointNames);
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
-    // A link has an edge in the colour of the free region, which shows which of two crossing links is in front. A ball is shown by a thin
-    // line from its centre to a mark on it, as in pictures; a ball that is a point has no such line.
+    // The edge of a link, in the colour of the free region, shows which of two crossing links is in front. A ball is shown by a thin line
+    // from its centre to a mark on the ball, as in pictures; a ball that is a point has no line.
     const kinds = ball === null ? ["link-edge", "link"] : isPoint ? [] : ["radius"];
     this.lines = lines.flatMap((range) => kinds.map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
@@ -267,9 +268,9 @@ export class ChainDrawing {
   }
 
   /**
-   * Return the `position` of a contact on the screen, and a direction, `away`, for its label. At a wall or a stop of a slider these are the
-   * point's projection onto the wall or stop, and its normal. At a stop of a joint these are the place where the link crosses the arc of
-   * the joint's range, and a direction at a right angle to the link.
+   * Return the `position` of a contact on the screen, and a direction, `away`, for its label. At a wall or a stop of a slider, the position
+   * is the point's projection onto it, and the direction is the normal of the wall or stop. At a stop of a joint, the position is where the
+   * link crosses the arc of the joint's range, and the direction is at a right angle to the link.
    */
   #contactPosition(frame, point, wall) {
     const side = this.recording.sidesAt(frame)[wall];
@@ -308,7 +309,7 @@ export class ChainDrawing {
     return rings;
   }
 
-  /** Write the numbers of impacts beside their rings; a number without a free place beside its ring is left out. */
+  /** Write the number of an impact beside each ring with `isNumbered`; a number without a free place beside its ring is left out. */
   #numberRings(rings) {
     rings.filter(({ isNumbered }) => isNumbered).forEach((ring) => {
       const { number, position, away, radius } = ring;

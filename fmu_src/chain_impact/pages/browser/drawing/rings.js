@@ -1,7 +1,8 @@
 // The rings around recent impacts, which grow and fade, and the rule for the numbers beside them.
 
 const RING_TIME = 0.25; // [s] simulated time for which an impact has a ring
-// [pixels] RING: diameter of a ring at the onset, and how much it grows in RING_TIME; RINGS_APART: difference for two rings at one position
+// [pixels] RING: diameter of a ring at the onset, and the growth of the diameter in RING_TIME; RINGS_APART: difference of the diameters of
+// two rings at one position
 const [RING, RINGS_APART] = [20, 7];
 const SAME = 12; // [pixels] rings that are nearer to each other count as being at one position
 const OWN = 0.8; // the distance of a number from its ring must be smaller than this times its distance from any other ring
@@ -17,8 +18,8 @@ export function recentImpacts(recording, frame) {
 
 /**
  * Return the rings of recent impacts at the time `now` [s]. `places` has a {position [pixels], away (direction from the wall)} for each
- * impact. A ring has these, and the impact's `number`, `radius` [pixels], `opacity`, `isSeen` (labels keep off it) and `isNumbered` (its
- * number is shown). Of several rings at one position, each begins wider than the ring before began.
+ * impact. A ring has the place's position and direction, the impact's `number`, `radius` [pixels], `opacity`, `isSeen` (labels keep off the
+ * ring) and `isNumbered` (the number is shown). Of several rings at one position, a later impact has the larger ring at its onset.
  */
 export function ringsOf(recent, places, now) {
   return recent.map(({ onset, number }, k) => {
@@ -35,7 +36,7 @@ export function ringsOf(recent, places, now) {
   });
 }
 
-/** Return a function: middle of a place for a ring's number → whether it is clearly nearer to this ring than to rings elsewhere. */
+/** Return a function: middle of a place for a ring's number → whether it is clearly nearer to the ring than to rings at other positions. */
 export function isOwnPlace({ position }, rings) {
   const others = rings.filter((other) => apart(other.position, position) >= SAME);
   return (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));

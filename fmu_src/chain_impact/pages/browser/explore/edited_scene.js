@@ -9,7 +9,7 @@ import { asWritten } from "../scene/scene_file.js";
 
 /**
  * Return the `links` of a scene file, and as `sites` the points of all links: each with its `link`, its `index` there, and its `entry`
- * in the file or, for a corner of a box, the corner's number. An edit changes indices, so links and entries, as objects, identify parts.
+ * in the file or, for a corner of a link that is a box, the corner's number. An edit changes indices, so the objects identify the parts.
  */
 export function partsOf({ chain: { links } }) {
   const entriesOf = ({ shape, points }) => [...(shape ? CORNERS.keys() : []), ...points];

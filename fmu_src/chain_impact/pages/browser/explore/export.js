@@ -53,8 +53,8 @@ function dictionary(pairs) {
 }
 
 /**
- * Return the text after the # of an address: first the contents of `shown` (name → text), which have no names of parameters, then the
- * changes `given`, by default those of the reader.
+ * Return the text after the # of an address: first the texts of `shown` (name → text; no name of a parameter; an empty text is left out),
+ * then the changes `given`, by default those of the reader.
  */
 export function hashOf(changes, shown = {}, given = changes) {
   const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(given.values), ...inputStepTexts(given)];

@@ -22,7 +22,7 @@ export function valueTextOf(changes, values) {
   return `${numbers.map((value) => withMinus(numberText(value))).join(", ")}\u202f${unit}`;
 }
 
-/** Write the text beside the dragged handle of a drawing, within the drawing's `width`. */
+/** Write the text above the dragged handle of a drawing, or below it near the upper edge, within the drawing's `width`. */
 export function writeAt(group, text, [x, y], width) {
   const half = 4 * text.length;
   const left = Math.min(Math.max(x, half), width - half);

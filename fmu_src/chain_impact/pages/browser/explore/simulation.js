@@ -1,4 +1,4 @@
-// The runs of the page, which changes begin, and the line that tells how the last run ended.
+// The runs of the page, which simulates after each change, and the line that tells how the last run ended.
 
 import { find, make } from "../base/dom.js";
 import { readable, textWithUnit } from "../base/format.js";
@@ -101,7 +101,7 @@ export class Simulation {
     return lacking.length > 0;
   }
 
-  /** Simulate the present scene with each of several changes; return these, each with `parts` and `about` as `show` gets them. */
+  /** Simulate the present scene with each of several changes; return those with a motion, with `parts` and `about` as `show` gets them. */
   async motionsOf(all) {
     const { engine, choice: { names: curves }, changes } = this;
     const { scene } = changes;
@@ -143,14 +143,14 @@ export class Simulation {
     if (all && document.body.classList.contains("stale")) this.#offerUndo();
   }
 
-  /** Return the names of the parameters that have changed since the last run of this scene that has given a motion. */
+  /** Return the names of the parameters that have changed since the last run with a motion; none if that run was of another scene. */
   #newNames() {
     const { changes: { scene, values } } = this;
     const last = this.#last;
     return last?.scene === scene ? Object.keys({ ...last.values, ...values }).filter((name) => last.values[name] !== values[name]) : [];
   }
 
-  /** Offer to take back the changes since the last run of this scene that has given a motion, and name their parameters. */
+  /** Offer to take back the changes of the parameters that `#newNames` returns, and name these parameters. */
   #offerUndo() {
     const { changes } = this;
     const last = this.#last;

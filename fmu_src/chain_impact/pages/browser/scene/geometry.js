@@ -7,18 +7,18 @@
 export const { NORMALS, STOPS, SLIDER_STOPS } = SHARED.names;
 /** The names of the walls of the box, in the order of their numbers. */
 export const BOX_WALLS = Object.keys(NORMALS);
-/** The corners of a box, in the order of their numbers: positions along the link and to its left, as fractions of length and height. */
+/** The corners of a link that is a box, in the order of their numbers: along the link and to its left, relative to length and height. */
 export const { CORNERS } = SHARED.file;
 
-/** Return the coordinates [m] of the corner of a box with a number from 1: along the link, and to its left. */
+/** Return the coordinates [m] of a corner, by its number from 1, of a link that is a box: along the link, and to its left. */
 export function cornerOf(number, length, height) {
   const [along, left] = CORNERS[number - 1];
   return [along * length, left * height];
 }
 
 /**
- * Return a point of a link as a disc: coordinates [m] along the link and to its left, and radius [m]. For a corner of a box, the link's
- * length and height give the coordinates, and contact.radius gives the radius.
+ * Return a point of a link as a disc: coordinates [m] along the link and to its left, and radius [m]. For a corner of a link that is a box,
+ * the link's length and height give the coordinates, and contact.radius gives the radius.
  */
 export function discOf({ link, entry, corner }, valueOf) {
   const of = `link[${link + 1}]`;
@@ -53,7 +53,7 @@ export function pointsOf(base, links) {
   }, [base]);
 }
 
-/** Return the positions [m] of the base and of the end of each link at the start; `base`: position of the base, if no parameters set it. */
+/** Return the positions [m] of the base and of the end of each link at the start; the parameters give the position `base` by default. */
 export function startOf({ links }, valueOf, base = [valueOf("initial.x") ?? 0, valueOf("initial.y") ?? 0]) {
   const numbers = Array.from({ length: links }, (_, k) => k + 1);
   return pointsOf(base, numbers.map((link) => [valueOf(`link[${link}].length`), valueOf(`initial.angle[${link}]`)]));
@@ -70,7 +70,7 @@ export function sitesAt(positions, sites, valueOf) {
   });
 }
 
-/** Return the radius [m] of the point with a number, which is the end of a link or a point of one. */
+/** Return the radius [m] of the point with the number `point`: its own radius for a point of a link, `contact.radius` for a link end. */
 export function radiusOf({ sites, links }, valueOf, point) {
   const site = sites[point - links - 1];
   return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;

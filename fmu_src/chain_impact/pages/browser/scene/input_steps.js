@@ -11,7 +11,7 @@ export function inputStepTexts({ inputSteps }) {
 
 /**
  * Return the contents of the parts of an address (`texts`: name → text): `inputSteps`, the inputs with steps, and `others`, all other
- * parts. An error tells which part is wrong, and the allowed form.
+ * parts. An error tells which part is wrong.
  */
 export function inputStepsIn(texts, changes) {
   const [others, inputSteps] = [{}, {}];

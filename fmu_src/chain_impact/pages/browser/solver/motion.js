@@ -16,7 +16,7 @@ const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: about two for each pixel of a chart
 // The second run has additional rows within the first impacts. FOLLOWED: number of these impacts; WITHIN: number of additional rows in each
-// of two parts of an impact, the part that is shown slowly and the rest.
+// of two parts of an impact: the part that is shown slowly, and the part after it.
 const { FOLLOWED, WITHIN } = SHARED.curves;
 
 /** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
@@ -40,7 +40,7 @@ export function impactsOf(impacts, scene, valueOf) {
   });
 }
 
-/** Return the ranges of the joints with stops: number of the `joint`, both ends of its `arc`, and `marks` of the stops, as angles [rad]. */
+/** Return the ranges of joints with stops: the number `joint`, both ends of its `arc`, and `marks` of the stops, as joint angles [rad]. */
 function rangesOf(scene, valueOf) {
   return scene.stops.map((joint) => {
     const [low, high] = STOPS.map((stop) => valueOf(`link[${joint}].${stop}`));
@@ -179,7 +179,8 @@ function withFurther(times, impacts) {
 }
 
 /**
- * Return the wanted frames per second on the screen: FRAME_RATE, or as many as the fastest sine needs that drives an input up to `stop`.
+ * Return the wanted frames per second on the screen: FRAME_RATE or, if the fastest sine that drives an input before the time `stop` needs
+ * more, as many as this sine needs.
  */
 function frameRateOf({ parameters }, valueOf, stop) {
   const sines = parameters.filter(({ filePath }) => filePath?.[0] === "signals" && filePath[2] === "frequency").flatMap(({ name }) => {

@@ -8,8 +8,8 @@ import { attempt, explain, presentUnit, refusal, resetButton, valueField } from 
 const STEPS = 400; // number of steps from one end of a slider to the other
 
 /**
- * Return two functions for the slider of an entry (`MAIN_PARAMETERS` in main_parameters.js): `toValue`, from its position (0 to 1) to the
- * value of the parameter, and `toPosition`, back. `start`: the parameter's value in the scene.
+ * Return two functions for the slider of an entry (`MAIN_PARAMETERS` in main_parameters.js): `toValue`, from a position of the slider (0 to
+ * 1) to a value of the parameter, and `toPosition`, from a value to a position. `start`: the parameter's value in the scene.
  */
 function scaleOf({ ends, logarithmic, decades, spread }, start) {
   if (logarithmic) {
@@ -24,7 +24,7 @@ function scaleOf({ ends, logarithmic, decades, spread }, start) {
   return { toPosition: (value) => (value - low) / (high - low), toValue: (position) => low + position * (high - low) };
 }
 
-/** Return the value at a position of a slider rounded to three significant digits, by which most neighbouring positions differ. */
+/** Return the value at a position of a slider, rounded to three significant digits. */
 function rounded(value) {
   return Number(value.toPrecision(3));
 }
@@ -78,7 +78,10 @@ function mainParameter(changes, entry, now) {
   } };
 }
 
-/** Return the least value that the slider of a parameter may set: above 0 if the slider begins at 0 and 0 is not allowed, else −∞. */
+/**
+ * Return the least value that the slider of a parameter may set: a value above 0 for an entry with a `spread`, and for a restitution if the
+ * contact law does not allow 0; else −∞.
+ */
 function leastOf(changes, { name, spread }) {
   if (spread) return rounded(changes.starts[name] / 100);
   const isRefused = name.endsWith("restitution") && SHARED.laws[lawOf(changes, name.startsWith("stop."))]?.allows_zero === false;
@@ -142,8 +145,8 @@ function slider(changes, entry, { field, write, now, unit }) {
 }
 
 /**
- * Fill an element with the main parameters, inputs and signals of the scene, each time that a scene is opened. `now` is a function that
- * returns the present time and whether the motion plays; the returned function must be called when either changes.
+ * Fill an element with the main parameters, inputs and signals of the scene, at once and each time that a scene is opened. `now` is a
+ * function that returns the present time and whether the motion plays. Return a function that must be called when the time changes.
  */
 export function showMainParameters(element, changes, now) {
   let rows;
