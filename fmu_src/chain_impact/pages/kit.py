@@ -3,9 +3,9 @@
 The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
 data therefore contain templates, such as ``link[{n}].angle``, from which the page makes the variables as
 ``variables/listing.py`` does, and the tables of scene/facts.py and variables/owners.py, which the page
-evaluates. The index of a word in the record depends on the numbers of these parts. The data contain the
-coefficients from which the page computes the index (compilation/affine.py). shared.py has the constants of
-all pages.
+evaluates. The index of a word in the record depends on the numbers of links, walls, stops and other parts.
+The data contain the coefficients from which the page computes the index (compilation/affine.py). shared.py
+has the constants of all pages.
 """
 
 from __future__ import annotations

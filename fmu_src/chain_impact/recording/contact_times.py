@@ -71,8 +71,8 @@ def course_in_run(recording: Recording, row: int) -> Course | None:
 def peak_time(recording: Recording, row: int) -> float:
     """Return the time [s] of the largest force in the impact in row ``row``, as ``impacts_at_peaks`` does.
 
-    If this time is later than the onset, and the run can be repeated, the result comes from the course of
-    the impact in place of ``impacts_at_peaks``, and so does not depend on the rows of the recording.
+    If that time is later than the onset, and the run can be repeated, the result is the first time at which
+    the course of the impact has the largest force (FIRST_EXACT), which may lie between rows.
     """
     time = float(impacts_at_peaks(recording)["onset"][row])
     course = course_in_run(recording, row) if time > recording.impacts["onset"][row] else None

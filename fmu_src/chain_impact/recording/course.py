@@ -16,10 +16,10 @@ from chain_impact.scene.words.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # number of times at which the course of an impact is computed
-# number of equally spaced times in a contact that lasts longer than ``impact_ends`` gives
+# number of equally spaced times in a contact that lasts beyond the end that ``impact_ends`` gives
 LASTING_SAMPLES = 4000
 # [1] the first of SAMPLES times after the onset in geometric progression, relative to the duration of a
-# contact that lasts longer than ``impact_ends`` gives
+# contact that lasts beyond the end that ``impact_ends`` gives
 SOON = 1e-6
 
 
@@ -75,8 +75,8 @@ def course_of(
     """Return the course of one impact.
 
     The run is repeated up to the end of the impact, with additional rows within the impact. The repeated run
-    is identical bit by bit, because additional rows do not change the solution. If the contact lasts longer
-    than ``impact_ends`` gives, more samples lie just after the onset, and up to the end from ``impact_ends``.
+    is identical bit by bit, because additional rows do not change the solution. If the contact lasts beyond
+    the end that ``impact_ends`` gives, more samples lie just after the onset, and from the onset to that end.
 
     Args:
         prepared: the prepared scene.
@@ -103,7 +103,7 @@ def course_of(
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
     # The output ``penetration_rate`` is 0 at onset and end, because the penetration is 0 there. The impact
-    # speed and the separation speed in the list of impacts replace these two values.
+    # speed and, if the contact has ended, the separation speed in the list of impacts replace these values.
     if len(speed):
         speed[0] = impact["impact_speed"]
     if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):

@@ -21,7 +21,7 @@ SHORTEST_REST = 0.05  # [1] shortest rest that counts, relative to the duration 
 
 
 def rest_word(recording: Recording) -> str:
-    """Return the word for rests: "held" if an element sticks to the end of the run, else "at rest"."""
+    """Return the word for rests: "held" if dry friction sticks to the end of the run, else "at rest"."""
     return "held" if len(_held_since(recording)) else "at rest"
 
 
@@ -87,7 +87,7 @@ def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.ndarray:
-    """Return, for each interval between rows, the largest mean acceleration of any point around it [m/s²].
+    """Return, for each interval between rows, the largest mean acceleration of any point [m/s²].
 
     The mean is over ``reach`` rows before and after the interval, so that small and fast oscillations of a
     stiff contact do not count. If there are fewer rows, the mean is over fewer rows. If there is only one
@@ -109,7 +109,7 @@ def rest_lines(recording: Recording) -> Iterator[str]:
     base.
     """
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
-        # dry friction may hold the chain only some milliseconds after the last noticeable motion
+        # dry friction may begin to hold the chain some milliseconds later: the latest time is the start
         start = max([rests(recording)[-1][0], *_held_since(recording)])
         last = recording.points[-1]
         ends = {"tip": last[-1]} if recording.pinned else {"base": last[0], "tip": last[-1]}

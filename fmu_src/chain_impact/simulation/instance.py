@@ -290,7 +290,7 @@ class Instance:
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """Return the contacts that still last, with their peaks so far.
+        """Return the contacts that still last, with their values up to the present time.
 
         The call ends the solver's last step at the present time: motion computed beyond this time is dropped.
         """
@@ -304,7 +304,7 @@ class Instance:
         return np.arange(ended, ended + self._integers.item(self._log_at.active))
 
     def _impacts(self, numbers: np.ndarray) -> np.ndarray:
-        """Return the contacts with these numbers; impulses and joint forces that are not computed are NaN."""
+        """Return the contacts with some numbers; impulses and joint forces that are not computed are NaN."""
         if not len(numbers):
             return NO_CONTACTS
         at, columns = self._log_at, len(LOG_DTYPE.names or ())
@@ -328,7 +328,7 @@ class Instance:
     def part(self) -> str:
         """Words for the part of the scene that causes a fault, such as a point and a wall.
 
-        The result is "" if none does.
+        The result is "" without a fault, and if no single part causes the fault.
         """
         number = int(self.record["fault"]["part"])
         return parts_in_words(self.prepared.scene)[number - 1] if number else ""

@@ -105,7 +105,7 @@ class Pieces:
     def settings(self, at: int) -> dict[str, float]:
         """Return the fields of the record for the piece ``at``, except the coefficients of its polynomials.
 
-        For a piece in which all signals are constant these are ``order`` and ``change_rate`` only, both 0.
+        For a piece in which all signals are constant, the fields are only ``order`` and ``change_rate``: 0.
         """
         order, rate = self._degrees_and_rates
         if order[at] == 0:

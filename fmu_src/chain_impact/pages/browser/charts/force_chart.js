@@ -105,7 +105,7 @@ export class ForceChart extends Chart {
     });
   }
 
-  /** Write the peak force of the shown contact above all curves, beside the peak's time or, in a loop, penetration. */
+  /** Write the peak force of the shown contact above all curves, beside the time or, in a loop, the penetration of the largest force. */
   #writePeak({ ctx, bbox, valToPos, data }) {
     const peak = this.shown?.peak;
     const [along, up] = this.loop ?? data;

@@ -33,8 +33,7 @@ const NUMBERED = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
 /**
- * Return a unit vector on the screen, away from the chain at a point: at an end along the link; at a bend to the outer side of the bend; at
- * a joint of two links that are almost in line, at a right angle to the links.
+ * Return a unit vector on the screen, away from the chain at a point: along the link at an end, outwards at a bend, else across the links.
  */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];

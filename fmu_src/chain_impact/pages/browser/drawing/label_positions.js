@@ -114,7 +114,8 @@ export class LabelSpace {
 
 /**
  * Return candidates {at, anchor} for a label around a position: first in the direction of the unit vector [dx, dy], then in directions that
- * deviate more and more from it, all at `distance` [pixels] times the first of `multiples`; then the same for its other entries.
+ * deviate more and more from this direction, all at `distance` [pixels] times the first of `multiples`; then the same for each further
+ * entry of `multiples`.
  */
 export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) {
   const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);

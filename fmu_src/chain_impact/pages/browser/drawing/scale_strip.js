@@ -36,8 +36,8 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
 }
 
 /**
- * Draw the ruler of an `ArrowScale` with its marks, up to the largest force or, if the last mark is farther, beyond this mark; write the
- * ruler's longest name that fits into the `width`. Return the horizontal position of the end of both [pixels].
+ * Draw the ruler of an `ArrowScale` with its marks, up to the largest force, but at least MARK_TO_HEAD beyond the last mark; write the
+ * ruler's longest name that fits into the `width`. Return the horizontal position of the end of the name [pixels].
  */
 export function drawRuler(group, { longest, marks }, width) {
   const [left, y] = [12, STRIP - 7];

@@ -56,13 +56,13 @@ export class Address {
     return awaited;
   }
 
-  /** Return whether pins are not in the address, because they have another scene. */
+  /** Return whether the address lacks any pin, because the pin is of another scene than the open one. */
   get lacksPins() {
     const { changes: { scene }, comparedMotions: { pins } } = this;
     return pins.some((recording) => recording.scene !== scene);
   }
 
-  /** Put all into the address when nothing has changed for a while: browsers limit how often a page may change its address. */
+  /** Set the page's address to `text` when nothing has changed for a while: browsers limit how often a page may change its address. */
   updateSoon() {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => history.replaceState(null, "", this.text), REST);

@@ -207,7 +207,8 @@ function besideOthers(position, others, size) {
 
 /**
  * Return the parts of the table that compares `motions`, the present one first: each motion has a `recording`, a `title` and, if it is
- * pinned, a `letter`. The columns of the table are those of `alignedImpacts`. Without `isPresent`, no change to the present motion is told.
+ * pinned, a `letter`. The columns of the table are those of `alignedImpacts`. If `isPresent` is false, the motion of the present values is
+ * unknown, and dashes replace the changes to it.
  */
 function comparisonTable(motions, isPresent) {
   const columns = alignedImpacts(motions.map(({ recording: { impacts } }) => impacts));
@@ -269,8 +270,8 @@ function comparableOf(...recordings) {
 }
 
 /**
- * Return the largest force (or else impulse) of a recording minus that of `other`, in percent of the latter, as text: "−12 %"; "" if their
- * units differ, or one is unknown.
+ * Return the largest force (or else impulse) of a recording minus that of `other`, in percent of the value of `other`, as text: "−12 %";
+ * "" if the units differ, a value is unknown, or the value of `other` is 0.
  */
 function percentText(recording, other) {
   const [value, base] = comparableOf(recording, other);
@@ -280,7 +281,7 @@ function percentText(recording, other) {
   return `${percent > 0 && rounded !== "0" ? "+" : ""}${withMinus(rounded)}\u202f%`;
 }
 
-/** Return words for the number of impacts, and their largest force (or else impulse), before and after a change; "" if there is none. */
+/** Return words for the number of impacts, and their largest force (or else impulse), before and after a change; "" without a change. */
 function differenceText(before, present) {
   if (!before || before === present) return "";
   const counts = `${before.impacts.length} → ${present.impacts.length}`;

@@ -39,7 +39,7 @@ export function edgeBefore({ normal, offset }, [low, high], inside) {
   return middle.map((coordinate, axis) => coordinate - distance * normal[axis]);
 }
 
-/** Return a list with one entry, the two ends of the visible part of the wall `name` in a rectangle; it is empty if no part is visible. */
+/** Return a list of the visible parts, each as two ends, of the wall `name` in a rectangle; the list is empty if no part is visible. */
 export function edgesOf(walls, name, rectangle) {
   const { normal: [nx, ny], offset } = walls[name];
   const { edges } = freeRegionWithin(walls, rectangle);

@@ -159,7 +159,7 @@ export class Recording {
 
   /**
    * Return the contacts with a force at a frame, each with point, wall, normal force [N] (at a stop of a joint: moment [N·m]), dry friction
-   * along the wall [N], whether it sticks, and whether the force only holds the point after an impulse. Unknown friction is 0.
+   * along the wall [N], whether the contact sticks, and whether the force only holds the point after an impulse. Unknown friction is 0.
    */
   contactsAt(frame) {
     return this.forces

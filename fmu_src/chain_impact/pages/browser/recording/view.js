@@ -7,8 +7,8 @@ import { freeRegionWithin } from "./free_region.js";
 export const VIEW = SHARED.view;
 
 /**
- * Return the lines of a pinned base's ground mark at the start: above the base if the points are below it on average over the motion, else
- * below it. `x` and `y` contain the coordinates of all points in all rows.
+ * Return the lines of a pinned base's ground mark at the start: above the base if the mean height of all other points over the motion is
+ * less than that of the base, else below the base. `x` and `y` contain the coordinates of all points in all rows.
  */
 function pinLines(x, y, points) {
   const size = VIEW.PIN * sizeOf(x, y);

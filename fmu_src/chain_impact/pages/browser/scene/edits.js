@@ -110,7 +110,7 @@ export function setBox(file, key, value) {
   if (value === undefined) forget(file, key);
 }
 
-/** Forget the material and the motion of a removed wall. */
+/** Remove the material of a removed wall, its table contact.wall.…, and its name in inputs.wall_motion. */
 function forget({ contact, inputs }, name) {
   delete contact.wall[name];
   inputs.wall_motion = inputs.wall_motion.filter((other) => other !== name);

@@ -125,7 +125,7 @@ export function sliderStopsOf({ chain: { slider } }) {
   return Object.entries(SLIDER_STOPS).filter(([, key]) => slider?.[key] !== undefined).map(([name]) => name);
 }
 
-/** Return the points of links in the order of their numbers, each with the index of its link and its index there. */
+/** Return the points of links in the order of their numbers, each with the index of its `link` and its index (`entry`) among its points. */
 export function sitesOf({ chain: { links } }) {
   return links.flatMap(({ points }, link) => points.map((site, entry) => ({ ...site, link, entry })));
 }
@@ -207,7 +207,7 @@ function completeAll(file, data, kit) {
   setStops(file, kit.keys.stops.keys);
 }
 
-/** Add the corners of boxes to the points of their links; remove the default table of a slider if the base is not on one. */
+/** Add the corners of a link that is a box to its points; remove the default table of a slider if the base is not on a slider. */
 function setBodies({ chain }, data, textAt) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;
@@ -226,7 +226,7 @@ function setBodies({ chain }, data, textAt) {
   if (chain.base !== "slider" && !data.chain.slider) delete chain.slider;
 }
 
-/** Return the contents of a complete scene as a file has them: boxes without corners, signals without default values. */
+/** Return the contents of a complete scene as a file has them: links that are boxes without corners, signals without default values. */
 export function asWritten(file) {
   const written = structuredClone(file);
   written.signals = signalsAsWritten(written.signals);

@@ -8,8 +8,8 @@ import { keepRules, refuse, shown } from "./refusals.js";
 const SIGNALS = SHARED.signals;
 
 /**
- * Add the defaults of their forms to signals. Refuse unsuitable names, missing keys, keys of other forms, and tables that the page does not
- * have as their signals need them. `tables`: signal → the page's data of its table.
+ * Add to each signal the defaults of its form. Refuse unsuitable names, missing keys, keys of other forms, and signals that `checkTable`
+ * refuses. `tables`: signal → the page's data of its table.
  */
 export function completeSignals(signals, tables) {
   for (const [name, signal] of Object.entries(signals)) {
@@ -64,8 +64,8 @@ function checkMotion(what, input, signal, order, moves) {
 }
 
 /**
- * Return the driven inputs in the order of their rows in the record, each with the index of its first polynomial (knot) and the number of
- * them.
+ * Return the driven inputs in the order of their rows in the record, each with the index (`first`) of its first polynomial, a knot, and the
+ * number (`knots`) of its polynomials.
  */
 export function drivenBy({ signals }, tables) {
   const count = (name, input, { form, shape, times }) => ({

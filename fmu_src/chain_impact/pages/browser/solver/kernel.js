@@ -162,7 +162,7 @@ export class Kernel {
   /**
    * Run once for each row of values (`each`, one row after the other) of the real parameters `names`, up to the `endTime` [s], with the
    * other changes `values`. Return in `rows` the `words` of the record (indices) at the end of each run, one run after the other, and in
-   * `firsts` the results of `firstOf` for the impacts and the changes of each run. The generator yields when `run` does.
+   * `firsts` the results of `firstOf` for the impacts and the changed parameters of each run. The generator yields when `run` does.
    */
   *runEach(values, names, each, endTime, words, firstOf = () => null) {
     const count = each.length / names.length;
@@ -201,7 +201,7 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that still last, with their peaks so far. The call changes the record: the kernel cuts its last step at the present
+   * Return the contacts that still last, with the values so far. The call changes the record: the kernel cuts its last step at the present
    * time, and writes these contacts into the log after the ended ones, where they do not count as ended. So the call is made only at the
    * end of a run.
    */

@@ -56,8 +56,8 @@ export class GridMap {
   }
 
   /**
-   * Show the dialog. A map with all its points stays as the reader has left it, and so does a map from which the reader has opened a run;
-   * otherwise, ranges that the reader has not changed follow from the present values again (`rangeOf`).
+   * Show the dialog. The ranges in the fields stay if the shown map has all its points, or if the reader has opened one of its runs.
+   * Otherwise, ranges that the reader has not changed follow from the present values again (`rangeOf`).
    */
   open() {
     const isKept = this.shown?.points === POINTS || this.#isLeft;
@@ -85,7 +85,7 @@ export class GridMap {
     find("map-run").textContent = this.#isRunning ? "Stop" : `Simulate ${POINTS} × ${POINTS} runs`;
   }
 
-  /** Show, from few runs, a preview of the map that the button would compute, unless the shown map is such a map for the present fields. */
+  /** Show a preview, a map of few runs for the present fields, unless the shown map has all its points and fits these fields. */
   #preview() {
     if (this.shown?.points === POINTS && this.#fitsFields()) {
       this.#refuse(false);
@@ -151,7 +151,7 @@ export class GridMap {
     find("map-frame").classList.toggle("earlier", isRefused);
   }
 
-  /** Compute the map with `points` values of each parameter, and draw it as it grows. If the fields have a fault, tell only this. */
+  /** Compute the map with `points` values of each parameter, and draw it as it grows. If the fields have a fault, only tell the fault. */
   async run(points = POINTS) {
     let request;
     this.#refuse(false);
@@ -207,7 +207,7 @@ export class GridMap {
     Object.assign(find("map-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
 
-  /** Return what the fields ask for: `names` of two parameters, `axes` with their values, all changes (`values`), and all `outputs`. */
+  /** Return what the fields ask for: `names` of two parameters, `axes` with their values, all changed `values`, and all `outputs`. */
   #requestOf(points) {
     const names = this.inputs.map(([name]) => name.value);
     this.inputs.flat().forEach((field) => field.setCustomValidity(""));

@@ -1,4 +1,4 @@
-// The marks on a map: numbers on the colours of runs, the present run, and the run that the reader points at.
+// The marks on a map: the outputs of runs as numbers, a ring at the present run, and a frame at the chosen run.
 
 import { digits, numberText, withMinus } from "../../base/format.js";
 import { scaledTo } from "./map_scales.js";
@@ -21,8 +21,8 @@ function outputText(value, { output, scale }) {
 }
 
 /**
- * Return for the number beside the ring at [x, y]: x of its end at the ring (`from`), `y`, its `anchor`, and x of the `middle` of both.
- * `wide`: width of a number [pixels].
+ * Return for the number beside the ring at [x, y]: x of the number's end at the ring (`from`), `y`, the number's `anchor`, and `middle`, x
+ * of a position between ring and number. `wide`: width of a number [pixels].
  */
 function ringOf([x, y], { left, width }, wide) {
   const [side, anchor] = x > left + width - wide - BETWEEN ? [-1, "end"] : [1, "start"];

@@ -12,8 +12,8 @@ export function isLogarithmic(name) {
 
 /**
  * Return the first and the last value of a map's axis, within the allowed values. For a logarithmic axis they are a tenth of the present
- * value and ten times it; for a parameter between 0 and 1, 0.05 and 0.95; for any other parameter, the value minus and plus half of its
- * size, or −1 and 1 for a value of 0.
+ * value and ten times it; for a parameter whose allowed values lie from 0 to 1, 0.05 and 0.95; for any other parameter, the present value
+ * minus and plus half of its absolute value, or −1 and 1 for a value of 0.
  */
 export function rangeOf({ name, low, high }, value) {
   if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
@@ -74,8 +74,8 @@ export function quantityOf(name) {
 }
 
 /**
- * Return two functions for an axis from `first` to `last`: `shareOf`, from a value to the fraction of the axis, and `valueAt`, back. On a
- * logarithmic axis, equal distances stand for equal factors.
+ * Return two functions for an axis from `first` to `last`: `shareOf`, from a value to the fraction of the axis, and `valueAt`, from a
+ * fraction to the value. On a logarithmic axis, equal distances stand for equal factors.
  */
 export function axisScale(first, last, hasDecades) {
   const [to, from] = hasDecades ? [Math.log, Math.exp] : [Number, Number];

@@ -12,8 +12,8 @@ const MOST_EFFECTS = 10; // largest number of parameters in the list
 const NOT_RANKED = /^(solver|simulation)\.|\.exponent$/;
 
 /**
- * Return a parameter's `name`, its `value` times 1.01 or, if the scene refuses this, 0.99, and the `sign` 1 or −1; undefined if the value
- * is 0, or the scene refuses both.
+ * Return a parameter's `name`, its `value` times 1.01, with the `sign` 1, or, if the scene refuses this value, times 0.99, with the `sign`
+ * −1; undefined if the value is 0, or the scene refuses both values.
  */
 function stepOf(changes, name) {
   const steps = [1, -1].map((sign) => ({ name, sign, value: changes.valueOf(name) * (1 + sign * STEP_SHARE) }));

@@ -85,7 +85,10 @@ export function mainParametersOf(changes) {
   }).filter(({ name }) => parameters.has(name)).concat(startSlider(changes), inputSliders(changes));
 }
 
-/** Return a list with the slider for the start: height y of a free base, ± the larger of chain length and |y|; else angle of link 1. */
+/**
+ * Return a list with the slider for the start: for a free base its height, from y − h to y + h, where y is the height in the scene and h
+ * the larger of |y| and the length of the chain; else the angle of link 1; [] if the scene has no such parameter.
+ */
 function startSlider({ scene: { links, file }, starts }) {
   const { "initial.y": y, "initial.angle[1]": angle } = starts;
   const length = Array.from({ length: links }, (_, k) => starts[`link[${k + 1}].length`]).reduce((a, b) => a + b, 0);

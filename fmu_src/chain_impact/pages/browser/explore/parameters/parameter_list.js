@@ -77,7 +77,7 @@ function groupTitle(name) {
 
 /**
  * Return the row of a parameter, its `name`, and `texts` in which the reader can search: the name, the words for the parameter and its
- * meaning. `refresh` shows the present value, and the given words; below the title of the parameter's group without that title.
+ * meaning. `refresh` shows the present value and the given words, for an unchanged parameter without the title of its group at their end.
  */
 function listRow(changes, parameter) {
   const { name, text, allowed } = parameter;
