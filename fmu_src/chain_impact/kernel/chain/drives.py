@@ -6,17 +6,17 @@ inertia. The force or torque of a drive is
 
     F = u − c (ψ̇ − ψ̇_t) − k (ψ − ψ_t)
 
-u is the force or torque of the motor, c the damping and k the stiffness. If ψ_t and ψ̇_t are inputs, targets,
-the drive is a servo; otherwise ψ_t is the rest position of the spring, and ψ̇_t is 0. F may have a limit. A
-drive with a limit has a mode, which changes only at events and re-initializations (events/saturation.py). In
-mode 0 the drive has the force F of the formula, in mode 1 or −1 the positive or the negative limit in place
-of F. The rotor of a joint's drive has the armature I_a, the rotor's inertia reflected through the gear, so
-the drive transmits F − I_a ψ̈ to the link. A slider's drive has no rotor.
+u is the force or torque of the motor, c the damping and k the stiffness. If ψ_t and ψ̇_t are inputs, called
+targets, the drive is a servo; otherwise ψ_t is the position at which the spring has no force, and ψ̇_t is 0.
+F may have a limit. A drive with a limit has a mode, which changes only at events and re-initializations
+(events/saturation.py). In mode 0 the drive has the force F of the formula, in mode 1 or −1 the positive or
+the negative limit in place of F. The rotor of a joint's drive has the armature I_a, the rotor's inertia
+reflected through the gear, so the drive transmits F − I_a ψ̈ to the link. A slider's drive has no rotor.
 
-Only this module has the formulas of motor, damper, spring and rotor. Other modules call it for the sum of
-their effects: force, power, energy, inertia, the slopes of the force in a state, and bounds of the slopes
-over all states. ``set_effect_flags`` records which effects the drives of a scene have. Dry friction is in
-forces/friction.py.
+Only this module has the formulas of motor, damper, spring and rotor. Other modules call these formulas for
+the sum of the effects: force, power, energy, inertia, the slopes of the force in a state, and bounds of the
+slopes over all states. ``set_effect_flags`` records which effects the drives of a scene have. Dry friction is
+in forces/friction.py.
 
 The angles of links and joints include full turns. At a pinned or sliding base, the angle of joint 1 is the
 angle of link 1 from +x. A free base has no joint and no drive.
@@ -66,8 +66,8 @@ def along_drive(d, values, first, i):
 def spring_stretch(d, y, i):
     """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i, in the state y.
 
-    ψ is the joint's angle or the slider's position; ψ_t is the value of ψ at which the spring has no
-    force: the rest angle of a joint, the rest position of a slider, or the target of a servo.
+    ψ is the joint's angle or the slider's position; ψ_t is the value of ψ at which the spring has no force: a
+    value of the scene, or the target of a servo.
     """
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
@@ -269,9 +269,9 @@ def drive_power(d, y, i):
 
 
 def drive_mode(unlimited, limit):
-    """Return the mode of a drive with a ``limit``; ``unlimited`` is the force that it has without the limit.
+    """Return the mode of a drive with a ``limit``; ``unlimited`` is the force that the drive has without it.
 
-    The mode is 0 if the absolute value of this force is at most the limit; else it is 1 or −1, the sign of
+    The mode is 0 if the absolute value of ``unlimited`` is at most the limit; else it is 1 or −1, the sign of
     the force. With the limit 0, the mode is never 0: it is 1 for a force > 0, else −1.
     """
     if abs(unlimited) > limit or limit == 0.0:
@@ -285,7 +285,7 @@ def mode_margin(d, y):
     With F the force without a limit, the margin is limit − |F| in mode 0, and ±F − limit in mode ±1.
     Round-off is added, so the result is negative only where a mode has surely ended. Only drives with a
     finite limit > 0 count; without any, the result is ∞. The margin of a slider [N] is multiplied by the
-    longest link, to compare it with torques.
+    longest link, so that all margins are torques.
     """
     least = math.inf
     for i in range(drive_count(d)):

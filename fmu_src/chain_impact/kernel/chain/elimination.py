@@ -186,8 +186,8 @@ def arms(d, y, rate, middle):
         if k < middle:
             cxx, cxy, cyy, dx, dy = eliminate_inner(d, y, k, False, cxx, cxy, cyy, dx, dy)
 
-    # the acceleration a of the middle joint: A a + b = 0 in a free chain; if the base is pinned or slides, it
-    # is the middle joint: a = 0 at a pinned base, and a is along the line on a slider
+    # the acceleration a of the middle joint: A a + b = 0 in a free chain; if the base is pinned or slides,
+    # the base is the middle joint: a = 0 at a pinned base, and a is along the line on a slider
     ax, ay = 0.0, 0.0
     if d.slides:
         # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b), with

@@ -17,8 +17,8 @@ moving joint turns the next link, which must also be without inertia and rotate 
 Both rotations are possible while both links are on one line. So the motion continues along a sequence of
 links without inertia. The sequence begins at a link whose proximal joint coincides with the link's centre of
 mass, or is a free base or a base on a carriage without mass. The sequence ends at a link whose distal joint
-is the tip or coincides with the link's centre of mass. If no sequence has such a beginning and such an end,
-every pivot of the recursion is positive, as in the elimination of a positive definite matrix.
+is the tip or coincides with the link's centre of mass. If the chain has no such sequence, every pivot of the
+recursion is positive, as in the elimination of a positive definite matrix.
 """
 
 DERIVED = -1.7976931348623157e308

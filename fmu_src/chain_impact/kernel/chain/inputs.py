@@ -34,7 +34,8 @@ REINITIALIZE, CONTINUES = 1, 2
 # + |v′|). A larger difference is a contradiction, of which the user is warned. If the channel moves a wall or
 # belt, a difference beyond T (|v| + |v′|) is a jump of the position, and a fault.
 UNEXPLAINED_PART = 0.05
-# the displacement, relative to the longest link, that round-off adds to both bounds of the difference
+# the displacement, relative to the longest link, that is added to both limits, that of a contradiction and
+# that of a jump, because of round-off
 UNEXPLAINED_DISPLACEMENT = 1e-9
 # Two lengths of a cubic count as 0 up to ACCELERATION_ROUND_OFF times its size: the jump of the acceleration
 # at its start times its squared duration, and its coefficient of x³. The size is the sum of the absolute
@@ -180,8 +181,8 @@ def limit_to_time(d, time, h):
     """Return a size ≤ h [s] of the next step, with which the step does not pass the ``time`` [s].
 
     If h reaches ``time`` from the end of the last step, the step ends at ``time``. If h is less, but more
-    than half the way, the step goes half the way, so that the following step is not tiny. If the last step
-    has already reached ``time``, the size is h.
+    than half of the time until then, the step takes half of this time, so that the following step is not
+    tiny. If the last step has already reached ``time``, the size is h.
     """
     remaining = time - d.step.end
     if remaining <= 0.0 or 2.0 * h <= remaining:
@@ -275,7 +276,7 @@ def refuse_channel(d, j):
 def set_cubic(d, j, time, h):
     """Set the cubic of channel j from the communication point until ``time`` [s], which is ``h`` [s] later.
 
-    Return whether the acceleration at the cubic's start equals the present one of the channel.
+    Return whether the acceleration at the cubic's start equals the present acceleration of the channel.
     """
     given, moved = d.motion, d.moved
     s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]

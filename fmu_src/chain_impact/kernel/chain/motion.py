@@ -1,10 +1,10 @@
 """Motions of a pinned base and of walls, given as functions of time.
 
-A channel is one such motion, in one direction. In a scene with a moving base the first two channels are the
-motions of the base along x and y. A moving wall has two channels: the displacement of the wall along its
-normal n, toward the free side, and the travel of its belt along the direction (n_y, −n_x). The inputs of a
-run are divided into pieces of time (chain/inputs.py). In each piece the position s of a channel is a
-polynomial,
+A channel is the motion of a base, wall or belt in one direction. In a scene with a moving base the first two
+channels are the motions of the base along x and y. A moving wall has two channels: the displacement of the
+wall along its normal n, toward the free side, and the travel of its belt along the direction (n_y, −n_x). The
+inputs of a run are divided into pieces of time (chain/inputs.py). In each piece the position s of a channel
+is a polynomial,
 
     s(t) = c₀ + x (c₁ + x (c₂ + …)),   x = (t − middle) scale,
 

@@ -49,8 +49,8 @@ from chain_impact.kernel.functions import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
 """Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix, with armatures and, in a
-projection, with the resistances of contacts with a force law. HELD: the same plus Jᵀ D J with the impedances
-D of the constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
+projection, with the resistances of contacts with a force law. HELD: the matrix of FREE plus Jᵀ D J with the
+impedances D of the constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
 SLOTS = 3
 
 

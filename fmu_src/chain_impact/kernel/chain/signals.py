@@ -71,8 +71,8 @@ def time_since_knot(d, j, time):
 def sine_at(d, j, time):
     """Return value, rate and second derivative of the sine that is added to signal j, at a ``time`` [s].
 
-    If the signal is integrated over time, once or twice, value and derivatives are those of this integral of
-    the sine.
+    If the signal is integrated over time, once or twice, the results are value and derivatives of the
+    integral of the sine.
     """
     signal, i = d.signal, d.signal.source[j]
     s = time - signal.start[i]
@@ -157,9 +157,9 @@ def signal_rate(d, j):
 
     For a sine that has begun, it is the largest angular frequency of the sine in the step. For a polynomial
     of a degree above 3, as of a smooth ramp, it is π divided by the duration of the segment, as if the
-    segment were half a period of a cosine: it can rise and fall within a step, though its values and rates at
-    both ends of the step do not show this. For a polynomial of degree 3 or less the result is 0, because its
-    values and rates at both ends of a step determine it.
+    segment were half a period of a cosine: such a polynomial can rise and fall within a step, though its
+    values and rates at both ends of the step do not show this. For a polynomial of degree 3 or less the
+    result is 0, because its values and rates at both ends of a step determine it.
     """
     if is_sine(d, j):
         return largest_frequency(d, j)

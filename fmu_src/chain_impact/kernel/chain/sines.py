@@ -35,19 +35,20 @@ from chain_impact.kernel.mathematics.angles import direction
 
 TAU = 2.0 * math.pi
 RISING = 5  # degree of the polynomial of the smooth ramp from 0 to 1, see ``smooth``
-# The continued fraction is used up to this |y| = |g|/ω², with the angular frequency ω and its rate g. Where
-# |y| is larger, the phase is within 4 rad, 1/(2 NEAR_TURNING_POINT), of its value at the time of frequency 0.
+# The continued fraction is used up to |y| = NEAR_TURNING_POINT, y = g/ω², with the angular frequency ω and
+# its rate g. Where |y| is larger, the phase is within 4 rad, 1/(2 NEAR_TURNING_POINT), of its value at the
+# time of frequency 0.
 NEAR_TURNING_POINT = 0.125
 # The largest number of levels of the continued fraction is DEPTH + DEEPER |y| without a rise, and
 # DEPTH_OF_RISE + DEEPER |y| in a rise, with y = g/ω², the angular frequency ω and its rate g. With fewer
 # levels the 2-fold integral E_2 of e^{iΦ} would lose digits, and in a rise E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
-# levels are added to the continued fraction until its relative error is at most this, or their number is the
-# largest
+# levels are added to the continued fraction until its relative error is at most FRACTION_ERROR, or their
+# number is the largest
 FRACTION_ERROR = 1e-17
-# LARGEST_TURN: if the phase turns at most this [rad] in a rise, the integral is computed by quadrature; if
-# the phase turns more, the terms c_k E_{m+k} hardly cancel, and no quadrature is needed. PANEL: the largest
-# turn [rad] in one panel of a quadrature.
+# LARGEST_TURN: if the phase turns by at most LARGEST_TURN [rad] in a rise, the integral is computed by
+# quadrature; if the phase turns more, the terms c_k E_{m+k} hardly cancel, and no quadrature is needed.
+# PANEL: the largest turn [rad] in one panel of a quadrature.
 LARGEST_TURN, PANEL = 24.0, 6.0
 # the nodes and weights of Gauss–Legendre quadrature on [0, 1]
 # fmt: off
@@ -170,8 +171,8 @@ def rise_coefficient(m, k, s, rise):
 def integral_at_standstill(d, i, begins_up):
     """Return three numbers: the phase Φ(s*) [rad], and real and imaginary part of C, the value of E_1 at s*.
 
-    s* is the time at which the frequency is zero. E_1 is an integral of e^{iΦ}, ω the rate of Φ, and g that
-    of ω.
+    s* is the time at which the frequency is zero. E_1 is an integral of e^{iΦ}, ω the rate of Φ, and g the
+    rate of ω.
 
     C = ∓½ √(2π/|g|) e^{i(Φ(s*) + π/4)} [s] for g > 0, and ±½ √(2π/|g|) e^{i(Φ(s*) − π/4)} for g < 0; the
     upper sign is for ω > 0 at the start, the lower sign for ω < 0. ``begins_up`` tells whether ω > 0 at the

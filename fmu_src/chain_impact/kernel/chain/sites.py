@@ -51,7 +51,7 @@ def site_arm(d, link_vectors, s):
 
 
 def locate_sites(d, y, first, position, velocity):
-    """Set positions and velocities of the sites, from those of the joints, which must be known.
+    """Set positions and velocities of the sites, from known positions and velocities of the joints.
 
     The angular velocities of the links begin at index ``first`` of the state y.
     """
@@ -76,7 +76,7 @@ def set_site_motions(d, link_vectors, turns, first, vectors):
 
 
 def accelerate_sites(d, y, rate, first, acceleration):
-    """Set the accelerations of the sites, from those of the joints, which must be known.
+    """Set the accelerations of the sites, from known accelerations of the joints.
 
     The angular velocities ω of the links begin at index ``first`` of the state y, their angular accelerations
     α at the same index of its ``rate``.

@@ -58,7 +58,7 @@ def state_size(n):
 
 @inlined
 def relative(values, first, i):
-    """Return the angle of link i from the link before, or this angle's rate or change; i counts from 0.
+    """Return the angle of link i relative to link i − 1, or this angle's rate or change; i counts from 0.
 
     ``values`` has the angles of all links from +x, or their rates or changes, from index ``first`` on. For
     i = 0 the result is the link's own value.

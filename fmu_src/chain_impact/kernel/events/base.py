@@ -69,7 +69,8 @@ def time_of_meeting(d, c, until):
     while at_a >= 0.0 and not cost_exceeded(d):
         width = b - a
         sag = acceleration * width * width / 8.0
-        # in such a short interval the clearance g falls through −OVERLAP at most once, up to round-off
+        # with a sag below OVERLAP the clearance g falls through −OVERLAP at most once in the interval, up to
+        # round-off
         short = sag < OVERLAP
         if short and at_b < 0.0:
             return time_of_passage(d, c, a, b)

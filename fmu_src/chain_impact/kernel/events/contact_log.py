@@ -237,7 +237,7 @@ def clear_log(d):
 
 
 def collect(d):
-    """Record that the caller has collected all contacts that have ended so far."""
+    """Record that the caller has collected all contacts that have ended."""
     d.contact_log.collected = d.contact_log.count
 
 

@@ -106,10 +106,10 @@ CROSSING_RESOLUTION = 1e-15
 # interval are below SKIMMING_CLEARANCE, relative to the longest link. Example: a point of a link that lies
 # along a wall.
 SKIMMING_CLEARANCE = 1e-13
-# For a point that skims a wall, an interval of at most this fraction of the step is not halved.
+# For a point that skims a wall, an interval of at most FINE_INTERVAL times the step is not halved.
 FINE_INTERVAL = 2.0**-8
-# Events within this time [s] count as simultaneous: symmetric chains touch at several points at once, up to
-# round-off.
+# [s] Events within SIMULTANEOUS_TIME count as simultaneous: symmetric chains touch at several points at once,
+# up to round-off.
 SIMULTANEOUS_TIME = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2  # results of ``check_candidate``
 
@@ -173,7 +173,7 @@ def check_candidate(d, c, a, b):
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
     # An event needs a clearance or, in contact, a penetration φ < 0 at the end b of the interval. If b is the
     # end of the step, or if the point is in contact, an event needs φ < −`harmless`, because a point that is
-    # beyond zero by less may turn back.
+    # beyond zero by less than `harmless` may turn back.
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
@@ -357,7 +357,7 @@ def motion_bounds(d, c, along_x, along_y):
 
 
 def prescribed_bounds(d, c):
-    """Return what moving base and walls add to bounds on |ġ| and |g̈| of candidate c over the last step.
+    """Return what prescribed motions of base and wall add to bounds on |ġ| and |g̈| of c over the last step.
 
     g is the clearance.
     """

@@ -39,7 +39,7 @@ NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 def known_clearances(d):
-    """Return the value of `search.known` that is valid at the start of the step to be searched."""
+    """Return `search.known` for the start of the step to be searched: after a break it is NOTHING."""
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 

@@ -46,8 +46,8 @@ from chain_impact.kernel.rows.limits import find_limited_forces
 # as an error, relative to the sum of the largest acceleration, gravity and the longest link per second
 # squared; ``acceleration_error`` adds a second part. A larger acceleration makes the mode inconsistent.
 ACCELERATION_ERROR = 1e-9
-# An element that sticks or has just stopped may have this speed, relative to the longest link per second, as
-# an error at a loose tolerance; a faster element counts as moving.
+# An element that sticks or has just stopped may have a speed up to SPEED_ERROR_AT_REST, relative to the
+# longest link per second, as an error at a loose tolerance; a faster element counts as moving.
 SPEED_ERROR_AT_REST = 1e-3
 
 
@@ -205,8 +205,8 @@ def any_force_over_limit(d):
 def slide_at_limits(d):
     """Let those sticking elements slide whose forces by ``find_limited_forces`` are at their limits.
 
-    If no force is at its limit, all elements could stick, with other shares of the forces. In this case only
-    the element slides whose constraint force exceeds its limit most.
+    If no force is at its limit, all elements could stick, with other shares of the forces. In this case the
+    element slides whose constraint force exceeds its limit most, and no other element.
     """
     all_stick, worst, most = True, -1, -math.inf
     for i in range(d.friction.stuck_count):

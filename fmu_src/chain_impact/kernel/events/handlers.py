@@ -46,18 +46,18 @@ from chain_impact.kernel.ode.methods import begin_flight, begin_impact
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 
-# A contact ends already before its point is outside, if the point needs at most this time to get out,
-# relative to the contact's time scale. Otherwise an impact would take one step more: a tenth of the impact's
-# cost, at a tolerance of 1e-4.
+# A contact ends already before its point is outside, if the point needs at most LEAVING_TIME times the
+# contact's time scale to get out. Otherwise an impact would take one step more: a tenth of the impact's cost,
+# at a tolerance of 1e-4.
 LEAVING_TIME = 0.01
 
 
 def end_if_point_left(d, c):
     """End the contact of candidate c if its point does not move inward, and is outside or nearly so.
 
-    Nearly so means that the point needs at most LEAVING_TIME. The located end of a contact has an error
-    within the tolerance, so the point may still move inward or need a long time to get out. In these cases
-    the contact does not end.
+    Nearly so means that the point will be outside within a short time (LEAVING_TIME). The located end of a
+    contact has an error within the tolerance, so the point may still move inward or need a long time to get
+    out. In these cases the contact does not end.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -113,7 +113,8 @@ def apply_events(d):
             rigid = rigid or kind != NONE
             continue
         if rigid_impact and kind == ONSET:
-            # ``handle_impact`` begins this contact after the impulses, because these change the impact speed
+            # ``handle_impact`` begins this contact after the impulses, because the impulses change the impact
+            # speed
             continue
         jumped = apply_event(d, c, kind) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)

@@ -13,9 +13,9 @@ from chain_impact.kernel.forces.holding import set_start_to_load_motion
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
 
-# [s] The tangential force that would prevent sliding and the limit of static friction are compared at this
-# time after the onset. If several contacts begin at the same moment, the normal forces that all of them have
-# at this time act on the chain.
+# [s] The tangential force that would prevent sliding and the limit of static friction are compared
+# COMPARISON_TIME after the onset. If several contacts begin at the same moment, the normal forces of all of
+# them at the time of comparison act on the chain.
 COMPARISON_TIME = 1e-6
 
 

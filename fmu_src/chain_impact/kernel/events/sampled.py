@@ -64,7 +64,7 @@ SAMPLES, FEW_SAMPLES = 8, 4
 TURN_OF_STAGES = 0.5
 # number of samples per radian in a step with a turn above TURN_OF_STAGES
 SAMPLES_PER_RADIAN = 8.0
-# [rad] a turn above this gets as many samples as this turn, to bound the cost of the samples
+# [rad] a larger turn gets as many samples as MOST_SAMPLED_TURN, to bound the cost of the samples
 MOST_SAMPLED_TURN = 1e4
 # A wall pulls if the force by which it holds a point is negative. A pull up to PULL_ROUND_OFF is round-off,
 # relative to the mass of chain, carriage and armatures times the sum of gravity and the longest link per s².

@@ -52,15 +52,15 @@ DEEPEST_ONSET = 1e-9
 # larger errors.
 EARLY_THETA = 1e-3
 # A step that was repeated to end at an onset is rejected if the onset is farther from the step's end than
-# this part of the step's size.
+# LANDING_TIME times the step's size.
 LANDING_TIME = 1e-2
 # A clearance at an onset up to CLEARANCE_ROUND_OFF is round-off, relative to the longest link plus the
 # coordinates of the point. A slow point may need more than LANDING_TIME to move this distance; the time
 # between the point's onset and the end of the step then counts as 0.
 CLEARANCE_ROUND_OFF = 1e-15
 # A step whose crossing or onset is not credible (``is_credible_crossing``, ``onset_fraction``) is rejected
-# only if it is longer than SIMULTANEOUS_TIME plus this part of the present time: ten times the resolution of
-# time, because the next try may be a tenth as long.
+# only if it is longer than SIMULTANEOUS_TIME plus TIME_RESOLUTION times the present time: ten times the
+# resolution of time, because the next try may be a tenth as long.
 TIME_RESOLUTION = 4e-15
 
 

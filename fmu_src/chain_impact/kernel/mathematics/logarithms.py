@@ -29,8 +29,8 @@ MANTISSA_INTERVALS, WIDTH_BITS = 256, 44
 # near x = 1.
 MIDDLE = 150
 FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
-# ln 2 and −ln c are sums of two doubles; the first one has this number of bits after the binary point, so
-# that k ln 2 − ln c of the first doubles is exact for |k| < 2¹¹
+# ln 2 and −ln c are sums of two doubles; the first double has PLACES bits after the binary point, so that k
+# ln 2 − ln c of the first doubles is exact for |k| < 2¹¹
 PLACES = 42
 # coefficients, from the constant one on, of the best polynomial P for |r| < 0.0035, by Remez's exchange:
 # ln(1 + r) = r − r²/2 + r³ P(r)

@@ -95,8 +95,8 @@ SLIGHT_GAIN = 1e-8
 # initial loss is allowed. In 3360 random scenes the limit B shortens steps in 3 % of the runs, most of them
 # with stiff springs.
 ENERGY_LOSS, LOSS_TIME = STEP_CHANGE, 10.0
-# A loss above this part of the loss that is allowed to a step counts as an error of the step, and so affects
-# the next size; a smaller loss has no effect.
+# A loss above NOTABLE_LOSS times the loss that is allowed to a step counts as an error of the step, and so
+# affects the next size; a smaller loss has no effect.
 NOTABLE_LOSS = 0.1
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
 # guess: at a loose tolerance a link may make half a turn in the step, which then has a correct end by chance.
@@ -143,7 +143,7 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time at the end of the last step; WINDOW_CHANGE limits the change in a window."""
+    """Begin a window of time at the end of the last step; WINDOW_CHANGE limits the energy change in it."""
     balance = d.balance
     balance.reference = balance.at_end
     # `least_allowed` is the part of a step's allowed change that does not depend on the state
@@ -179,8 +179,8 @@ def apply_next_piece(d):
 def reinit_balance(d):
     """Continue the energy balance after a re-initialization at the communication point.
 
-    The available energy is set back to that before the last step. A new parameter may change the elastic
-    energy of active contacts; this change does not count as an error of the run.
+    The available energy is set back to its value at the start of the last step. A new parameter may change
+    the elastic energy of active contacts; this change does not count as an error of the run.
     """
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start

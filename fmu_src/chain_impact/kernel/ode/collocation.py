@@ -180,7 +180,7 @@ def size_toward_end(d, h):
 
 
 def size_for_fast_motion(d, h):
-    """Return a size ≤ h [s] that resolves a fast motion at the start, if this motion exceeds the tolerance.
+    """Return h [s] or, if a fast motion at the start exceeds the tolerance, a smaller size that resolves it.
 
     The operator (1 − h μ A)⁻¹ removes the fast part of the rate. The removed part shows how large the fast
     motion is. Applied to this part, the operator shows how fast the motion decays.
@@ -209,7 +209,7 @@ def size_for_fast_motion(d, h):
 
 
 def extrapolate_stages(d, h, size):
-    """Predict the stages of a step of size h [s]: by the last step's polynomial, or by constant speeds."""
+    """Predict the stages of a step h [s] by the last step's polynomial if possible, or by constant speeds."""
     implicit = d.implicit
     if can_extrapolate(d):
         extrapolate_polynomial(d, h, size)
@@ -348,7 +348,7 @@ def set_dense(values, j, stages, at, degree):
 def match_clearances(d):
     """Move the dense output toward the integrated clearances and rates at one and two thirds of the step.
 
-    ``project_coordinates`` gives the changes; the work of dry friction in these counts as dissipated energy.
+    ``project_coordinates`` gives the changes; dry friction along these changes adds to the dissipated energy.
     """
     dense, implicit, change, lost = d.step.dense, d.implicit, d.scratch.change, dissipated_at(d.links)
     if clearance_count(d) == 0:

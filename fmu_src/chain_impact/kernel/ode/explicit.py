@@ -107,9 +107,9 @@ END_STAGE = STEP_STAGES
 # step's integration variable, if this length is less than LARGEST_STRETCH times the size that the errors
 # allow. Otherwise the step covers at most half of this way, so that the following step is not tiny.
 LARGEST_STRETCH = 1.2
-# A contact whose predicted end is nearer than this part of the next step's size has practically no force
-# left: its penetration may be round-off. The step then ignores this end, and the search for events finds the
-# end in the step. A step up to such an end could be shorter than the resolution of time.
+# A contact whose predicted end is nearer than UNRESOLVED_PART times the next step's size has practically no
+# force left: its penetration may be round-off. The step then ignores this end, and the search for events
+# finds the end in the step. A step up to such an end could be shorter than the resolution of time.
 UNRESOLVED_PART = 1e-6
 # An error, relative to the tolerance, beyond one of these limits is not squared, because the square could
 # underflow or overflow. Errors below the lower limit occur while the chain is at rest, because held points
@@ -206,8 +206,8 @@ _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 def size_toward_end(d, h):
     """Return the size of the next step; h is the size that the errors allow, both in the step's variable.
 
-    Near the predicted end of a contact with a force law, the step either passes this end, and may then exceed
-    h (LARGEST_STRETCH), or covers at most half of the way to this end (``size_up_to_end``).
+    Near the predicted end of a contact with a force law, the step either passes this end, and may then be up
+    to LARGEST_STRETCH times as long as h, or covers at most half of the way to this end (``size_up_to_end``).
     """
     if d.touch.compliant_count == 0:
         return h

@@ -328,7 +328,7 @@ def project_clearances(d, z, y):
     Returns:
         Two numbers. The first is the largest change of a component of y, divided by the component's scale and
         by the tolerance. The second is the largest difference, before the move, between a clearance that
-        follows from y and the one in z, divided by the difference that CLEARANCE_MISMATCH allows.
+        follows from y and the same clearance in z, divided by the difference that CLEARANCE_MISMATCH allows.
     """
     implicit, change, worst = d.implicit, d.scratch.change, 0.0
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
@@ -342,7 +342,7 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """Return the largest difference between a clearance at the located points and the one in z.
+    """Return the largest difference between a clearance at the located points and the same clearance in z.
 
     Each difference is divided by the contact's penetration at the located points, or by its expected
     penetration δ* if this is larger.

@@ -40,7 +40,7 @@ def refine_rate(d, theta, y, rate):
     Before the call, ``rate`` and the forces must have been evaluated for y. If y is not near a fold or
     another toggle position, nothing changes. Otherwise ``rate`` is evaluated again, with contact forces that
     are cut off at 0; if the constraint forces pass the fold smoothly, the forces that ``find_forces`` gives
-    then replace them, and ``rate`` gets the accelerations that belong to these forces.
+    replace the evaluated constraint forces, and ``rate`` gets the accelerations that belong to these forces.
     """
     if not any_point_held(d) or d.constraints.near_fold == 0:
         return

@@ -2,9 +2,9 @@
 
 The rates of a step contain the power of friction. But two corrections change the motion of the step after its
 rates have been evaluated. The first is the last iteration of an implicit step. The second is made at the end
-of any step: round-off and the projection onto constraints. At rest these corrections may be larger than the
-motion itself, and friction forces stay large although the speed is zero. If the work of friction along the
-corrections were not counted, the energy balance would have an error that grows in every step.
+of any step: round-off and the projection onto constraints. In a chain at rest these corrections may be larger
+than the motion itself, and friction forces stay large although the speed is zero. If the work of friction
+along the corrections were not counted, the energy balance would have an error that grows in every step.
 """
 
 from chain_impact.kernel.chain.inputs import set_inputs
@@ -44,8 +44,8 @@ def power_of_correction(d, m):
     The power is negative if friction dissipates more along the corrected than along the uncorrected speeds.
 
     The friction forces are those of the evaluated rate. The dissipated energy contains the work of these
-    forces along the uncorrected speeds, so the same forces must be used to take this work back. At rest the
-    uncorrected speeds may be far larger than the corrected ones.
+    forces along the uncorrected speeds, so the same forces must be used to take this work back. In a chain at
+    rest the uncorrected speeds may be far larger than the corrected speeds.
     """
     implicit, change, first = d.implicit, d.scratch.change, velocity_at(d.links)
     for j in range(coordinate_count(d.links)):

@@ -106,10 +106,10 @@ def choose_method(d):
 def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
-    If the present method is implicit, the proposed size of the next step decides. If it is explicit, the
-    length of the last step decides. If the explicit method has replaced the implicit method, the result is
-    also true for a proposed size that, times FAR_SHORTER, is less than the size of the implicit steps
-    (``other_size``).
+    If the present method is implicit, the proposed size of the next step decides. If the present method is
+    explicit, the length of the last step decides. If the explicit method has replaced the implicit method,
+    the result is also true for a proposed size that, times FAR_SHORTER, is less than the size of the implicit
+    steps (``other_size``).
     """
     step = d.step
     if step.method == IMPLICIT:
@@ -134,7 +134,7 @@ def limit_to_stable(d):
 
 
 def contacts_last(d):
-    """Return whether at least one contact with a force law is active, and all such contacts are sustained."""
+    """Return whether contacts with a force law are active and all of them sustained (SUSTAINED_AFTER)."""
     if d.touch.compliant_count == 0:
         return False
     for k in range(d.touch.compliant_count):
@@ -242,7 +242,7 @@ def prepare(d, h):
     """Prepare a step of the current method at the step's start; return the size that is to be tried first.
 
     h is the size that the errors allow. The result also suits the predicted ends of contacts with force laws
-    (``size_toward_end``) and, in an implicit step, a fast motion.
+    (``size_toward_end``) and, in an implicit step that the last step cannot predict, a fast motion.
     """
     if d.step.method == IMPLICIT:
         return collocation.prepare(d, h)

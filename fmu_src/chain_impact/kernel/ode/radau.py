@@ -88,8 +88,8 @@ LEFT_Q = tuple(
 # the largest number of Newton iterations in a step: if a step needs more, shorter steps cost less
 MOST_ITERATIONS = 10
 ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
-# if a correction, from the third on, is more than this part of the correction before (their ratio θ is the
-# convergence rate), the iteration is given up
+# if a correction, from the third on, is more than DIVERGENCE_RATE times the correction before (their ratio θ
+# is the convergence rate), the iteration is given up
 DIVERGENCE_RATE = 0.95
 # the largest correction, relative to the tolerance; if a correction is larger, the iteration has failed
 FAILED_CORRECTION = 1e20

@@ -122,9 +122,10 @@ def runs_back(d, y):
 def lone_contact(d):
     """Return the active contact and its u if the next step can be regularized; else NO_CONTACT and u = 1.
 
-    The contact must have a force law, must not be at rest or at its end, and must be the only active contact:
-    several contacts end at different times, and the fictitious time of one contact does not suit the others.
-    An implicit step always runs in time. The points must be located at the start of the step.
+    The contact must have a force law, must not rest (RESTING_SUM) or be at its end, and must be the only
+    active contact: several contacts end at different times, and the fictitious time of one contact does not
+    suit the others. An implicit step always runs in time. The points must be located at the start of the
+    step.
     """
     if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
         return NO_CONTACT, 1.0

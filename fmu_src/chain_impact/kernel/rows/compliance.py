@@ -100,8 +100,8 @@ def joints_loaded(d):
 def solve_space(d, link_vectors, space, slot, change):
     """Compute the response Δ to the impulses in ``space.load`` at the places and in the joints.
 
-    The function changes ``space.load``: it adds the loads at joints' places and at sites to those in joints,
-    at points and on links.
+    The function changes ``space.load``: it adds loads at joints' places to the loads in joints, and loads at
+    sites to the loads at points and on links.
 
     Args:
         d: the instance.

@@ -303,7 +303,7 @@ def solve_lcp(d, scale):
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587) begins with the active set in
     ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once
-    or, beyond MAX_STALLED_PIVOTS, only the last of them; this search ends if the mobility W is positive
+    or, beyond MAX_STALLED_PIVOTS, only that of highest index; this search ends if the mobility W is positive
     definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of pivots, the
     problem is recorded as unsolved. Arguments and results are as in ``solve_equality``.
     """

@@ -191,8 +191,8 @@ def constraint_to_release(d, scale):
 def solve_inside(d):
     """Store in ``unlimited`` the forces p + D m⁺ of rigid walls and sticking, which may exceed their limits.
 
-    p are the forces before the iteration, D the impedances. m⁺ are the residuals if the constraints inside
-    their limits have these forces, and the others stay at their limits.
+    p are the forces before the iteration, D the impedances. m⁺ are the residuals if each constraint inside
+    its limits has the force in ``unlimited``, and all other constraints stay at their limits.
     """
     limited, motion = d.limited_forces, d.scratch.motion
     for k in range(constraint_count(d)):
