@@ -46,7 +46,7 @@ class Effect(NamedTuple):
         change: the change of the quantity by this step, to first order, in the unit of the quantity.
         derivative: the derivative of the quantity with respect to the parameter.
         simulated: the change of the quantity in a run with the parameter changed by this step; NaN if the
-            quantity does not exist in that run, as for a missing impact; None without such a run.
+            quantity does not exist in this run, as for a missing impact; None if no run was simulated.
     """
 
     parameter: str
@@ -59,9 +59,9 @@ class Effect(NamedTuple):
 
     @property
     def differs(self) -> bool:
-        """Whether ``simulated`` and ``change`` differ by more than FIRST_ORDER, or ``simulated`` is NaN.
+        """Whether ``simulated`` differs from ``change`` by more than FIRST_ORDER, or ``simulated`` is NaN.
 
-        If ``simulated`` is None, this is False.
+        The property is False if ``simulated`` is None.
         """
         return self.simulated is not None and differs(self.change, self.simulated)
 
@@ -72,7 +72,7 @@ class Effect(NamedTuple):
 
 
 def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
-    """Return two lists: effects of steps of 1 % of the value, and effects of fixed steps, if the value is 0.
+    """Return two lists: effects of steps of 1 %, and effects of fixed steps, for parameters that are 0.
 
     The sizes of effects in different lists cannot be compared.
     """
@@ -89,8 +89,8 @@ class Ranking:
         value: the value of the quantity, in its ``unit``.
         unit: the unit of the quantity.
         where: words for the impact, the joint or the time at which the quantity has this value.
-        effects: the effects of the parameters that have an effect, the largest first. The parameters with the
-            value 0 come last, because it is arbitrary by how much such a parameter is changed.
+        effects: the effects of the parameters that have an effect, the largest first. Effects of parameters
+            with the value 0 come after all others, because the step of a parameter that is 0 is arbitrary.
         without: the parameters without an effect.
         unknown: the parameters whose derivatives cannot be trusted; ``limits`` gives the reason.
         limits: sentences, as ``Result.sensitivity_limits``.
@@ -120,10 +120,7 @@ class Ranking:
         return as_html(self.parts())
 
     def share(self, effect: Effect) -> float:
-        """Return the change of an effect divided by the absolute value of the quantity.
-
-        The result is NaN if this value is 0.
-        """
+        """Return the change of an effect divided by |value of the quantity|; NaN if the value is 0."""
         return effect.change / abs(self.value) if self.value else np.nan
 
     def parts(self) -> Iterator[str | TextTable]:
@@ -173,7 +170,7 @@ class Ranking:
             )
 
     def verdict(self, checked: Sequence[Effect]) -> str:
-        """Return a sentence on the effects that are checked by runs with the new values of parameters."""
+        """Return a sentence: how many of the ``checked`` effects have runs that differ from first order."""
         found, limit = plural(len(checked), "effect"), f"{100.0 * FIRST_ORDER:g} %"
         if len(checked) < len(self.effects):
             found = f"{len(checked)} of {plural(len(self.effects), 'effect')}"
@@ -184,7 +181,7 @@ class Ranking:
         return f"runs with the new values for {found}: {many} by more than {limit}"
 
     def _other(self, checked: Sequence[Effect]) -> Iterator[str | TextTable]:
-        """Yield a table of the effects that differ in a run with the new value; nothing if there are none."""
+        """Yield a heading and a table of the ``checked`` effects that differ in their run, if any do."""
         unit = in_brackets(unit_text(self.unit))
         other = [effect for effect in checked if effect.differs]
         rows = [(each.parameter, f"{each.change:+.3g}", _in_run(each)) for each in other]
@@ -200,8 +197,8 @@ class Ranking:
 
         Args:
             run: a function that simulates the scene with one parameter changed; its arguments are the name of
-                the parameter and the new value. It returns None if the scene cannot have this value; the
-                effect then remains unchecked.
+                the parameter and the new value. If the scene cannot have this value, ``run`` returns None,
+                and the effect remains unchecked.
         """
         found = {}
         for effect in itertools.chain(*self._blocks()):
@@ -268,9 +265,9 @@ class Ranking:
         return "joint force" if self.quantity == JOINT_FORCE else self.quantity
 
     def _blocks(self) -> list[list[Effect]]:
-        """Return the MOST_BARS largest effects in one or two lists: those of 1 %, and those of fixed steps.
+        """Return the largest effects, at most MOST_BARS, in lists as ``by_step``; an empty list is left out.
 
-        The second list has at most a quarter of MOST_BARS, or more if the first list leaves room.
+        The list of fixed steps has at most a quarter of MOST_BARS effects, or more if there are few of 1 %.
         """
         of_value, at_zero = by_step(self.effects)
         at_zero = at_zero[: max(MOST_BARS - len(of_value), MOST_BARS // 4)]
@@ -304,12 +301,12 @@ class Ranking:
 
 
 def _mark(effect: Effect) -> float | None:
-    """Return the change in the run with the new value if it differs from first order; else None."""
+    """Return ``simulated``, the change in a run, if ``effect.differs``; else None."""
     return effect.simulated if effect.differs else None
 
 
 def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
-    """Return the change in the run with the new value as text; "none" if no run has the quantity."""
+    """Return ``simulated``, the change in a run, as text (``told``); "none" if it is None or NaN."""
     return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
 
 

@@ -23,8 +23,8 @@ class Differences:
     """The largest differences between two runs, up to the first impact in which the runs differ.
 
     Attributes:
-        impacts: the number of compared impacts: from the first one on, as long as the impacts with the same
-            number have the same point and wall in both runs.
+        impacts: the number of compared impacts: the impacts before the first impact in which the runs differ
+            (``common_count``).
         onset: the largest difference between the onsets of a compared impact in the two runs [s]; 0 without
             a compared impact.
         position: the largest distance between the positions of a point in the two runs at the same time [m].
@@ -47,8 +47,8 @@ class Differences:
 def differences(run: Recording, tighter: Recording) -> Differences:
     """Return the differences of two runs of the same scene, the second run at a tighter tolerance.
 
-    The comparison ends at the first impact in which the runs differ: after it, the runs are two different
-    motions, whose distance is not an error of the solver.
+    The comparison ends at the first impact in which the runs differ: after this impact, the runs are two
+    different motions, whose distance is not an error of the solver.
     """
     rows = min(len(run.time), len(tighter.time))
     end, together = float(run.time[rows - 1]), run.time[:rows] == tighter.time[:rows]

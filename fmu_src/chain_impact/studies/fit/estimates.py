@@ -58,7 +58,8 @@ class Estimates:
     def used(self) -> np.ndarray:
         """Whether each measured value was fitted, shape (M,).
 
-        A value was left out if the fitted model lacks the value or one of its derivatives.
+        A value was left out if the fitted model lacks the value, or the derivative of the value with respect
+        to a parameter.
         """
         return np.asarray(np.isfinite(self.residuals))
 
@@ -74,7 +75,7 @@ class Estimates:
 
     @property
     def reduced_chi_squared(self) -> float:
-        """χ² divided by the degrees of freedom; NaN without degrees of freedom.
+        """χ² divided by the degrees of freedom; NaN if there are no degrees of freedom.
 
         For a correct model with given standard deviations, the result is about 1.
         """
@@ -92,7 +93,7 @@ class Estimates:
 
     @property
     def law(self) -> str:
-        """The law of the walls or, if no point can touch a wall, of the joints' stops; "" without both."""
+        """The law of the walls or, if no point can touch a wall, of the joints' stops; else ""."""
         contact, stops = self.scene.contact, self.scene.stops
         if point_wall_pairs(self.scene):
             return contact.model
@@ -101,8 +102,8 @@ class Estimates:
     def unit(self, name: str) -> str:
         """Return the unit of a measured column.
 
-        A quantity of an impact has the unit at a stop of a joint if the scene has no other contacts, else
-        the unit at a wall.
+        A quantity of an impact has the unit at a stop of a joint if only joints with stops can have impacts;
+        otherwise it has the unit at a wall.
         """
         return self._units.get(name, "s")
 

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 PROBABILITY = 0.95
-# Student's t is computed only between these degrees of freedom. With fewer, an interval is infinite anyway
-# (TOO_FEW); with more, Student's t equals the normal distribution to round-off. LEAST_FREEDOM is also the
-# least ν_c of a column in ``small_sample``, which divides by ν_c.
+# Student's t is computed only between LEAST_FREEDOM and MANY_FREEDOM degrees of freedom. With fewer degrees,
+# an interval is infinite anyway (TOO_FEW); with more degrees, Student's t equals the normal distribution to
+# round-off. LEAST_FREEDOM is also the least ν_c of a column in ``small_sample``, which divides by ν_c.
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
-# with at most TOO_FEW degrees of freedom an interval is infinite, because Student's t would give a half width
+# with at most TOO_FEW degrees of freedom, an interval counts as infinite: Student's t would give a half width
 # of 43,000 standard errors or more
 TOO_FEW = 0.25
-# A singular value of the derivatives counts as 0, as round-off, if it is smaller than this, relative to the
-# largest one. The derivatives with respect to each parameter are first scaled to the norm 1.
+# A singular value of the matrix J (``Information``) counts as 0 if it is smaller than this, relative to the
+# largest singular value. Each column of J, for one parameter, is first scaled to the norm 1.
 SINGULAR = 1e-7
 
 
@@ -137,7 +137,7 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
     """Return half the width of each parameter's 95 % interval, divided by its standard error, shape (P,).
 
     ``freedom``: the degrees of freedom of each standard error, shape (P,), for Student's t distribution. With
-    infinite degrees of freedom this is the normal distribution. With at most TOO_FEW degrees of freedom the
+    infinite degrees of freedom, the normal distribution applies. With at most TOO_FEW degrees of freedom, the
     width is infinite.
     """
     from scipy import special  # imported here, because the import takes long

@@ -25,7 +25,7 @@ CONNECT, PATIENCE = 10.0, 30.0
 def run_on_cluster(
     computation: Computation, spans: Sequence[Span], address: str
 ) -> Generator[tuple[Span, Outcome]]:
-    """Compute spans of runs on a cluster; yield each finished batch of runs with its result.
+    """Compute spans of runs on a cluster; yield the span of each finished batch of runs, and the result.
 
     If a worker is lost, other workers compute the batches of this worker.
 
@@ -67,12 +67,12 @@ def run_on_cluster(
 
 
 def identity() -> tuple[str, str]:
-    """Return the version of this package and the hash of the kernel's sources; all workers need the same."""
+    """Return the version of this package and the hash of the kernel's sources; workers need equal ones."""
     return version("chain-impact"), fingerprint()
 
 
 def _sees(folder: Path) -> bool:
-    """Return whether this machine sees the manifest in the folder of a sweep; each worker calls this."""
+    """Return whether this machine sees a manifest (``*.json``) in ``folder``; each worker calls this."""
     return any(folder.glob("*.json"))
 
 

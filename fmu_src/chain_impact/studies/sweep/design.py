@@ -25,9 +25,8 @@ MOST_NUMBERS = 10**8
 MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence with its 30 bits
 MOST_SEEDS = 2**32
-# Every table of a sweep counts as having this number of columns with results. If a table of all runs with
-# these columns and the varied values has at most MOST_NUMBERS cells, all runs are samples of one Latin
-# hypercube; otherwise there are several hypercubes.
+# All runs are samples of one Latin hypercube if runs × (varied parameters + FEWEST_RESULTS) is at most
+# MOST_NUMBERS; otherwise there are several hypercubes.
 FEWEST_RESULTS = 16
 # number of runs in each of several Latin hypercubes; the last hypercube may have fewer
 CUBE = 2**16
@@ -40,8 +39,8 @@ class Design:
 
     Attributes:
         variations: the variations, in the order of the columns.
-        samples: the number of samples; None for a grid. In a grid the value of the last variation changes
-            with every run, that of the first variation most rarely.
+        samples: the number of samples; None for a grid. From run to run of a grid, the value of the last
+            variation changes in every run, and that of the first variation most rarely.
         sampling: how samples are drawn: ``lhs`` for Latin hypercubes, ``sobol`` for a Sobol' sequence.
         seed: the random seed of the samples.
     """
@@ -77,8 +76,8 @@ class Design:
         There is one hypercube of all runs or, if the table is too large (FEWEST_RESULTS), a series of
         hypercubes of CUBE runs, the last with the runs that are left.
 
-        The samples have the same bits as those of successive objects of SciPy's LatinHypercube that all get
-        the same generator, ``default_rng(seed)``: each object spawns the next child of this generator.
+        Each hypercube has the same bits as one from SciPy: a ``LatinHypercube`` object for each hypercube, in
+        order, all with one generator ``default_rng(seed)``, of which each object spawns the next child.
         """
         count, varied, parts = self.runs, len(self.variations), []
         size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
@@ -106,8 +105,8 @@ class Design:
             _own.engine, _own.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
-        # the first call asks for a single point, because SciPy warns if the first number of points is not a
-        # power of two
+        # SciPy warns if the first call of a new generator asks for a number of points that is not a power of
+        # two, so the first point of the sequence is asked for alone
         counts = [end - first] if first else [1, end - 1]
         return np.concatenate([engine.random(count) for count in counts if count])
 
@@ -171,8 +170,10 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
 def whole(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
     """Return ``number``, the argument ``name`` of a sweep, if it is whole and least ≤ number < end.
 
+    ``end`` None means no upper limit. ``source`` is the name of the scene, for errors.
+
     Raises:
-        SceneError: when the argument is not such a number.
+        SceneError: when ``number`` is not whole, or out of this range.
     """
     bound = "" if end is None else f" and < {end}"
     integral = isinstance(number, Integral) and not isinstance(number, bool)
@@ -182,9 +183,10 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
 
 
 def check_table_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
-    """Refuse a sweep whose table, with ``columns`` columns, has more than MOST_NUMBERS cells.
+    """Refuse a sweep whose table is too large.
 
-    The table of a sweep that is ``streamed`` to the files of a folder may have MOST_RUNS rows of any length.
+    A table in memory, with a row for each run and ``columns`` columns, may have MOST_NUMBERS cells. A table
+    that is ``streamed`` to the files of a folder may have MOST_RUNS rows, with any number of columns.
 
     Raises:
         SceneError: when there are too many runs, or too many numbers.

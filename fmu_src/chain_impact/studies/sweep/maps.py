@@ -27,14 +27,15 @@ from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-# the colours of a map: the name of matplotlib's colour map, the same as in the maps of pages, and the grey of
-# runs without a value, which failed or have only impulses
+# the colours of a map: the name of matplotlib's colour map, which the maps of pages have, too; the grey of
+# runs without a finite value, which failed or have only impulses
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
-# The axis of a parameter is logarithmic if the largest value is at least WIDE_PARAMETER times the smallest
-# one, which must be > 0; the axis of a result, if the ``spread`` of the values is at least WIDE_RANGE.
+# The axis of a parameter is logarithmic if the smallest value is > 0, and the largest value is at least
+# WIDE_PARAMETER times the smallest value; the axis of a result, if the ``spread`` of the values is at least
+# WIDE_RANGE.
 WIDE_PARAMETER, WIDE_RANGE = 1e2, 1e3
-# on a logarithmic axis with ends in a ratio below WIDE_RANGE, labels stand at each power of ten, and at these
-# multiples of each power of ten
+# on a logarithmic axis with ends in a ratio below WIDE_RANGE, labels stand at each power of ten, and at the
+# multiples FEW_TICKS of each power of ten
 FEW_TICKS = (2.0, 5.0)
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
@@ -45,9 +46,9 @@ SCENE_LINE: dict[str, Any] = {"color": INK, "linestyle": (0.0, (4.0, 3.0)), "lin
 # its colours with other maps; WIDE_CELLS: in a narrow figure, numbers in a map with more than WIDE_CELLS
 # columns have fewer digits
 FEW_CELLS, WIDE_CELLS = 8, 4
-# CONTOURS: the places in the range of the colours, 0 to 1, near which a map has a contour; MOST_PIECES: the
-# largest number of pieces of a contour; LEAST_CELLS: the least number of cells on each axis for contours;
-# LIGHT: the place in the range of the colours above which texts and contours are black instead of white
+# CONTOURS: the places in the range of the colours, 0 to 1, near which a map has contours; MOST_PIECES: a
+# contour in more pieces is left out; LEAST_CELLS: the least number of cells on each axis for contours; LIGHT:
+# the place in the range of the colours above which texts and contours are black instead of white
 CONTOURS, MOST_PIECES, LEAST_CELLS, LIGHT = (0.35, 0.7), 2, 4, 0.5
 SLIM_BAR = 40.0  # the length of a bar for several maps, relative to the bar's width
 NEVER = "no run has a finite value"
@@ -175,7 +176,8 @@ def _draw_group(
     if few_decades:
         axis = bar.long_axis
         number_few_decades(axis)
-        # when the bar gets new colours, as for a dark ground, matplotlib sets its axis from these attributes
+        # when the bar gets new colours, as for a dark ground, matplotlib sets the bar's axis from these two
+        # attributes
         bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
     has_numbers, is_smooth = max(tables.shape[1:]) < FEW_CELLS, not (quantity.is_count or x.names or y.names)
     levels = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if few_decades else [])]
@@ -245,7 +247,7 @@ def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: Qua
 def _contours(
     axes: Axes, scales: tuple[Scale, Scale], shown: Any, levels: Sequence[float], mesh: QuadMesh
 ) -> None:
-    """Draw contours, with their values, in a map at the levels whose colours are nearest to CONTOURS.
+    """Draw contours, with their values, in a map: at those ``levels`` whose colours are nearest to CONTOURS.
 
     A contour with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion. A map with fewer
     than LEAST_CELLS cells on an axis has no contours.
@@ -267,7 +269,7 @@ def _contours(
 
 
 def number_few_decades(axis: Axis) -> None:
-    """Label a logarithmic axis at 1, 2 and 5 times each power of ten, with plain numbers such as 0.5."""
+    """Label a logarithmic axis at 1, 2 and 5 times each power of ten (FEW_TICKS), with numbers like 0.5."""
     axis.set_minor_locator(LogLocator(subs=FEW_TICKS))
     for kind in (axis.set_major_formatter, axis.set_minor_formatter):
         kind(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -282,9 +284,9 @@ def are_beyond(extremes: tuple[float, float], ends: tuple[float, float]) -> tupl
 
 
 def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
-    """Return words for the label of the colours: the extremes beyond the ends of the colours; "" if none is.
+    """Return words for the label of the colours: the least and largest value if beyond the colours' ends.
 
-    The arguments are those of ``are_beyond``.
+    The result is "" if neither is beyond an end. The arguments are those of ``are_beyond``.
     """
     there = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
     return "".join(f", {words} {extreme:.3g}" for words, extreme, is_beyond in there if is_beyond)
@@ -295,8 +297,8 @@ class Scale:
     """An axis of a map, for one parameter.
 
     Attributes:
-        order: indices in ``Variation.values`` of the parameter's V different values: numbers in ascending
-            order, choices in the order in which the user gives them.
+        order: indices in ``Variation.values`` of the parameter's V different values: of numbers in the order
+            of the values, of choices in the order in which the user gives them.
         edges: the edges of the cells along the axis, shape (V + 1,).
         logarithmic: whether the axis is logarithmic.
         names: the names of the choices; empty for a number.
@@ -314,8 +316,9 @@ class Scale:
 def axis_of(variation: Variation) -> Scale:
     """Return the axis of a map for a varied parameter.
 
-    The inner edges of a number's cells lie midway between the values on the axis, each outer edge as far from
-    the end value as the nearest inner edge; but all edges are within the parameter's range.
+    For a number, the edge between two cells lies midway between their values on the axis. The first and the
+    last edge are as far from the nearest value as the next edge is. Edges beyond the range that the parameter
+    may have are moved to the end of this range.
     """
     if variation.choices:
         order = np.sort(np.unique(variation.values, return_index=True)[1])
@@ -343,7 +346,10 @@ def is_logarithmic(variation: Variation) -> bool:
 
 
 def own_value(runs: Runs, variation: Variation) -> float | None:
-    """Return the scene's own value of a varied number; None outside the varied range, or for a choice."""
+    """Return the scene's own value of a varied number; None if it is out of the varied range or unknown.
+
+    The result is also None for a choice.
+    """
     value = runs.scene.values.get(variation.name)
     if variation.choices or not isinstance(value, int | float):
         return None
