@@ -30,14 +30,15 @@ from chain_impact.pictures.drawing.style import (
 # blocks of bars; the height for one bar
 WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
-HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in row 0, later ones lower
+HEADING_ROW = -1.0  # the row of the heading of the texts, above the first bar, which is in row 0
 DOT = 24.0  # [square points] the size of a dot
 RUN_MARK = 4.5  # [points] the size of the diamonds, see ``Bars.marks``
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar or mark of
 # any block, without a part that is cut off, is at most ONE_SCALE times as long as that of any other block.
 ONE_SCALE = 10.0
-CUT = 4.0  # see ``axis_ends``
+# bars are cut off only if the longest bar extends more than CUT times as far from 0 as what must be visible
+CUT = 4.0
 ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are visible beside the marks
 CUT_BARS = "; a bar with an arrow is longer than the axis"
 ARROW_HEAD = 6.0  # [points] the size of the arrow at the end of a bar that is cut off
@@ -81,7 +82,7 @@ class Bars:
         return axis_ends(self.values, self.mark_of_each)
 
     def are_cut(self, ends: tuple[float, float]) -> bool:
-        """Return whether a bar is longer than an axis with these ends."""
+        """Return whether a bar extends beyond the ``ends`` of the axis."""
         return any(not ends[0] <= value <= ends[1] for value in self.values if math.isfinite(value))
 
 

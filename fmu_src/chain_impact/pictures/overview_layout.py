@@ -23,7 +23,7 @@ from chain_impact.recording.recording import Recording
 # figure, above the other panels. BROADEST_HIGH: on a narrow figure, a motion with a larger ratio has a lower
 # panel than ABOVE_TIME.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
-BROADEST_FLAT = 3.5  # the largest ratio of width to height that the panel of motion has
+BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arranged
 # the height of the panel of motion beside other panels, relative to the width of the figure, for a wide and a
 # narrow figure
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55

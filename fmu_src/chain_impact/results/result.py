@@ -201,7 +201,7 @@ class Result(Pictured):
         Points 0…N are the ends of the links; the P points on links follow.
 
         Raises:
-            UnknownNameError: when the result lacks one of the outputs.
+            UnknownNameError: when the result lacks one of these positions.
         """
         return self._all("point_position")
 
@@ -215,7 +215,7 @@ class Result(Pictured):
         """Absolute angles of the links, counterclockwise from the x axis, shape (T, N) [rad].
 
         Raises:
-            UnknownNameError: when the result lacks one of the outputs.
+            UnknownNameError: when the result lacks one of these angles.
         """
         return self._all("angle")
 
@@ -224,7 +224,7 @@ class Result(Pictured):
         """Angular velocities of the links, positive counterclockwise, shape (T, N) [rad/s].
 
         Raises:
-            UnknownNameError: when the result lacks one of the outputs.
+            UnknownNameError: when the result lacks one of these angular velocities.
         """
         return self._all("angular_velocity")
 

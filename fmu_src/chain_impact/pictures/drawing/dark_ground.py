@@ -55,7 +55,7 @@ TEXT_OUTLINE = 4.0
 # The name of the colour map for time. Its colours change on a dark ground, because lines are drawn in these
 # colours. Of any other colour map, only the colour for missing values changes.
 TIME = "time"
-ON_COLOUR = "on colour"  # the matplotlib identifier (gid) of a text on a coloured area, whose colour stays
+ON_COLOUR = "on colour"  # the matplotlib identifier (gid) of a text that keeps its colour, on a coloured area
 Colour = tuple[float, float, float, float]
 
 
@@ -72,7 +72,7 @@ class Ground(NamedTuple):
         return cls(ground, mpl.rcParams["text.color"]) if is_dark(ground) else None
 
     def suited(self, colour: Any) -> Colour:
-        """Return the colour that replaces a colour for a white figure, with the same opacity."""
+        """Return the colour for this ground that replaces ``colour``, chosen for white; the opacity stays."""
         red, green, blue, alpha = to_rgba(colour)
         if is_coloured(colour):
             return lighter(colour, least_luminance(self.ground, READABLE_CONTRAST))

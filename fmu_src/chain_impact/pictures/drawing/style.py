@@ -28,7 +28,7 @@ from chain_impact.system import written_whole
 
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
 BROWN, VIOLET = "#7a4b2a", "#7a3fa8"
-PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force
+PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force, moment or impulse
 PEAK_LINE = "peak"  # the matplotlib identifier (gid) of the text in PEAK_COLOUR below a headline
 # the colours of a decrease and of an increase, which no curve has and colour-blind readers can distinguish
 DECREASE, INCREASE = "#a08400", "#5e3c99"
@@ -94,7 +94,8 @@ LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the 
 # [inch] GAP: space below the headline, and below the conditions; LINE_GAP: space between two of the coloured
 # lines below the headline
 GAP, LINE_GAP = 0.09, 0.02
-MOST_HEAD = 0.33  # conditions are left out if they and the headline are higher than this part of the figure
+# conditions are left out if they and the headline together would be higher than this part of the figure
+MOST_HEAD = 0.33
 # The largest height of all texts at the foot, relative to the height of the figure. FREE_FOOT: if the
 # contents determine the height of the figure; MOST_FOOT: otherwise.
 MOST_FOOT, FREE_FOOT = 0.15, 0.25

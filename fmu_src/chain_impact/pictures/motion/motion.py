@@ -25,7 +25,8 @@ from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.text import prefixed
 from chain_impact.recording.view import ball_of
 
-PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, as a tip may slide
+# matplotlib's order of drawing (zorder) for the tip's path: above walls, because a tip may slide along a wall
+PATH_LAYER = 2.1
 MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
 # PATH_WIDTH: [points] the usual width of the line along the tip's path; DENSE: a line that would cover more
 # than this part of the area around the path is narrower; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES:

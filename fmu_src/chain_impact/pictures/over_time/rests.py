@@ -1,4 +1,4 @@
-"""The spans of time in which a motion is at rest, shaded in pictures, and the time that pictures show."""
+"""The times without motion, which are shaded in pictures, and the time that pictures show."""
 
 from __future__ import annotations
 

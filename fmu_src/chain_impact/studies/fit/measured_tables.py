@@ -174,7 +174,7 @@ class _Book:
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
         """Add the values of outputs and inputs in the columns ``names`` of a row; return the row's time [s].
 
-        The time must be ≥ 0, and later than ``before`` [s], the time of the preceding row with a time.
+        The time must be ≥ 0, and later than ``before`` [s], the time of the preceding row that is no impact.
         """
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
@@ -255,7 +255,7 @@ class _Book:
             )
 
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
-        """Return the standard deviation of a value, from its row, else from ``_sigma``; NaN without both."""
+        """Return the standard deviation of a value: from the column sigma(…), else ``_sigma``, else NaN."""
         column = SIGMA.format(name)
         sigma = table.number(row, column)
         if math.isnan(sigma) and name in self._sigma:
@@ -280,6 +280,6 @@ def _meant(table: Table, over_time: Set[str]) -> tuple[str, str]:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return all columns except time, WHICH, joint, sigma(…) and, in a table of impacts, POSITION."""
+    """Return all columns except time, WHICH, joint and sigma(…), and POSITION beside WHICH or onset."""
     others = (TIME, *WHICH, JOINT, *(POSITION if {*WHICH, ONSET} & {*table.names} else ()))
     return [name for name in table.names if name not in others and not is_sigma(name)]

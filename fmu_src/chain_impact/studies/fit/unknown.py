@@ -16,8 +16,9 @@ UNKNOWN = 0.3
 # A value between two bounds, on a scale that is not logarithmic, is not determined if its standard error,
 # relative to the range between the bounds, exceeds this number: the 95 % interval then covers half the range.
 UNKNOWN_PART = 0.125
-# The sentence on a parameter that is not determined also names a second such parameter if, with the second
-# one fixed, the first one is determined and its standard error is less than BETTER times as large.
+# The sentence on a parameter that is not determined also names another parameter that is not determined if,
+# with the other parameter fixed, the first is determined, and its standard error is less than BETTER × the
+# standard error with both free.
 BETTER = 0.5
 # a relative standard error above HUGE is not given in percent, but as a factor (on a logarithmic scale) or in
 # the unit of the value

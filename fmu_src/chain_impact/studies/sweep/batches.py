@@ -17,9 +17,9 @@ from chain_impact.system import LISTEN
 FIRST_BATCH, LONGEST_BATCH = 8, 2**18
 # [s] shortest and longest time for which the size of a batch is chosen
 SHORTEST_BATCH_TIME, LONGEST_BATCH_TIME = 0.5, 60.0
-# The size of a batch is chosen so that its computation takes SHARE × the computing time of each worker so
+# The size of a batch is chosen so that its computation takes SHARE × the mean computing time of a worker so
 # far, within the two limits above. So an interruption, which loses the unfinished batches, loses about this
-# part of the time.
+# part of the computing time.
 SHARE = 0.2
 # When a batch ends, the size of the next batches grows at most by the factor BATCH_RATIO, because the first
 # batches are too short for a good estimate of the time. At the end of a sweep, batches become smaller, so

@@ -245,8 +245,8 @@ class Runner:
         """Return the rows of the table, of the type ``Job.dtype``, from the kernel's rows.
 
         A kernel's row ends with the largest force in each joint, of which the table has the largest, and with
-        the values at the paths of ``Job.rigid``. The latter tell in which runs a peak is NaN, because a rigid
-        wall or stop was hit.
+        the values at the paths of ``Job.rigid``. The values at these paths tell in which runs a peak is NaN,
+        because a rigid wall or stop was hit.
         """
         rows = np.zeros(len(words), self._dtype)
         for name in rows.dtype.names or ():

@@ -145,7 +145,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 
 
 def panels_of_each(design: Design) -> int:
-    """Return the number of panels of each quantity: 1, or more in a picture with histograms.
+    """Return the number of panels of each quantity: 1 except in two cases.
 
     In a picture with histograms, each quantity has a panel with a histogram, and a panel with dots for each
     of ``drawn_parameters``. If three parameters vary without samples, each value of the third has a map.
@@ -296,7 +296,7 @@ def _across(count: int, kind: str, width: float) -> int:
 
 
 def maps_across(count: int, width: float) -> int:
-    """Return the number of maps in a row if three parameters vary: 2 in a narrow figure, else 2 or 3.
+    """Return the number of maps in a row if three parameters vary: 2 for 2 or 4 maps or if narrow, else 3.
 
     ``count`` is the number of maps, ``width`` the width of the figure [inches].
     """
