@@ -55,8 +55,8 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
 
     The hardest impact is that with the largest force at a wall or at a stop of a slider or, without such a
     force, with the largest moment at a stop of a joint [N·m]. Times and forces come from a repeated run or,
-    if the run cannot be repeated, from the recording's rows within the contact. The result is None if the
-    forces are not known, if fewer than LEAST_ROWS such rows exist, or if no impact has a known peak force.
+    if the run cannot be repeated, from the recording's rows within the contact, if these are at least
+    LEAST_ROWS. The result is None if no impact has a known peak force, or if the forces are not known.
     """
     hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.words), None)
     if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
