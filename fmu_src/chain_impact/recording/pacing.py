@@ -1,4 +1,4 @@
-"""The rate of a film: simulated seconds per second on the screen; the rate is smaller during impacts.
+"""The rate of a film: simulated seconds per second on the screen; it is smaller near impacts in slow motion.
 
 ``pages/browser/recording/pacing.js`` computes the same rate for pages, with the constants of this module.
 """
@@ -20,7 +20,7 @@ LONGEST_SLOW = 0.1
 # [s] least duration that a film assumes for an impact, because an impulse of a rigid wall has none
 LEAST_DURATION = 1e-4
 # [1] an impact without a duration, such as that of a rigid wall, and the ramps before and after such an
-# impact are shown for this fraction of the time of others, because nothing moves during the impact
+# impact are shown for this fraction of the time of other impacts, because nothing moves during the impact
 INSTANT = 0.1
 FRAME_RATE = 60.0  # [1/s] frames per second on the screen, unless a sine needs more
 # least number of frames in a period of the fastest sine that drives an input; with fewer, the motion would
@@ -35,7 +35,7 @@ CONTACT_SHARES = np.linspace(0.0, 1.0, 25)
 # [1] an impact is shown in slow motion only if its speed, relative to the fastest impact, is at least this
 SLOW_SPEED = 0.05
 SLOW_COUNT = 100  # largest number of impacts that are shown in slow motion: the fastest ones
-# [1] in films and pages, an impact with the penetration δ and the impact speed v ends at the latest
+# [1] in films and pages, an impact with the largest penetration δ and the impact speed v ends at the latest
 # LONGEST_IMPACT times δ/v after the onset: in a longer contact the point counts as resting from then on
 LONGEST_IMPACT = 5.0
 # [m/s; rad/s at a stop of a joint] least speed v in δ/v: a point that rests at a wall from the start on has v

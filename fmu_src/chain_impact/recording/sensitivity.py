@@ -18,8 +18,8 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
-"""The change of a parameter for which pictures and tables show changes of results: this times its value or,
-if its value is 0, times its unit."""
+"""The change of a parameter for which pictures and tables show changes of results: PART times the value of
+the parameter or, if the value is 0, PART times the unit of the parameter."""
 
 # [1] largest difference between a change to first order and the change in a run with the new value, relative
 # to the larger |change| of these two; if the difference is larger, texts give both changes
@@ -180,7 +180,7 @@ class Sensitivities:
         }
 
     def step(self, parameter: str) -> float:
-        """Return a small change of a parameter, in its unit: 1 % of the value, with its sign; 0.01 for 0."""
+        """Return a small change of a parameter, in its unit: ``step_of`` for the value of the parameter."""
         return step_of(self.parameters[parameter])
 
     def step_text(self, parameter: str) -> str:

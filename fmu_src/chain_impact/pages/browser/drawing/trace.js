@@ -12,7 +12,7 @@ const CELL = 6; // [pixels] size of the cells in which the search for the trace 
 
 /**
  * Return { positions, frames }. `positions` are the points of the trace on the screen, each at least APART from the point before. `frames`
- * tells for each point at which frame the tip or ball is there; the number has a fraction if this is between two frames.
+ * tells for each point at which frame the tip or ball is there; the frame's number has a fraction for a point between two frames.
  */
 export function traceOf(recording, camera) {
   const count = recording.time.length;

@@ -28,8 +28,8 @@ function valueIn({ name, constant, operator, parts }, valueOf) {
 }
 
 /**
- * Return the value of any(…) or sum(…): whether the rule `of` is true for any member, or the sum of its numbers over all members (from
- * `valuesOfMembers`).
+ * Return the value of any(…) or sum(…) for the `members` from `valuesOfMembers`: whether the rule `of` is true for any member, or the sum
+ * of the numbers that the rule gives for all members, null if a number is missing.
  */
 function ofMembers(operator, members, of) {
   if (operator === "any") return numbered(members.some((valueOf) => holds(of, valueOf)));
