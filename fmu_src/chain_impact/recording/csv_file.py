@@ -61,7 +61,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         point_names=scene.point_names if scene else {},
     )
     for touch in bare.touches:
-        # without a scene it is not known whether there is a slider: the name of a slider's stop means it
+        # without a scene, a wall with the name of a slider's stop counts as the stop
         if touch.kind != WALL or (scene is None and touch.wall in SLIDER_STOPS):
             continue
         if scene is None:

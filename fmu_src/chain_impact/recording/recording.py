@@ -271,7 +271,7 @@ class Recording:
         return toucher_name(int(impact["point"]), stop, self.point_names)
 
     def _is_slider_stop(self, wall: str) -> bool:
-        """Return whether a name is that of a stop of a slider; a wall may have it if there is no slider."""
+        """Return whether ``wall`` is a stop of a slider; without a slider, a wall may have such a name."""
         has_slider = "slider.angle" in self.parameters or "slider.position" in self.columns
         return has_slider and wall in SLIDER_STOPS
 

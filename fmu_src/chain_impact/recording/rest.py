@@ -21,7 +21,7 @@ SHORTEST_REST = 0.05  # [1] shortest rest that counts, relative to the duration 
 
 
 def rest_word(recording: Recording) -> str:
-    """Return the word for rests: "held" if dry friction sticks to the end of the run, else "at rest"."""
+    """Return the word for a time without motion: "held" if something sticks at the end, else "at rest"."""
     return "held" if len(_held_since(recording)) else "at rest"
 
 
@@ -103,7 +103,7 @@ def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.nd
 
 
 def rest_lines(recording: Recording) -> Iterator[str]:
-    """Yield a line on the rest with which the motion ends, or nothing if it does not end with a rest.
+    """Yield a line on the rest, a time without motion, at the end of the run, or nothing without a rest.
 
     The line tells the start of the rest, the position of the tip and, unless the base is pinned, that of the
     base.

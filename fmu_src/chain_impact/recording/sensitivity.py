@@ -29,7 +29,7 @@ FIRST_ORDER = 0.25
 def differs(first_order: float, simulated: float) -> bool:
     """Return whether a change to first order and a simulated one differ by more than FIRST_ORDER.
 
-    The result is also True if one of them is NaN.
+    The result is also True if a change is NaN.
     """
     # a comparison with NaN is False, so NaN counts as different
     return not abs(simulated - first_order) <= FIRST_ORDER * max(abs(simulated), abs(first_order))

@@ -245,7 +245,7 @@ class Follower:
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
         """Return two times [s], just before and just after the only jump or kink of an interval.
 
-        Both are the time of a kink if the polynomials of both sides have the functions' values at a time of
+        Both times are that of a kink if the polynomials of both sides have the functions' values at a time of
         the search. The result is None if the search does not find just one jump or kink, or if a polynomial
         beside it has a degree > SIMPLE.
         """

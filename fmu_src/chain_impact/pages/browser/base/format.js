@@ -41,7 +41,7 @@ export function fixed(value, decimals) {
 const DECIMALS = 6; // largest number of decimals of an axis label that has no exponent
 const LARGE = 1e6; // absolute value from which on the labels of an axis have exponents if all are whole numbers
 
-/** Return the labels for ticks at equal distances: all labels differ, and have no more digits than this needs. */
+/** Return the labels for ticks at equal distances, with only so many digits that all labels differ. */
 export function ticksOf(ticks) {
   const step = ticks.length > 1 ? Number((ticks[1] - ticks[0]).toPrecision(3)) : Math.abs(ticks[0]) || 1;
   const [mantissa, exponent] = step.toExponential().split("e");

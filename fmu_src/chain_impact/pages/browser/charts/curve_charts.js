@@ -8,7 +8,7 @@ import { TimeChart } from "./time_chart.js";
 
 const INPUT_COLOURS = 6; // number of colours for curves that the style sheet has
 // The dashes of curves: lengths [pixels] that are drawn and left out in turn. Each of the first INPUT_COLOURS curves has its own colour
-// and its own dash, because two colours may look alike; each time the colours begin again, the dashes begin one later.
+// and its own dash, because two colours may look alike; each time the colours begin again, the dashes begin one entry of DASHES later.
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
 /** MOST_CURVES: largest number of chosen outputs with the same unit; MOST_UNITS: largest number of different units of chosen outputs. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];

@@ -1,11 +1,11 @@
-// Finds positions for labels at which they cover neither each other nor anything that is drawn.
+// Finds positions for labels at which no label covers another label, or a mark, line or ring that is reserved.
 
 // widths of a usual letter and of a narrow one, and height of a line, relative to the size of the letters; they are approximate
 const [LETTER_WIDTH, NARROW_WIDTH, LINE_HEIGHT] = [0.72, 0.42, 1.2];
 const NARROW = /[fijlrt.,:'\s]/g;
 const BESIDE_LINE = 3; // [pixels] least distance between a label and a drawn line
 const BESIDE_TEXT = 4; // [pixels] least distance between two labels side by side, so that they do not read as one text
-// a place at which a label would cover what it should avoid is tried as if it came AVOIDED places (two rounds of directions) later
+// a place at which a label would cover what labels should avoid is tried AVOIDED places (two rounds of directions) later
 const AVOIDED = 16;
 const FROM_EDGE = 3; // [pixels] least distance between a label and an edge of the drawing
 const BESIDE_RING = 2; // [pixels] least distance between a label and the line of a ring
@@ -24,8 +24,8 @@ function boxOf(text, [x, y], size, anchor) {
 }
 
 /**
- * Return whether a straight line between two positions enters the rectangle of a text, enlarged by BESIDE_LINE on each side. This is so if
- * a part of the line that lies between the left and right sides of the enlarged rectangle also lies between its top and bottom.
+ * Return whether a straight line between two positions enters the rectangle of a text, enlarged by BESIDE_LINE on each side. The line does
+ * if a part of it lies both between the left and the right side and between the top and the bottom of the enlarged rectangle.
  */
 export function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];
@@ -127,8 +127,8 @@ export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) 
 }
 
 /**
- * Return the attribute text-anchor of a label, from the horizontal component `dx` of the unit vector to it: the end of the label that is
- * nearer to the labelled position is at the label's position or, for a label that is more above or below than beside it, the middle.
+ * Return the attribute text-anchor of a label for a position: the end of the text that is nearer to the position or, for a label that is
+ * more above or below the position than beside it, the middle. `dx`: horizontal component of the unit vector from position to label.
  */
 function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";

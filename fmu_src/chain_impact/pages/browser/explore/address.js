@@ -35,7 +35,7 @@ export class Address {
     addEventListener("hashchange", ({ newURL }) => this.#apply(new URL(newURL).hash));
   }
 
-  /** Return the address; it has the time shown if the motion is paused between its start and its end. */
+  /** Return the address; it contains the present time of the motion if the motion is paused, but not at its start or its end. */
   get text() {
     const { changes, choice, openScene, clock, comparedMotions } = this;
     const { pins = comparedMotions.pinsOf(changes.scene) } = this.#awaited;

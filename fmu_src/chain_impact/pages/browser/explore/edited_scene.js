@@ -8,8 +8,9 @@ import { filled, structureOf } from "../scene/owners.js";
 import { asWritten } from "../scene/scene_file.js";
 
 /**
- * Return the `links` of a scene file, and as `sites` the points of all links: each with its `link`, its `index` there, and its `entry`
- * in the file or, for a corner of a link that is a box, the corner's number. An edit changes indices, so the objects identify the parts.
+ * Return the `links` of a scene file, and as `sites` the points of all links: each with its `link`, its `index` in the link, and its
+ * `entry` in the file or, for a corner of a link that is a box, the number of the corner. An edit changes indices, so links and entries,
+ * as objects, identify links and points.
  */
 export function partsOf({ chain: { links } }) {
   const entriesOf = ({ shape, points }) => [...(shape ? CORNERS.keys() : []), ...points];

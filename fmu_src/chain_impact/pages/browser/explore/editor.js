@@ -90,7 +90,7 @@ export class Editor {
     if (isAdded) [...table.querySelectorAll("tbody tr:not(.told)")].at(-1).querySelector("input").focus();
   }
 
-  /** Apply the function `edit` to the contents of the scene that the page shows; return an array of words for what it also removes. */
+  /** Apply the function `edit` to the contents of the scene that the page shows; return a list of words for what the edit also removes. */
   #apply(edit) {
     const file = contentsOf(this.changes);
     const before = partsOf(file);

@@ -73,7 +73,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about, o
   showOutcome(parts ? player.recording : undefined);
   window.begun.finishLoad();
 });
-/** Go to the `time` and pin the motions `pins` of a link; each is undefined without it in the link. A new run fits the view to the pins. */
+/** Go to the `time` and pin the motions `pins` of a link; what the link lacks is undefined. A new run then fits the view to all pins. */
 function bringBack({ pins, time }) {
   if (time !== undefined) player.clock.set({ playing: false, frame: player.recording.frameAt(time) });
   if (!pins) return;

@@ -58,7 +58,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   });
 }
 
-/** Let the button with an id call `write`, which saves a file and returns a sentence, "" without a fault; show it, or a thrown error. */
+/** Let the button with an id call `write`, which saves a file and returns "" or a sentence on a fault; show the sentence or error. */
 function connectFile(id, write) {
   find(id).addEventListener("click", async () => {
     find("export-text").textContent = await write().catch((error) => `${error.message}.`);

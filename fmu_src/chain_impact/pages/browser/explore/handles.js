@@ -289,7 +289,7 @@ export class Handles {
     return wallsAt(this.changes.scene, (parameter) => this.changes.valueOf(parameter))[name];
   }
 
-  /** Move the dragged handle to a position on the screen, if the scene allows the values that this needs. */
+  /** Move the dragged handle to a position on the screen, if the scene allows the values that belong to the position. */
   #move(left, top) {
     const at = this.player.drawing.camera.toMetres(left, top);
     const { kind, index } = this.dragged;
@@ -309,7 +309,7 @@ export class Handles {
     return Math.abs(camera.toMetres(1, 0)[0] - camera.toMetres(0, 0)[0]);
   }
 
-  /** Return the changes that move the base (`index` 0) to a position [m] or turn the link that ends at another point towards it. */
+  /** Return the changes that move the base (`index` 0) to a position [m], or turn the link that ends at point `index` to the position. */
   joint([x, y], index) {
     const k = Number(index);
     if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };

@@ -1,4 +1,4 @@
-// The list of impacts; a click on a row goes to the time of its impact's largest force (`peakTime`).
+// The list of impacts; a click on a row goes to the impact's `peakTime`: the time of its largest force, or the onset if this is unknown.
 
 import { find, make } from "../base/dom.js";
 import { fixed, forceText, impulseText, speedWithUnit, unitsOf, withMinus } from "../base/format.js";

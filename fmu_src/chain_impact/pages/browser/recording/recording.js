@@ -20,8 +20,8 @@ export function lastBefore(numbers, wanted) {
 }
 
 /**
- * Return [row, share] for a time: the last row of increasing `times` that is not after it, but at least the first row and at most the last
- * but one; and the fraction of the way to the next row, limited to 0 … 1.
+ * Return [row, share] for a time: the last row of increasing `times` that is not after `time`, but at least the first row and at most the
+ * last but one; and the fraction of the way to the next row, limited to 0 … 1.
  */
 export function placeIn(times, time) {
   const row = Math.min(lastBefore(times, time), times.length - 2);
@@ -186,8 +186,8 @@ export class Recording {
   }
 
   /**
-   * Return the present contact at a time [s], which list, chart and caption describe: the latest one or, if the time is nearer to the next
-   * onset than to the end of the latest one, the next one. Before all impacts it is the first one; undefined without impacts.
+   * Return the present contact at a time [s], which list, chart and caption describe: the latest contact or, if the time is nearer to the
+   * next onset than to the end of the latest contact, the next contact. Before all impacts it is the first one; undefined without impacts.
    */
   contactAt(time) {
     return this.impacts[lastBefore(this.turns, time)];

@@ -1,4 +1,4 @@
-// The scale of the map's colours, chosen as in `map_colours.py`: the values at both ends, and whether it is logarithmic or has steps.
+// The scale of the map's colours, chosen as in `map_colours.py`: the values at its ends, and whether the scale is logarithmic or has steps.
 
 import { areSame } from "../../base/ticks.js";
 import { axisScale } from "./map_scales.js";
@@ -27,7 +27,7 @@ function quantilesOf(values) {
   });
 }
 
-/** Return the values at both ends of the colours: at each end the extreme value or, if it is far beyond the quantile, the quantile. */
+/** Return the values at both ends of the colours: at each end the extreme value or, if this is far beyond the quantile, the quantile. */
 function colourEnds(values, isLogarithmic) {
   const scaled = isLogarithmic ? values.map(Math.log) : values;
   const ends = quantilesOf(scaled);

@@ -60,7 +60,7 @@ function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks
   return loads.length ? [...largest, ofJoints] : largest;
 }
 
-/** Return the outputs of the first impact, with the names of a sweep; its place has the names of what touches and of the wall. */
+/** Return the outputs of the first impact, with the names of a sweep; the place of the impact tells what touches, and the wall. */
 function ofFirst({ contactPoints, sliderStops, stops }) {
   const touch = contactPoints.length + sliderStops.length;
   const units = [["onset", "s"], ...(touch ? [["peak_force", SHARED.impactUnits.AT_WALL.peak_force]] : []), ["place", "1"]];

@@ -43,7 +43,7 @@ export function refused(field, reason) {
   return new RangeError(reason);
 }
 
-/** Return a text by which maps, or requests of maps, are compared: it is equal if the parameters and the ends of the axes are equal. */
+/** Return a text by which maps, or requests of maps, are compared: two texts are equal if both parameters and the ends of the axes are. */
 export function areaOf({ names, axes }) {
   return JSON.stringify([names, axes.map((axis) => [axis[0], axis.at(-1)])]);
 }

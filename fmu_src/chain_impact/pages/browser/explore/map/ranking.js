@@ -41,7 +41,7 @@ export class Ranking {
     find("map").addEventListener("close", () => this.#show(false));
   }
 
-  /** Begin the list, which takes the place of the map when it has entries; without `isShown`, show the map again. */
+  /** Begin the list, which takes the place of the map when the list has entries; if `isShown` is false, show the map again. */
   #show(isShown) {
     this.text.hidden = !isShown;
     this.#fill([]);

@@ -49,7 +49,7 @@ export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   const reason = refused?.validationMessage ?? "";
   const told = reason && readable(`${refused.dataset.fails ? "No motion" : "Not taken"}: ${reason}.`);
-  // in the sentence, the unit of a stiffness is as it is beside the field, with the present exponent
+  // in the sentence, a stiffness has the unit that is shown beside the field, with the present exponent
   row.querySelector(".refusal").textContent = told.replace(/(?<=\[)[^\]]*\^exponent(?=\])/, row.querySelector("small")?.textContent);
 }
 
