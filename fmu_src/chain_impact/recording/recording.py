@@ -103,7 +103,7 @@ class Recording:
     def link_count(self) -> int:
         """The number N of links: the largest number of a link or joint in the names of columns.
 
-        If no name has such a number, all points count as link ends, so N is the number of points minus 1.
+        If no column is of a link or joint, all points count as link ends: N is the number of points minus 1.
         """
         numbers = [n for owner in ("link", "joint") for n, _ in self.columns_of(owner)]
         return max(numbers, default=self.all_points.shape[1] - 1)

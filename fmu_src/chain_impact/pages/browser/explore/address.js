@@ -18,8 +18,8 @@ export class Address {
   /**
    * Use the scene, the changes and the outputs in the present address, and keep the address up to date afterwards.
    *
-   * @param choice the chosen outputs. @param clock the clock of the player. @param comparedMotions the motions of which the address has the
-   * pinned ones. @param refuse function that shows a sentence on a fault in the address.
+   * @param choice the chosen outputs. @param clock the clock of the player. @param comparedMotions the compared motions; the address has
+   * those that are pinned. @param refuse function that shows a sentence on a fault in the address.
    */
   constructor(changes, choice, { openScene, clock, comparedMotions, refuse }) {
     Object.assign(this, { changes, choice, openScene, clock, comparedMotions, refuse });

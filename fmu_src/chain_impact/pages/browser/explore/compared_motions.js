@@ -263,7 +263,7 @@ export function largestText(recording) {
   return largest ? forceText(largest.value, 3, largest.unit) : "–";
 }
 
-/** Return the values of `largestKnown` for two recordings; an empty list if their units differ, or one of them is unknown. */
+/** Return the values of `largestKnown` for two recordings; an empty list if the units of the values differ, or a value is unknown. */
 function comparableOf(...recordings) {
   const [one, other] = recordings.map(largestKnown);
   return one && one.unit === other?.unit ? [one.value, other.value] : [];

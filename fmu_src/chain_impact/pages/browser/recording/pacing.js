@@ -30,7 +30,7 @@ function interpolated(allX, nodes, values) {
 
 /**
  * Return the simulated times [s] of the frames from `start` to `stop`, which have equal distances in time on the screen, and the number of
- * frames per second there: about `rate`, or less if there would be more than `most` frames. `spans`: the impacts in slow motion, from
+ * frames per second on the screen: about `rate`, or less if there would be more than `most` frames. `spans`: the slow impacts, from
  * `slowSpans`. On the screen, the first LONGEST_SLOW [s] of an impact in slow motion take about `impactTime` [s], or the impact's duration
  * if this is longer; an impact without duration takes less. With `impactTime` 0 nothing is slow.
  */

@@ -43,7 +43,7 @@ export function addPoint({ chain: { links } }) {
   points.push({ x: length / 2, y: length / 10 });
 }
 
-/** Set the kind of the base, and remove all values that such a base cannot have. */
+/** Set the kind of the base, and remove all values that a base of this kind cannot have. */
 export function setBase(file, base) {
   file.chain.base = base;
   if (base !== "slider") {

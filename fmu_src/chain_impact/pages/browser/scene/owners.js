@@ -21,7 +21,7 @@ export function structureOf(file, kit) {
   return { ...parts, lists, known, owners: mapped(kit.owners, (row) => ownersIn(row, known, lists)) };
 }
 
-/** Return a function from a name in the rules of `owners.py` to its value, as `values_of` there. */
+/** Return a function from a name in the rules of `owners.py` to its value, as the function `values_of` in `owners.py` does. */
 export function valuesOfScene(file, lists, known) {
   return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? known[name]);
 }

@@ -167,7 +167,7 @@ export function stepsForKernel(kernel, inputSteps) {
   return all.sort((a, b) => a.time - b.time);
 }
 
-/** Return the `times` of frames [s] and further ones for curves, in order: at equal distances, and within the first FOLLOWED impacts. */
+/** Return, in order, the `times` of frames [s] and, for curves, times at equal distances and times within the first FOLLOWED impacts. */
 function withFurther(times, impacts) {
   const [start, stop] = [times[0], times.at(-1)];
   const even = Array.from({ length: EVEN_ROWS }, (_, k) => start + ((stop - start) * k) / EVEN_ROWS);

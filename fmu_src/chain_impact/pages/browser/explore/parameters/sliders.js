@@ -97,8 +97,8 @@ function choiceSentence(changes, { name, items }) {
 }
 
 /**
- * Return words for the time [s] from which on an input has the value that it has at `time`: that of the last step up to then, which the
- * reader made while the motion played; "" if there is no such step.
+ * Return words for the time [s] from which on an input has the value that it has at `time`: the time of the last step up to `time`; "" if
+ * there is no step up to `time`. The reader makes steps while the motion plays.
  */
 function sinceText({ inputSteps }, name, time) {
   const [from] = (inputSteps[name] ?? []).findLast(([start]) => start <= time) ?? [];
