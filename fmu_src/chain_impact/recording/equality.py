@@ -11,7 +11,7 @@ import numpy as np
 
 
 def same(value: Any, other: Any) -> bool:
-    """Return whether two objects have the same dataclass, and the same values, by ``equal``, to compare."""
+    """Return whether two objects have the same dataclass, and ``equal`` values of all compared fields."""
     if type(other) is not type(value):
         return False
     return all(equal(getattr(value, it.name), getattr(other, it.name)) for it in fields(value) if it.compare)

@@ -153,7 +153,7 @@ class Recording:
 
     @cached_property
     def moved_walls(self) -> dict[str, np.ndarray]:
-        """Name → displacement along the normal, shape (T,) [m], for each wall that can move."""
+        """Name → displacement along the normal, shape (T,) [m], for each wall with a column of it."""
         columns = {name: self.columns.get(f"wall.{name}.position") for name in self.walls}
         return {name: moved for name, moved in columns.items() if moved is not None}
 

@@ -55,7 +55,7 @@ def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> A
 
 
 def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
-    """Return phases of dry friction as a table of pandas, with names of walls ("" for joints) and modes."""
+    """Return phases of dry friction as a table of pandas, with names of walls ("" without one) and modes."""
     pandas = require("pandas", "pandas")
     columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
     columns["wall"] = ["" if wall == JOINT else walls[wall] for wall in phases["wall"]]

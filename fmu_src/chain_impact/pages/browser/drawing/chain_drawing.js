@@ -387,8 +387,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Write a text at the first free place at a distance [pixels] from a position: first in the given direction, then in others and farther
-   * away. Without a free place, write nothing.
+   * Write a text at the first free place at a distance [pixels] from a position: first in the given direction, then in other directions,
+   * then farther away. Without a free place, write nothing.
    */
   #label(position, direction, distance, text, kind) {
     const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, direction, distance, FORCE_MULTIPLES));

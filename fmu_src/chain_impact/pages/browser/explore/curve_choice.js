@@ -93,8 +93,8 @@ export class CurveChoice {
   }
 
   /**
-   * Return the element for a group of outputs: a list that opens, and a button that chooses all its members that are listed now or, if all
-   * of these are chosen, none of them. A group of one output is its row alone.
+   * Return the element for a group of outputs: a list that opens, and a button that chooses all members of the group that are listed now
+   * or, if all these members are chosen, none of them. A group of one output is its row alone.
    */
   #group(group, members) {
     const rows = make("div", { className: "curve-members" }, ...members.map(({ row }) => row));

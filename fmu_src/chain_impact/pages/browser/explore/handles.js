@@ -22,7 +22,7 @@ const STEPS_OF_KEYS = [4, 24]; // [pixels] distances by which an arrow key moves
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SLIDER_VELOCITY = "initial.slider_velocity";
 
-/** Return the value of a handle, rounded so that the last decimal place is just below `pixel`, the change of the value by one pixel. */
+/** Return the value of a handle, rounded to the fewest decimals whose last place is at most `pixel`, the change of value by one pixel. */
 function byHand(value, pixel) {
   const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
   return Number(value.toFixed(decimals));

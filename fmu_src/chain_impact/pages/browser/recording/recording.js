@@ -39,8 +39,8 @@ export function hasImpulseOnly({ peak, impulse }) {
 }
 
 /**
- * A simulation at frames, which have equal distances in time on the screen, and so are close in simulated time at impacts. The number of a
- * frame may have a fraction: values are then interpolated between frames.
+ * A simulation at frames, which have equal distances in time on the screen, and so are close in simulated time where the motion is slow on
+ * the screen. The number of a frame may have a fraction: values are then interpolated between frames.
  */
 export class Recording {
   /** Keep the fields of `parts`, the result of `framesOf`; number the impacts from 1, and find the time of each one's largest force. */

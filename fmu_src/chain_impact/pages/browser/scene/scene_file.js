@@ -226,7 +226,7 @@ function setBodies({ chain }, data, textAt) {
   if (chain.base !== "slider" && !data.chain.slider) delete chain.slider;
 }
 
-/** Return the contents of a complete scene as a file has them: links that are boxes without corners, signals without default values. */
+/** Return the contents of a complete scene as a file has them: without the corners of boxes, and without the default values of signals. */
 export function asWritten(file) {
   const written = structuredClone(file);
   written.signals = signalsAsWritten(written.signals);
