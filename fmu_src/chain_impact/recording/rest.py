@@ -109,7 +109,8 @@ def rest_lines(recording: Recording) -> Iterator[str]:
     base.
     """
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
-        # dry friction may begin to hold the chain some milliseconds later: the latest time is the start
+        # dry friction may begin to hold the chain some milliseconds after the noticeable motion has ended:
+        # the rest starts at the latest of these times
         start = max([rests(recording)[-1][0], *_held_since(recording)])
         last = recording.points[-1]
         ends = {"tip": last[-1]} if recording.pinned else {"base": last[0], "tip": last[-1]}

@@ -174,7 +174,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
-    """Yield the numbers of phases of dry friction, if any, and a line on what sticks at the end, if any."""
+    """Yield a line on the phases of dry friction, if any, and a line on what sticks at the end, if any."""
     phases = result.stick_slip
     if not len(phases):
         return

@@ -22,7 +22,7 @@ function highest(...all) {
 
 /**
  * Return the end of an axis that begins at 0: the largest of the contact's own values or of the values of compared curves, but at most
- * MOST_BESIDE times the largest of its own, if it has any above 0. Both arguments are lists of lists of numbers.
+ * MOST_BESIDE times the largest of the contact's own values, if one of these is above 0. Both arguments are lists of lists of numbers.
  */
 function extentOf(own, others) {
   const [most, all] = [highest(...own), highest(...own, ...others)];
