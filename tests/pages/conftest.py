@@ -22,6 +22,7 @@ RECORDING = (
     "player/packed_recording.js",
     "drawing/arrow_scale.js",
     "drawing/label_positions.js",
+    "drawing/rings.js",
     "drawing/trace.js",
     "charts/curve_charts.js",
     "charts/energy_zero.js",

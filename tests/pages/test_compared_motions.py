@@ -348,6 +348,22 @@ def test_pins_are_named_by_the_changes_in_which_they_differ(show, size):
     assert "Gravity, y = −9.5" in names.last.inner_text()
 
 
+def test_what_differs_comes_first_in_the_names_of_pins(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    common = {"contact.restitution": 0.5, "contact.stiffness": 1e7, "gravity.y": -9.7}
+    for mass in (1.5, 1.7):
+        page.evaluate("changes => chainImpact.show(changes)", {**common, "link[1].mass": mass})
+        until(page, f"document.querySelector('.pin-text').textContent.includes(' = {mass}')")
+        page.get_by_role("button", name="Pin").click()
+    names = page.locator(".pin-text").all_inner_texts()
+    rest = ", Restitution = 0.5, Stiffness = 1e7\u202fN/m¹·⁵, Gravity, y = −9.7\u202fm/s²"
+    assert names[1:] == [
+        "as in the scene",
+        *(f"Mass of link 1 = {mass}\u202fkg{rest}" for mass in (1.5, 1.7)),
+    ]
+
+
 def test_forces_and_impulses_are_not_compared_and_angles_are_in_degrees(show):
     page = show()
     page.evaluate("chainImpact.show({'contact.model': 'newton_impact', 'initial.angle[2]': -2.16})")

@@ -217,6 +217,17 @@ def test_the_axis_of_a_count_has_whole_numbers(show):
     assert numbers == ["0", "1"]
 
 
+def test_an_output_that_stays_0_is_told_and_has_the_tick_0_alone(show):
+    changes = {"simulation.stop_time": 0.2}
+    assert not simulate(load_scene("rod_drop").with_values(changes))["contact[0].y_min.force"].any()
+    page = show("rod_drop", changes, hash_="#curves=contact[0].y_min.force")
+    until(page, f"{SHOWN}.join() === 'contact[0].y_min.force'")
+    assert page.locator("#outputs-over-time dd").inner_text() == "always 0\u202fN"
+    assert [text for text, place in page.evaluate(TEXTS) if place < 0.0] == ["0"]
+    page.evaluate("chainImpact.show({'initial.y': 0.05})")
+    until(page, "!document.querySelector('#outputs-over-time dd').textContent.startsWith('always')")
+
+
 def test_the_kernel_gives_only_chosen_outputs_with_the_peaks_of_impacts(worker, result):
     given = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
     assert worker.evaluate(MOTION, {**given, "curves": []})["names"] == []

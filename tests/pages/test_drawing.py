@@ -284,6 +284,14 @@ def test_the_number_of_an_impact_is_at_its_own_ring(show_recording, viewport):
     assert len(seen) > 1
 
 
+def test_the_last_three_impacts_at_one_position_have_rings(script):
+    found = script.evaluate(function_of("drawing", "rings"), [0.01 * k for k in range(10)])
+    assert [number for number, _ in found] == [2, 8, 9, 10]
+    ages = [0.25**-0.5 * (0.01 * k) ** 0.5 for k in (8, 2, 1, 0)]
+    begun = [radius - 10.0 * age for (_, radius), age in zip(found, ages, strict=True)]
+    assert begun == pytest.approx([10.0, 10.0, 13.5, 17.0])
+
+
 def test_a_drag_in_the_drawing_selects_no_text(show_recording):
     page = show_recording()
     box = page.locator("#view").bounding_box()

@@ -4,7 +4,7 @@
 
 import pytest
 
-from tests.pages.in_pages import enter, until, until_told
+from tests.pages.in_pages import enter, go_to, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -38,6 +38,21 @@ def test_keys_undo_and_redo_one_change_after_the_other(show, modifier):
     assert page.evaluate(PRESENT) == "0.5"
     page.get_by_role("button", name="Redo", exact=True).click()
     assert page.evaluate(PRESENT) == "0.3"
+
+
+def test_a_key_that_begins_the_start_by_hand_leads_to_the_first_handle(show):
+    page = show()
+    by_hand = page.get_by_role("button", name="Set the start by hand")
+    focused = "document.activeElement.dataset.grip"
+    go_to(page, 0.5)
+    by_hand.focus()
+    page.keyboard.press("Enter")
+    assert page.evaluate(focused) == "joint 0"
+    page.keyboard.press("ArrowUp")
+    until(page, "chainImpact.parameters['initial.y'] > 1.4")
+    go_to(page, 0.5)
+    by_hand.click()
+    assert page.evaluate(focused) is None, "the arrow keys go on moving the time"
 
 
 def test_a_drag_of_a_handle_is_one_change(show):

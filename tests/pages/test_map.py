@@ -180,6 +180,16 @@ def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
     assert not page.locator("#map-ranking").is_visible()
 
 
+def test_a_ranking_of_a_count_has_whole_numbers(show):
+    page = show("kneed_leg")
+    page.get_by_role("button", name="Map…").click()
+    page.get_by_role("button", name="What drives it?").click()
+    page.locator("#map-ranking-text").get_by_text("Number of impacts = 1. ").wait_for()
+    changes = page.locator(".effect span:nth-child(3)").all_inner_texts()
+    assert changes
+    assert all(re.fullmatch(r"[+−]\d+", change) for change in changes)
+
+
 def test_a_ranking_of_impulses_knows_numbers_but_no_force(show):
     page = show("bouncing_table", {"simulation.stop_time": 0.5})
     page.get_by_role("button", name="Map…").click()

@@ -1,5 +1,6 @@
 // Functions that tests/pages/test_drawing.py runs in a page.
 import { LabelSpace } from "../../../fmu_src/chain_impact/pages/browser/drawing/label_positions.js";
+import { ringsOf } from "../../../fmu_src/chain_impact/pages/browser/drawing/rings.js";
 
 export const lengths = () => [...document.querySelectorAll('.arrow-head.force')].map((head) => {
   const [tip] = head.points, { x1, y1 } = head.previousElementSibling;
@@ -37,6 +38,12 @@ export const crossedTexts = () => {
     const isOnLink = onLinks.some(([x, y]) => x > left && x < right && y > top && y < bottom);
     return isOnRing || isOnLink || left < 0 || right > width || bottom > height;
   }).map((text) => text.textContent);
+};
+
+export const rings = (onsets) => {
+  const impacts = onsets.map((onset, k) => ({ onset, number: k + 1 }));
+  const places = onsets.map((_, k) => ({ position: k === 1 ? [90, 5] : [5, 5], away: [0, 1] }));
+  return ringsOf(impacts, places, onsets.at(-1)).map(({ number, radius }) => [number, radius]);
 };
 
 export const ringsAndNumbers = () => {

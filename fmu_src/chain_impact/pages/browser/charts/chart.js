@@ -2,7 +2,7 @@
 
 import { fixed, impulseText, ticksOf, withMinus } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
-import { placeText } from "../scene/words.js";
+import { placeText, pointName } from "../scene/words.js";
 
 /** [s] time that a chart shows before and after an impact without a duration. */
 export const MOMENT = 1e-3;
@@ -72,11 +72,14 @@ export function writerOf(arrays) {
   return (value) => withMinus(fixed(value, decimals));
 }
 
-/** Return words for a contact: the number of the impact, what touches, the wall, and the impulse if no peak force is known. */
+/**
+ * Return words for a contact: the number of the impact, what touches (a point with a name by its name alone), the wall, and the impulse if
+ * no peak force is known.
+ */
 export function contactTitle(contact) {
-  const { number, peak } = contact;
+  const { number, peak, what } = contact;
   const impulse = peak === null ? impulseText(contact) : "";
-  return `${number ? `impact ${number}: ` : ""}${placeText(contact)}${impulse && `, ${impulse}`}`;
+  return `${number ? `impact ${number}: ` : ""}${placeText({ ...contact, what: pointName(what) ?? what })}${impulse && `, ${impulse}`}`;
 }
 
 export function axisOptions(options = {}) {

@@ -61,6 +61,7 @@ class UnitChart extends TimeChart {
     const scaled = curves.map((curve) => ({ ...curve, values: curve.values.map((value) => this.factor * value) }));
     Object.assign(this, { recording, time, curves: withoutRoundOff(scaled, unit === "N" ? this.factor * recording.peakForce : 0) });
     Object.assign(this, { writers: writersOf(this.curves), isOfCounts: this.curves.every(isCount) });
+    this.areZero = this.curves.map(({ values }) => values.every((value) => value === 0));
     const data = [time, ...this.curves.map(({ values }) => values)];
     const words = curves.map((curve) => `${curve.name}: ${curve.words}`).join();
     if (words === this.shownWords) this.plot.setData(data);
@@ -81,7 +82,7 @@ class UnitChart extends TimeChart {
     this.mark(present);
     const now = this.reading ?? present;
     this.values.forEach(([name, value], k) => {
-      const own = this.writers[k](valueAt(this.time, this.curves[k], now));
+      const own = this.areZero[k] ? "always 0" : this.writers[k](valueAt(this.time, this.curves[k], now));
       const others = this.compared.flatMap(({ recording, letter }) => {
         const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
         const curve = curves.find((one) => one.name === name);

@@ -16,6 +16,7 @@ export class TimeChart extends Chart {
   names = [];
   soft = false; // true: the vertical axis begins or ends at 0 if 0 is near the values
   isOfCounts = false; // true: the values are counts, so the ticks are whole numbers
+  #isZero = false; // whether all values in view are 0, so that the axis has the tick 0 alone
   onset = undefined; // [s] the time from which the axis counts: an onset, or undefined to count from 0
 
   constructor(element, height, entries, seek) {
@@ -82,7 +83,7 @@ export class TimeChart extends Chart {
           }),
           axisOptions({
             size: labelledWidth,
-            splits: (plot, axis, low, high) => ticksUpwards(plot, low, high, this.isOfCounts),
+            splits: (plot, axis, low, high) => (this.#isZero ? [0] : ticksUpwards(plot, low, high, this.isOfCounts)),
             values: (_, ticks) => ticksOf(ticks).map(withMinus),
           }),
         ],
@@ -123,7 +124,8 @@ export class TimeChart extends Chart {
         high = Math.max(high, value);
       });
     }
-    return uPlot.rangeNum(low, high, 0.1, this.soft);
+    this.#isZero = low === 0 && high === 0;
+    return this.#isZero ? [-1, 1] : uPlot.rangeNum(low, high, 0.1, this.soft);
   }
 }
 

@@ -8,6 +8,7 @@ const SAME = 12; // [pixels] rings that are nearer to each other count as being 
 const OWN = 0.8; // the distance of a number from its ring must be smaller than this times its distance from any other ring
 const NUMBERED_PART = 0.5; // fraction of RING_TIME for which a ring has its number beside it
 const PALE = 0.1; // a ring with a smaller opacity may lie behind a label
+const MOST_RINGS = 3; // largest number of rings at one position: those of its last impacts
 const NUMBERS = 8; // largest number of impacts that have their numbers at one time
 
 /** Return the impacts that have rings at a frame: those with an onset at the time of the frame, or less than RING_TIME before. */
@@ -19,12 +20,16 @@ export function recentImpacts(recording, frame) {
 /**
  * Return the rings of recent impacts at the time `now` [s]. `places` has a {position [pixels], away (direction from the wall)} for each
  * impact. A ring has the place's position and direction, the impact's `number`, `radius` [pixels], `opacity`, `isSeen` (labels keep off the
- * ring) and `isNumbered` (the number is shown). Of several rings at one position, a later impact has the larger ring at its onset.
+ * ring) and `isNumbered` (the number is shown). Of several rings at one position, a later impact has the larger ring at its onset;
+ * at most MOST_RINGS are shown there.
  */
 export function ringsOf(recent, places, now) {
-  return recent.map(({ onset, number }, k) => {
+  return recent.flatMap(({ onset, number }, k) => {
     const age = (now - onset) / RING_TIME;
-    const same = places.slice(0, k).filter(({ position }) => apart(position, places[k].position) < SAME).length;
+    const [before, after] = [places.slice(0, k), places.slice(k + 1)]
+      .map((others) => others.filter(({ position }) => apart(position, places[k].position) < SAME).length);
+    if (after >= MOST_RINGS) return [];
+    const same = Math.min(before, MOST_RINGS - 1 - after); // number of rings at this position that began before
     return {
       ...places[k],
       number,

@@ -174,12 +174,15 @@ export class ComparedMotions {
 
 /**
  * Return words for the parameters in which a motion with the changes `changed` differs from another of `all` motions or, if it differs in
- * none, for all its changes; "" for a motion without changes.
+ * none, for all its changes; "" for a motion without changes. Parameters with more different values in the changed motions come first,
+ * because the end of a long text may be cut off.
  */
 function differingText(changed, all) {
   if (!changed.size) return "";
   const names = [...new Set(all.flatMap((one) => [...one.keys()]))];
-  const differing = names.filter((name) => all.some((one) => one.get(name) !== changed.get(name)));
+  const valuesOf = (name) => new Set(all.filter(({ size }) => size).map((one) => one.get(name))).size;
+  const differing = names.filter((name) => all.some((one) => one.get(name) !== changed.get(name)))
+    .sort((one, other) => valuesOf(other) - valuesOf(one));
   const textOf = (name) => (changed.has(name) ? `${name} = ${changed.get(name)}` : `${name} as in the scene`);
   return (differing.length ? differing : [...changed.keys()]).map(textOf).join(", ");
 }

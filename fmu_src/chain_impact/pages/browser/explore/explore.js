@@ -108,6 +108,12 @@ connectExport(changes, { keys: kit.keys, ask, address, openScene, faultOf: (...e
 find("map-open").addEventListener("click", () => new GridMap(beginEngine, changes).open(), { once: true });
 find("reset-all").addEventListener("click", () => (changes.count ? changes.replace({}, {}) : openScene.undoEdits()));
 find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
-find("by-hand").addEventListener("click", () => player.clock.set({ frame: 0, playing: false }));
+find("by-hand").addEventListener("click", ({ detail }) => {
+  player.clock.set({ frame: 0, playing: false });
+  if (detail > 0 || !player.recording) return;
+  // a key has pressed the button, so the arrow keys are to move the first handle next
+  player.draw();
+  find("scene").querySelector("[data-grip^=joint]").focus({ preventScroll: true });
+});
 keepChartsWhole();
 simulation.begin();

@@ -36,9 +36,14 @@ export function placeText(contact) {
   return `${contact.what} at ${contact.boxWall ? "the " : ""}${wallText(contact)}`;
 }
 
+/** Return the name of a point in the words for what touches, such as "point 5 (heel)"; undefined if it has no name, or is no point. */
+export function pointName(what) {
+  return /^point \d+ \((.+)\)$/.exec(what)?.[1];
+}
+
 /** Return what touches as short text: the name of a point, or its number; a joint or slider as it is. */
 export function toucherText({ what }) {
-  return /^point \d+ \((.+)\)$/.exec(what)?.[1] ?? what.replace(/^point /, "");
+  return pointName(what) ?? what.replace(/^point /, "");
 }
 
 /**

@@ -99,7 +99,8 @@ export class Ranking {
     const valueOf = ({ values }) => values && !output.isPlace ? outputIn(values, output) : null;
     const base = valueOf(shown.runs.find(({ sign }) => sign === 0));
     const { factor, text: unit } = scaledTo(output, { ends: [base ?? 0] });
-    const write = (value, count) => [withMinus(digits(factor * value, count)), unit].filter(Boolean).join("\u202f");
+    const write = (value, count) =>
+      [withMinus(output.integer ? String(value) : digits(factor * value, count)), unit].filter(Boolean).join("\u202f");
     const effects = shown.runs.filter((run) => run.sign && valueOf(run) !== null)
       .map((run) => ({ name: run.name, change: run.sign * (valueOf(run) - base) }))
       .sort((one, other) => Math.abs(other.change) - Math.abs(one.change));
@@ -125,6 +126,6 @@ export class Ranking {
     const effect = "Effects of 1\u00a0% more of a parameter, each from a run";
     const told = `${effect}${others && `; ${others}`}. Click one to vary it in the map.`;
     text.textContent = base === null ? `${quantityOf(output.name)} is not known ${output.isPlace ? "as a number" : "in this run"}.`
-      : `${quantityOf(output.name)} = ${output.integer ? base : write(base, 4)}. ${told}`;
+      : `${quantityOf(output.name)} = ${write(base, 4)}. ${told}`;
   }
 }
