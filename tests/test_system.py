@@ -83,7 +83,7 @@ def test_a_lock_leaves_nothing_behind_and_is_free(monkeypatch, tmp_path, name):
 
 def test_a_kernel_that_windows_holds_is_not_removed(monkeypatch):
     def refused():
-        with system.removal():
+        with system.removing_files():
             raise PermissionError(13, "Access is denied", "kernel.dll")
 
     with pytest.raises(PermissionError, match="Access is denied"):

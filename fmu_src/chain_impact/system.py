@@ -199,7 +199,7 @@ def remove_lock(lock: Any) -> None:
 
 
 @contextmanager
-def removal() -> Iterator[None]:
+def removing_files() -> Iterator[None]:
     """Context for code that removes files; on Windows, an error says that a program uses one of the files.
 
     Windows refuses to remove a library that a program has loaded. On other systems the file is removed, and

@@ -16,8 +16,8 @@ from chain_impact.cli.options import (
     add_verb,
     check_outputs,
     complete_scenes,
-    ending,
     inputs_of,
+    path_with_suffix,
     scene_of_options,
     settings_of,
 )
@@ -50,7 +50,7 @@ def add(verbs: Verbs) -> None:
         "-o",
         "--output",
         metavar="FILE",
-        type=ending(*FORMATS),
+        type=path_with_suffix(*FORMATS),
         help="write a page for the browser (html), or a film (gif, mp4); default: NAME.html",
     )
     walls = verb.add_argument("--scene", metavar="SCENE", help="for a CSV file: the scene with the walls")

@@ -11,8 +11,8 @@ from chain_impact.cli.options import (
     add_repeated,
     add_verb,
     check_outputs,
-    ending,
     names_in,
+    path_with_suffix,
 )
 from chain_impact.cli.progress import say
 
@@ -45,7 +45,7 @@ def add(verbs: Verbs) -> None:
         "-o",
         dest="output",
         metavar="FILE",
-        type=ending(".toml", ".xml"),
+        type=path_with_suffix(".toml", ".xml"),
         required=True,
         help="a scene (toml), or MJCF (xml)",
     )

@@ -13,8 +13,8 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
-    ending,
     inputs_of,
+    path_with_suffix,
     scene_with,
 )
 from chain_impact.cli.progress import progress, say
@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
         "-o",
         "--output",
         metavar="FILE",
-        type=ending(".html"),
+        type=path_with_suffix(".html"),
         help=f"write the page (html) to this file, and do not open it; default: {DEFAULT}",
     )
     verb.set_defaults(run=run)

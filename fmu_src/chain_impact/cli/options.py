@@ -106,7 +106,7 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
         "--inputs",
         action=Once,
         metavar="FILE",
-        type=ending(".csv", ".parquet"),
+        type=path_with_suffix(".csv", ".parquet"),
         help="set inputs from a table with a column time [s] and a column for each input (csv, parquet)",
     )
     command.add_argument(
@@ -192,7 +192,11 @@ def add_plot(command: argparse.ArgumentParser, what: str) -> None:
     ``what`` are the words for the contents of the picture in the help.
     """
     command.add_argument(
-        "--plot", action=Once, metavar="FILE", type=ending(*PICTURES), help=f"draw {what} (png, svg, pdf)"
+        "--plot",
+        action=Once,
+        metavar="FILE",
+        type=path_with_suffix(*PICTURES),
+        help=f"draw {what} (png, svg, pdf)",
     )
     command.add_argument(
         "--size",
@@ -296,10 +300,12 @@ def add_csv(command: argparse.ArgumentParser, what: str) -> None:
 
     ``what`` are the words for the contents of the table in the help.
     """
-    command.add_argument("--csv", action=Once, metavar="FILE", type=ending("", ".csv"), help=f"write {what}")
+    command.add_argument(
+        "--csv", action=Once, metavar="FILE", type=path_with_suffix("", ".csv"), help=f"write {what}"
+    )
 
 
-def ending(*suffixes: str) -> Callable[[str], Path]:
+def path_with_suffix(*suffixes: str) -> Callable[[str], Path]:
     """Return a function for argparse that makes a path of a text, and refuses a path with another suffix.
 
     The suffix "" allows a path without suffix. Upper and lower case make no difference.

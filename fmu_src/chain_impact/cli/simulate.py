@@ -23,9 +23,9 @@ from chain_impact.cli.options import (
     add_verb,
     check_look,
     check_outputs,
-    ending,
     inputs_of,
     names_in,
+    path_with_suffix,
     write_picture,
 )
 from chain_impact.cli.progress import say
@@ -194,7 +194,7 @@ def _add_tables(verb: argparse.ArgumentParser) -> None:
         "--impacts",
         action=Once,
         metavar="FILE",
-        type=ending(*SUFFIXES),
+        type=path_with_suffix(*SUFFIXES),
         help=f"write the list of impacts ({', '.join(suffix[1:] for suffix in SUFFIXES)})",
     )
 
@@ -285,7 +285,7 @@ def report(
     elif subject.curves:
         draw_curves(canvas, recording, curves_in(recording, source, subject))
     elif canvas:
-        shown = recording if sensitivities or fault else source.with_rows(recording)
+        shown = recording if sensitivities or fault else source.with_enough_rows(recording)
         draw(canvas, shown, has_derivatives=bool(sensitivities))
     show(tabulated(ranking.parts()) if ranking else summary(recording))
     if tighter:

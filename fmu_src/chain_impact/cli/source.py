@@ -75,7 +75,7 @@ class Source:
                 return record_fmu(Path(self.name), settings_of(self.settings), advance, self.inputs)
             return record_scene(self.scene(), {}, advance, sensitivities or None)
 
-    def with_rows(self, recording: Recording) -> Recording:
+    def with_enough_rows(self, recording: Recording) -> Recording:
         """Return ``recording`` if it has at least LEAST_ROWS rows, else the recording of a new run with more.
 
         An FMU is not simulated again: ``recording`` is returned, and a message tells that its rows are few.
@@ -106,7 +106,7 @@ class Source:
         rows = {"simulation.step_size": scene.simulation.stop_time}
         with progress() as advance:
             result = record_scene(scene, rows, advance, parameters or ["*"])
-        return result.ranking(what, parameters or "*").checked(partial(_changed, scene))
+        return result.ranking(what, parameters or "*").checked(partial(_changed_run, scene))
 
     def units(self) -> Mapping[str, str]:
         """Return name → unit of each variable of the FMU that is the source; "" for no unit."""
@@ -144,7 +144,7 @@ class Source:
         return differences(recording, self.record())
 
 
-def _changed(scene: Scene, name: str, value: float) -> Recording | None:
+def _changed_run(scene: Scene, name: str, value: float) -> Recording | None:
     """Return a run of a scene with another ``value`` of the parameter or input ``name``.
 
     An input has the value during the whole run. The result is None if the scene refuses the value, or if

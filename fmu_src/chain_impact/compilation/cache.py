@@ -25,7 +25,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.folders import base_folder, explained, trusted, writable
 from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.progress import log
-from chain_impact.system import removal
+from chain_impact.system import removing_files
 
 # [s] time without use after which a folder for other sources or compilers, or of another version of the
 # linker, is removed
@@ -221,7 +221,7 @@ def clear() -> int:
     """Remove all folders that ``entries`` returns; return the number of removed bytes."""
     removed = entries()
     for entry in removed:
-        with removal():
+        with removing_files():
             shutil.rmtree(entry.path)
     return sum(entry.size for entry in removed)
 

@@ -177,14 +177,14 @@ def _check_limits(moving: list[Moving], source: str) -> None:
 
 
 def _check_parallel(hinges: list[Moving], source: str) -> None:
-    if len(parallel(hinges)) > 1:
+    if len(parallel_groups(hinges)) > 1:
         names = [hinge.joint.name for hinge in hinges]
         raise NoChainError(
             f"{source}: the axes of the joints are not parallel: the robot is not a planar chain", names
         )
 
 
-def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
+def parallel_groups(hinges: Sequence[Moving]) -> list[list[Moving]]:
     """Return all ``hinges`` in groups: in a group, each axis is parallel to the axis of the first hinge."""
     groups: list[list[Moving]] = []
     left = list(hinges)

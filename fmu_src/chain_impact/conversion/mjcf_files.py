@@ -65,7 +65,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
         except ValueError:
             spec = mujoco.MjSpec.from_file(str(path))
             absent = _stand_in(mujoco, spec, path)
-            weightless = _weightless(mujoco, spec, absent)
+            weightless = _clear_masses(mujoco, spec, absent)
             model = _compiled_without(spec, weightless)
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
@@ -89,7 +89,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
     fault; then all parts with files are replaced or deleted. Return the name of each such part → its file.
     """
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
-    absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]
+    absent = [asset for asset in assets if _file(asset) and not _file_exists(spec, path, _file(asset))]
     replaced: dict[str, str] = {}
     for asset in absent or list(filter(_file, assets)):
         file = _file(asset)
@@ -114,12 +114,12 @@ def _file(asset: Any) -> str:
     return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
 
 
-def _found(spec: Any, path: Path, file: str) -> bool:
+def _file_exists(spec: Any, path: Path, file: str) -> bool:
     folders = ("", spec.meshdir, spec.texturedir)
     return any((path.parent / folder / file).is_file() for folder in folders)
 
 
-def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
+def _clear_masses(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
     """Set the mass of each shape with an absent mesh to 0 if the body's mass follows from the body's shapes.
 
     The stand-in would give the body a wrong mass. Return a pair (body, name of the mesh) for each shape that

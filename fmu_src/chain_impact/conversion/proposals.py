@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from chain_impact.conversion.joints import Moving, NoChainError, above, joints_at_start, parallel
+from chain_impact.conversion.joints import Moving, NoChainError, above, joints_at_start, parallel_groups
 from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import Robot
 from chain_impact.scene.reading import SceneError
@@ -74,7 +74,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
     """
     pool = [moved for moved in joints_at_start(robot) if not wanted or moved.joint.name in wanted]
     paths: list[list[Moving]] = []
-    for group in parallel([moved for moved in pool if moved.joint.kind == "hinge"]):
+    for group in parallel_groups([moved for moved in pool if moved.joint.kind == "hinge"]):
         paths += _paths(robot, group)
     for path in sorted(paths, key=len, reverse=True):
         before = set(above(robot, path[0].body))

@@ -75,7 +75,7 @@ class Walls:
                     "plane", plane.name, "is not at right angles to the plane of the motion: it is not a wall"
                 )
                 continue
-            links = self._links(plane)
+            links = self._touching_links(plane)
             if not links:
                 self._tell("plane", plane.name, "nothing that moves touches it: it is not a wall")
                 continue
@@ -94,7 +94,7 @@ class Walls:
             friction = self._friction(plane)
             if friction > 0.0:
                 materials[name] = {"friction": friction}
-        balls = [outermost(self._balls(i, touching)) for i in range(len(self.parts))]
+        balls = [outermost(self._touching_balls(i, touching)) for i in range(len(self.parts))]
         points = self._started(once_at_joints(balls, self.places))
         contact = {
             **self._points(touching, balls),
@@ -110,7 +110,7 @@ class Walls:
             Difference(kind=kind, name=name, text=text, effect=contact, differs=differs, size=size)
         )
 
-    def _links(self, plane: Plane) -> set[int]:
+    def _touching_links(self, plane: Plane) -> set[int]:
         """Return the indices of the links whose bodies can touch a plane."""
         return {self.link_of[b] for b, _ in plane.touching if b in self.link_of}
 
@@ -160,7 +160,7 @@ class Walls:
         has_corners = shape.kind in OUTLINED and len(shape.corners) > 0
         return has_corners and (shape.walls if self.robot.planes else shape.touches)
 
-    def _balls(self, i: int, touching: set[int]) -> list[Ball]:
+    def _touching_balls(self, i: int, touching: set[int]) -> list[Ball]:
         """Return the balls of the link with index ``i`` that can touch walls.
 
         A ball of link 1 with its centre at a pinned base is left out, because walls do not act on this base.

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from chain_impact.fmu.model_description import array_variables, model_description
-from chain_impact.fmu.table import with_description
+from chain_impact.fmu.table import files_with_description
 from chain_impact.fmu.versions import FMI_2
 from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.system import PLATFORMS
@@ -48,4 +48,4 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
         f"binaries/{platform}/{prepared.scene.name}{library.suffix}": library.read_bytes()
         for platform, library in sorted(kernels.items())
     }
-    return with_description(files, prepared, description, fmi, further)
+    return files_with_description(files, prepared, description, fmi, further)

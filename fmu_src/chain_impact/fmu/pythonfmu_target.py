@@ -7,7 +7,7 @@ from importlib.metadata import distribution, version
 from pathlib import Path
 
 from chain_impact.fmu.model_description import model_description
-from chain_impact.fmu.table import with_description
+from chain_impact.fmu.table import files_with_description
 from chain_impact.fmu.versions import FMI_2
 from chain_impact.system import PLATFORMS, included
 from chain_impact.variables.prepared import PreparedScene
@@ -39,7 +39,8 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
     files = sources | _of_pythonfmu(prepared.scene.name, kernels)
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
-    files = with_description(files, prepared, description := model_description(prepared, tool, FMI_2), FMI_2)
+    description = model_description(prepared, tool, FMI_2)
+    files = files_with_description(files, prepared, description, FMI_2)
     # The names of script and slave contain a part of the GUID, because a process may load several FMUs, and
     # Python imports only one module of a name.
     guid = description.attrib["guid"]

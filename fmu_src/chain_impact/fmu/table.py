@@ -59,7 +59,7 @@ Rows = Sequence[tuple[TableRow, int]]
 """For each variable: its row of the table, and the number of its values (1, or more for an array)."""
 
 
-def with_description(
+def files_with_description(
     files: Mapping[str, bytes], prepared: PreparedScene, description: Element, fmi: int, further: Rows = ()
 ) -> dict[str, bytes]:
     """Return the files of an FMU, with the model description and the table added.

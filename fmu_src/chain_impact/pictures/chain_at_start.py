@@ -54,7 +54,7 @@ def repeatable() -> Iterator[None]:
 @repeatable()
 def drawing(scene: Scene) -> str:
     """Return a drawing of the chain at the start as SVG: points, angles, walls and positive directions."""
-    axes, joints, unit = _chain(scene, DRAWING_SIZE, DRAWING_MARGIN, linewidth=5.0, markersize=8.0)
+    axes, joints, unit = _chain_figure(scene, DRAWING_SIZE, DRAWING_MARGIN, linewidth=5.0, markersize=8.0)
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     for name, plane in scene.walls_at_start.items():
         rubs = scene.has_contact_friction or name in scene.moving_walls
@@ -86,13 +86,13 @@ def drawing(scene: Scene) -> str:
 @repeatable()
 def icon(scene: Scene) -> bytes:
     """Return a small picture of the chain at the start, with the walls, as PNG."""
-    axes, *_ = _chain(scene, ICON_SIZE, ICON_MARGIN, linewidth=4.0, markersize=6.0)
+    axes, *_ = _chain_figure(scene, ICON_SIZE, ICON_MARGIN, linewidth=4.0, markersize=6.0)
     stream = io.BytesIO()
     axes.figure.savefig(stream, format="png", dpi=100, metadata={"Software": None})
     return stream.getvalue()
 
 
-def _chain(
+def _chain_figure(
     scene: Scene, size: tuple[float, float], border: float, **style: float
 ) -> tuple[Any, np.ndarray, float]:
     """Draw the walls, and the chain at the start, into a new figure.

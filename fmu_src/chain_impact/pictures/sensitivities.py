@@ -66,7 +66,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     names = sensitivities.drawn(outputs)
     parts = np.stack([shares(recording, sensitivities, name) for name in names])
     relative = parts.max(axis=0)
-    known = holds(relative)
+    known = hold_to_first_order(relative)
     found, first_order = finding(recording, sensitivities, names, parts)
     start, end = recording.time[[0, -1]].tolist()
     lines = impact_lines(recording, start, end)
@@ -160,7 +160,7 @@ def span_of(recording: Recording, output: str) -> float:
     return span if span > ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
 
 
-def holds(relative: np.ndarray) -> np.ndarray:
+def hold_to_first_order(relative: np.ndarray) -> np.ndarray:
     """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
 
     ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs. For a parameter, the
@@ -194,12 +194,12 @@ def finding(
     relative = parts.max(axis=0)
     if relative[:, ~is_zero].max(initial=0.0) > NO_CHANGE:
         relative = np.where(is_zero, 0.0, relative)
-    beyond = ~holds(relative)
+    beyond = ~hold_to_first_order(relative)
     row, k = divmod(int(beyond.argmax() if beyond.any() else relative.argmax()), relative.shape[1])
     output, parameter = outputs[int(parts[:, row, k].argmax())], list(sensitivities.parameters)[k]
     if not beyond.any():
         alike = [name for name in outputs if sensitivities.units[name] == sensitivities.units[output]]
-        output = max(alike, key=lambda name: _sizes(recording, sensitivities, name, k).max())
+        output = max(alike, key=lambda name: _change_sizes(recording, sensitivities, name, k).max())
     if relative[row, k] <= NO_CHANGE:
         return f"{recording.name}: no parameter changes {', '.join(outputs)}", TO_FIRST_ORDER
     what = f"{recording.name}: {parameter} + {sensitivities.step_text(parameter)} changes {output} by"
@@ -207,7 +207,7 @@ def finding(
         whose = "the range of all energies" if output.startswith("energy.") else "its range"
         at = f"{factor * recording.time[row]:.3g} {unit}"
         return f"{what} more than {whose} from {at} on, to first order{until}", TO_FIRST_ORDER
-    sizes, of_output = _sizes(recording, sensitivities, output, k), sensitivities.units[output]
+    sizes, of_output = _change_sizes(recording, sensitivities, output, k), sensitivities.units[output]
     row = int(sizes.argmax())
     in_run = _change_in_run(recording, sensitivities, output, parameter, row)
     most = _size_text(sizes[row], of_output)
@@ -237,7 +237,7 @@ def _size_text(size: float, unit: str) -> str:
     return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
 
 
-def _sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: int) -> np.ndarray:
+def _change_sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: int) -> np.ndarray:
     """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
 
     The result is 0 within impacts that end in the run, and where the derivative is unknown.
@@ -284,8 +284,8 @@ def draw_changes(
     """Draw the changes of an output over time, a curve for each parameter.
 
     A curve has gaps within impacts that are too short to be visible, and where the derivative is unknown. A
-    curve ends where ``known``, the result of ``holds``, is False. If there are more than MOST_GREY grey
-    curves, they are drawn as a band. ``looks`` is the result of ``looks_of``.
+    curve ends where ``known``, the result of ``hold_to_first_order``, is False. If there are more than
+    MOST_GREY grey curves, they are drawn as a band. ``looks`` is the result of ``looks_of``.
     """
     changes = np.where(known, sensitivities.changes(output), np.nan)
     changes[short_contacts(recording)] = np.nan

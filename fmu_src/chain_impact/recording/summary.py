@@ -131,15 +131,15 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     If forces in joints are known, two more cells have the largest force in any joint, and this joint.
     """
     point = result.toucher(impact).removeprefix("point ")
-    speed, lasting = f"{impact['impact_speed']:.4f}", _peak(1e3 * impact["duration"])
+    speed, lasting = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
     lasting = LASTS if lasts(impact) else lasting
-    values = (speed, lasting, _peak(impact["peak_force"]), digits(impact["impulse"]))
-    joint = (_peak(impact["joint_force"]), str(impact["joint"] or NONE))
+    values = (speed, lasting, _peak_text(impact["peak_force"]), digits(impact["impulse"]))
+    joint = (_peak_text(impact["joint_force"]), str(impact["joint"] or NONE))
     loads = joint if result.knows_joint_forces else ()
     return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *values, *loads)
 
 
-def _peak(value: float) -> str:
+def _peak_text(value: float) -> str:
     """Return the text of a peak force or a duration; a dash if it is unknown or, as at a rigid wall, 0."""
     return digits(value) if value else NONE
 

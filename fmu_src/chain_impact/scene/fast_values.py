@@ -71,7 +71,7 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath,
     if changed is None or changed.simulation.step_size > changed.simulation.stop_time:
         return None
     moved = (changed.initial.position, changed.initial.angles) != (start.position, start.angles)
-    return changed if not moved or _starts(changed) else None
+    return changed if not moved or _is_valid_start(changed) else None
 
 
 def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
@@ -86,7 +86,7 @@ def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given
         return None
     # if one entry of a derived list changes, all entries become given values: only ``with_values`` does this
     is_derived = path in scene.derived_paths or path[:-1] in scene.derived_paths
-    return None if is_derived else _changed(scene, path, value)
+    return None if is_derived else _with_value(scene, path, value)
 
 
 def _value(given: Any, rule: Mapping[str, Any]) -> Any:
@@ -98,7 +98,7 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
     return float(given)
 
 
-def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
+def _with_value(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
     """Return the scene with the number or choice ``value`` at a path.
 
     The result is None if ``with_values`` must read the whole scene again.
@@ -173,7 +173,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
     return {entry.name: entry.metadata for entry in keys(Link)}
 
 
-def _starts(scene: Contents) -> bool:
+def _is_valid_start(scene: Contents) -> bool:
     """Return whether the positions and angles at the start pass all checks and cause no warning."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles) or start_hints(scene):
         return False

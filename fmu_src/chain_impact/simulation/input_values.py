@@ -41,7 +41,7 @@ def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> 
     return times, values
 
 
-def called_at(what: str, function: Callable[[float], Any], time: float) -> float:
+def finite_value(what: str, function: Callable[[float], Any], time: float) -> float:
     """Return the value of a function of the time [s]; SceneError if it fails or returns no finite number."""
     try:
         value = function(time)

@@ -17,7 +17,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import INPUTS_OF, DataPath, input_key
 from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
-from chain_impact.simulation.input_values import called_at, checked_signal
+from chain_impact.simulation.input_values import checked_signal, finite_value
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
@@ -160,7 +160,7 @@ def input_course(
     channels = channels_of(prepared) if interpolation != "hold" and stop > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
     functions = {
-        name: partial(called_at, f"{scene.name}: {name}", signal)
+        name: partial(finite_value, f"{scene.name}: {name}", signal)
         for name, signal in (signals | given).items()
     }
 
@@ -351,7 +351,7 @@ def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, sa
     before.
     """
     if callable(signal):
-        return np.array([called_at(what, signal, time) for time in times.tolist()])
+        return np.array([finite_value(what, signal, time) for time in times.tolist()])
     if isinstance(signal, float):
         return np.full(len(times), signal)
     at, values = signal

@@ -46,7 +46,7 @@ def test_missing_runs_are_those_between_finished_ones(done, left):
 
 def taken(batches, seconds_a_run):
     while batch := batches.take():
-        batches.took(batch, (batch[1] - batch[0]) * seconds_a_run)
+        batches.record_time(batch, (batch[1] - batch[0]) * seconds_a_run)
         yield batch
 
 

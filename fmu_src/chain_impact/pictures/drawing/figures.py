@@ -272,7 +272,7 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
             return
 
 
-def meet(first: Bbox, second: Bbox) -> bool:
+def look_like_one(first: Bbox, second: Bbox) -> bool:
     """Return whether two successive numbers of an x axis overlap, or are so close that they read as one.
 
     ``first`` is the rectangle of the left number, ``second`` that of the right number, both in pixels.
@@ -320,7 +320,7 @@ def thin_ticks(axes: Axes) -> None:
 def numbers_meet(axis: Axis) -> bool:
     """Return whether two neighbouring numbers at an x axis overlap or nearly touch."""
     boxes = [text.get_window_extent() for text in numbers_in_view(axis)]
-    return any(map(meet, boxes, boxes[1:]))
+    return any(map(look_like_one, boxes, boxes[1:]))
 
 
 def labels_of(figure: Figure) -> list[str]:

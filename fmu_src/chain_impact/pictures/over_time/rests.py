@@ -17,7 +17,7 @@ CUT_REST = 0.4
 BEFORE, AFTER = 0.1, 0.25
 
 
-class Shown(NamedTuple):
+class ShownTime(NamedTuple):
     """The time that a picture shows.
 
     Attributes:
@@ -34,7 +34,7 @@ class Shown(NamedTuple):
     note: str
 
 
-def shown_time(recording: Recording) -> Shown:
+def shown_time(recording: Recording) -> ShownTime:
     """Return the time that a picture shows: the run, but long times without motion at its ends are cut.
 
     They are cut to BEFORE and AFTER if CUT_REST says so.
@@ -50,10 +50,10 @@ def shown_time(recording: Recording) -> Shown:
     words = f"shaded: {rest_word(recording)}" if resting else ""
     cuts = [f"starts at {first:g} s"] * (start > first) + [f"ends at {last:g} s"] * (end < last)
     words += f"; the run {' and '.join(cuts)}" if cuts else ""
-    return Shown(start, end, resting, words)
+    return ShownTime(start, end, resting, words)
 
 
-def shade_rests(axes: Axes, shown: Shown) -> None:
+def shade_rests(axes: Axes, shown: ShownTime) -> None:
     """Shade each time without motion in axes over time [s]."""
     for low, high in shown.rests:
         axes.axvspan(low, high, color=faint(axes, SHADE), linewidth=0.0, zorder=-1)

@@ -39,13 +39,13 @@ def line_of(text: str, path: DataPath) -> int | None:
     inside = ""
     for number, line in enumerate(text.splitlines(), 1):
         if not inside and (head := _HEAD.match(line)):
-            table = _within(counts, _steps(head[2]))
+            table = _within(counts, _key_parts(head[2]))
             if head[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 table = (*table, counts[table])
             here = table
         elif not inside and (key := _KEY.match(line)):
-            here = (*table, *_steps(key[1]))
+            here = (*table, *_key_parts(key[1]))
         else:
             here = ()
         if len(here) > best[0] and path[: len(here)] == here:
@@ -70,7 +70,7 @@ def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
     return *path, *steps[-1:]
 
 
-def _steps(dotted: str) -> DataPath:
+def _key_parts(dotted: str) -> DataPath:
     """Return the parts of a dotted key, without quotes: ("a", "b") for ``a."b"``."""
     return tuple(step.strip("\"'") for step in re.findall(_KEY_NAME, dotted))
 
@@ -82,7 +82,7 @@ def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
         if _HEAD.match(line):
             keys.clear()
         elif key := _KEY.match(line):
-            keys.add(_steps(key[1]))
+            keys.add(_key_parts(key[1]))
     return keys
 
 
@@ -107,10 +107,10 @@ def fault_hint(text: str, fault: str) -> str:
     if named and int(named[1]) == 1 and (hint := _other_file_hint(line)):
         return hint
     if "overwrite" in fault and key and named:
-        steps, before = _steps(key[1]), lines[: int(named[1]) - 1]
+        steps, before = _key_parts(key[1]), lines[: int(named[1]) - 1]
         return f"; {'.'.join(map(str, steps))} is given twice" if steps in _keys_of_last_table(before) else ""
     if head:
-        name = ".".join(map(str, _steps(head[2])))
+        name = ".".join(map(str, _key_parts(head[2])))
         if name in LISTS_OF_TABLES and head[1] == "[":
             return f"; of several, each begins with [[{name}]]"
         return ""

@@ -146,7 +146,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     # whether the laws in the grey band have an entry in the legend, which tells their number
-    is_told = bool(banded(comparison, looks))
+    is_told = bool(laws_in_band(comparison, looks))
     others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
     limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
     if math.isfinite(most) and not comparison.pressed_again and (limits or f"{most:.2f}" != "1.00"):
@@ -238,10 +238,10 @@ def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw force over penetration in the first impact; an impulse is a vertical line at penetration 0.
 
-    The loops of the laws of ``banded`` are drawn by ``fill_loops``. A law whose ``LawRun.loop`` is None has
-    no line.
+    The loops of the laws of ``laws_in_band`` are drawn by ``fill_loops``. A law whose ``LawRun.loop`` is None
+    has no line.
     """
-    band = banded(comparison, looks)
+    band = laws_in_band(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
     name = "moment" if comparison.at_stop else "force"
     units = [unit_at(quantity, stop=comparison.at_stop) for quantity in ("max_penetration", "peak_force")]
@@ -259,7 +259,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     give_ticks(axes)
 
 
-def banded(comparison: LawRuns, looks: Looks) -> list[str]:
+def laws_in_band(comparison: LawRuns, looks: Looks) -> list[str]:
     """Return the laws in ``looks`` that are grey and whose runs have a result.
 
     If at most MOST_GREY laws are so, the result is empty.
@@ -314,7 +314,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw the total energy over time; the laws of ``banded`` share one grey band.
+    """Draw the total energy over time; the laws of ``laws_in_band`` share one grey band.
 
     The line of a law has a cross in the colour of the line at ``LawRun.divergence_time``, the onset of the
     first impact that differs between this law and the reference law, if there is such an impact. The energy
@@ -323,7 +323,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     reference = comparison[comparison.reference].result
     assert reference is not None
     offset = shown_energies(reference)[1]
-    band = banded(comparison, looks)
+    band = laws_in_band(comparison, looks)
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
         time = max((result.time for result in results), key=len)

@@ -21,7 +21,7 @@ from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
-from chain_impact.studies.fit.remarks import not_random, outliers, unusual
+from chain_impact.studies.fit.remarks import not_random, outliers, unusual_chi_squared
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.sigma import standard_deviation
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
@@ -329,7 +329,7 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, search_result: Found) 
     for parameter in problem.parameters:
         if parameter.name not in problem.scenes[0].values:
             notes.append(f"{parameter.label} is an input: the fitted scene does not hold it.")
-    notes += [*outliers(result, at.slopes), *unusual(result)]
+    notes += [*outliers(result, at.slopes), *unusual_chi_squared(result)]
     return [*notes, *not_random(result), *_few(problem, at)]
 
 

@@ -95,7 +95,7 @@ def labels_of(data_set: Measurements) -> Iterator[str]:
         yield f"{name} ({where})"
 
 
-def unusual(result: Estimates) -> Iterator[str]:
+def unusual_chi_squared(result: Estimates) -> Iterator[str]:
     """Yield a remark if the χ² of all columns with a given σ is improbably large or improbably small.
 
     A χ² so small that the data count as simulated (SIMULATED) gets no remark.

@@ -56,11 +56,11 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 def updated(text: str, scene: Scene, source: str) -> str:
     """Return the text of a scene file with the values of ``scene`` in place of those that differ.
 
-    All other values keep their text, except in links that ``_changed`` replaces as a whole. ``source``: the
-    name of the file, for errors.
+    All other values keep their text, except in links that ``_text_with_values`` replaces as a whole.
+    ``source``: the name of the file, for errors.
     """
     present = parse_scene(text, source)
-    return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))
+    return text if present == scene else _text_with_values(text, scene_to_dict(present), scene_to_dict(scene))
 
 
 def _copied(law: Path, folder: Path) -> str:
@@ -92,7 +92,7 @@ def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
     return str(tomlkit.dumps(document))
 
 
-def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
+def _text_with_values(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
     """Return the text of a scene file with the values of ``wanted`` where ``present`` has other values.
 
     ``present`` has the values of the text; both are dicts as ``scene_to_dict`` makes them.

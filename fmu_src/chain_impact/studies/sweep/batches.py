@@ -33,8 +33,8 @@ AHEAD = 2
 class Batches:
     """The missing runs of a sweep, which workers take batch by batch.
 
-    The size of batches follows from the computing times that ``took`` records (SHARE, BATCH_RATIO). An hour
-    of one worker has about a hundred batches.
+    The size of batches follows from the computing times that ``record_time`` records (SHARE, BATCH_RATIO). An
+    hour of one worker has about a hundred batches.
     """
 
     def __init__(self, spans: Sequence[Span], workers: int) -> None:
@@ -58,7 +58,7 @@ class Batches:
         self._left -= middle - first
         return first, middle
 
-    def took(self, batch: Span, seconds: float) -> None:
+    def record_time(self, batch: Span, seconds: float) -> None:
         """Record the computing time of a batch [s], and set the size of the next batches."""
         self._elapsed += seconds / self._workers
         a_second = (batch[1] - batch[0]) / max(seconds, 1e-6)
@@ -106,7 +106,7 @@ def hand_out(
             for future in done:
                 batch = at_work.pop(future)
                 rows, seconds = future.result()
-                batches.took(batch, seconds)
+                batches.record_time(batch, seconds)
                 submit()
                 yield batch, rows
     finally:

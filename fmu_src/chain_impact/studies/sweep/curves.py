@@ -119,7 +119,7 @@ def lines_of(
     names = [*dict.fromkeys(choice.shown(choice.values))]
     results = np.array([quantity.of(runs) for quantity in results_of(runs).every])
     lines: list[tuple[list[str], np.ndarray]] = []
-    for name, text in zip(names, names if choice.choices else told_apart(names), strict=True):
+    for name, text in zip(names, names if choice.choices else distinct_texts(names), strict=True):
         mine = rows[runs[choice.name][rows] == name]
         same = (texts for texts, others in lines if choice.choices and _equal(results, mine, others))
         if texts := next(same, None):
@@ -140,7 +140,7 @@ def _equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
     return np.allclose(results[:, first], results[:, second], rtol=EQUAL_RESULTS, equal_nan=True)
 
 
-def told_apart(values: Sequence[float]) -> list[str]:
+def distinct_texts(values: Sequence[float]) -> list[str]:
     """Return different numbers as different texts.
 
     All texts have the same limit of significant digits: the least limit from 4 on that makes them differ.

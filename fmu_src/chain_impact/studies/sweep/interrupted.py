@@ -41,7 +41,7 @@ def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[
         np.savez(file, head=json.dumps(head), rows=rows, done=np.array(done, np.int64))
 
 
-def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
+def restore_runs(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
     """Copy the finished runs that ``keep`` has written beside a table into ``rows``; return their spans.
 
     ``head`` has the data that identify the sweep. Without a file of ``keep`` the list of spans is empty.

@@ -28,7 +28,7 @@ from chain_impact.recording.text import few, number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.sweep.computation import STATUS_WORD
-from chain_impact.studies.sweep.curves import COLOURS, CROSS, FOOT, draw_curves, told_apart
+from chain_impact.studies.sweep.curves import COLOURS, CROSS, FOOT, distinct_texts, draw_curves
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS, draw_samples, drawn_parameters, influence
 from chain_impact.studies.sweep.maps import draw_maps, own_maps, own_value, unit_of
@@ -190,7 +190,7 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
     )
 
 
-def with_marks(runs: Runs, varying: list[Variation]) -> list[Variation]:
+def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
     """Return the parameters of which the picture can mark the value in the scene, with a mark or a line.
 
     These are, with curves, the parameter of the horizontal axis; with histograms, the parameters over which
@@ -263,12 +263,12 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
     """Return a text with the range of each varied number, and how many choices each varied choice has.
 
     After a range stands the value in the scene, if the value lies in the range, and (+) or (dashed line) if
-    the picture marks the value (``with_marks``).
+    the picture marks the value (``marked_parameters``).
     """
-    parts, shown = [], with_marks(runs, varying)
+    parts, shown = [], marked_parameters(runs, varying)
     mark = " (+)" if kind_of(runs.design) == MAPS else " (dashed line)"
     for variation in varying:
-        ends = " to ".join(told_apart([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
+        ends = " to ".join(distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
         interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
         own = own_value(runs, variation)
         marked = mark if variation in shown else ""

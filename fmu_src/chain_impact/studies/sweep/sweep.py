@@ -17,7 +17,7 @@ from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.computation import Computation, Span, columns_of
 from chain_impact.studies.sweep.dataset import known_by, locked_dataset
 from chain_impact.studies.sweep.design import Design, Sampling, check_table_size, grid, sampled, whole
-from chain_impact.studies.sweep.interrupted import keep, partial_path, take_up
+from chain_impact.studies.sweep.interrupted import keep, partial_path, restore_runs
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
 from chain_impact.studies.sweep.variation import Values, variations_of
@@ -100,7 +100,7 @@ def sweep(
         if dataset:
             done = list(dataset.files.values())
         elif target:
-            done = take_up(target, head, rows)
+            done = restore_runs(target, head, rows)
         spans = missing(done, design.runs)
         left = sum(end - first for first, end in spans)
         if target and left < design.runs:
