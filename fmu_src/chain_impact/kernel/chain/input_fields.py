@@ -6,7 +6,7 @@ and walls are not inputs in this sense; they are in motion.py.
 """
 
 EACH_DRIVE = 0  # stands in FIELDS for a number of values: the input has one value for each drive (drives.py)
-# table of the inputs: the field of the record → the number of its values
+# table of the inputs: the field of the record → the number of the input's values
 FIELDS = {
     # N·m, torque of the motor in a joint; for a slider N, force of the motor on the carriage
     "motor": EACH_DRIVE,

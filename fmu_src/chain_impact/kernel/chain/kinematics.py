@@ -119,7 +119,8 @@ def set_joint_places(d, values, first, vectors):
     """Set x of each joint's place in ``vectors`` to the joint's angle times the length of the longest link.
 
     The absolute angles of the N links begin at index ``first`` of ``values``. If ``values`` has the rates,
-    accelerations or changes of these angles, x gets the same of the joint's angle, times this length.
+    accelerations or changes of these angles, x gets the rate, acceleration or change of the joint's angle,
+    times the length of the longest link.
     """
     for i in range(d.links):
         vectors.x[joint_place(d, i)] = d.chain.longest_link * relative(values, first, i)

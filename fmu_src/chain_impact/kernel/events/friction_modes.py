@@ -184,7 +184,8 @@ def count_inconsistent_now(d):
 def choose_by_limits(d):
     """Let all undecided elements stick, except those whose forces reach their limits (rows/limits.py).
 
-    An element whose force is at its limit gets the mode "slides", even if other forces hold this element.
+    An element whose force is at its limit gets the mode "slides", even if the forces of other elements hold
+    this element.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:

@@ -45,7 +45,7 @@ def reset_step(d, time, y):
     """Set the last step to a step without duration, at ``time`` [s] in state y, and count a break.
 
     The communication point is set to ``time``, too. The quadratures get their stored totals and rates.
-    ``step.start_delay``, which is 0 and has only derivatives, does not change.
+    ``step.start_delay`` does not change: it is 0, but has derivatives in a tangent instance.
     """
     step = d.step
     for j in range(len(step.state)):

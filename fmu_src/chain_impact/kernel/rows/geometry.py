@@ -240,7 +240,7 @@ def add_impedance(row, impedance, amount):
 
 
 def clearance(d, c):
-    """Return clearance g [m] and ġ [m/s] of candidate c at located points; in joints angle × lever arm."""
+    """Return clearance g [m] and ġ [m/s] of c at located points; at a joint's stop angle × lever arm."""
     row = normal_row(d, c)
     gap = along(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
     gap_rate = along(row, d.scratch.velocity)
