@@ -81,7 +81,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         mark_unknown(axes, recording, sensitivities)
         give_ticks(axes)
     for place, axes in enumerate(panels):
-        # the row of panels below is complete, so that this panel has a panel below it, which has the numbers
+        # the next row is full of panels, without the table, so that this panel has a panel below it
         if (place // across + 2) * across <= len(panels):
             axes.tick_params(labelbottom=False)
         else:

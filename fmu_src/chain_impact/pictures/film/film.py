@@ -240,7 +240,8 @@ class Film:
         """Draw and yield the forces in a frame.
 
         A force has an arrow, and a contact that sticks a bar along the wall. A moment at a stop of a joint
-        has a mark, and so has a joint or slider that sticks. Forces and moments have numbers.
+        has a mark, and so has a joint or slider that sticks. If there is room, numbers tell the forces at
+        walls and stops of the slider, the moments, and the largest force in a joint.
         """
         for artist in self.moving:
             artist.remove()
