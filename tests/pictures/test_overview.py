@@ -420,7 +420,7 @@ PANELS = ("motion", "panel of impacts")
 
 
 def missing_count(told):
-    """Return how many impacts a text such as 1, 3, 16–30 or 31 of 81 names."""
+    """Return how many impacts a text such as 1, 3, 16–30 or 31 of all 81 names."""
     return int(told.partition(" of ")[0]) if " of " in told else len(expanded(told)) if told else 0
 
 
@@ -449,7 +449,7 @@ def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
     assert missing_count(in_motion) + count == impacts
     numbered = {number for text in speeds.texts for number in expanded(text.get_text().partition(":")[0])}
     assert missing_count(in_speeds) + len(numbered) == impacts
-    assert in_speeds.endswith(f" of {impacts}")
+    assert in_speeds.endswith(f" of all {impacts}")
     assert all(told.count(",") < MOST_LISTED for told in (in_motion, in_speeds))
 
 

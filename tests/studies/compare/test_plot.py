@@ -39,6 +39,18 @@ def drawn(comparison):
     return page
 
 
+def test_the_force_of_kelvin_and_voigt_jumps_vertically_at_the_onset(comparison):
+    (line,) = (
+        line for line in drawn(comparison).axes[0].lines if line.get_label().startswith("kelvin_voigt")
+    )
+    depth, force = line.get_data()
+    assert depth[:2].tolist() == [0.0, 0.0]
+    assert force[0] == 0.0
+    slope = np.diff(force[1:4]) / np.diff(depth[1:4])
+    assert force[1] > 3.0  # kN
+    assert slope[0] == pytest.approx(slope[1], rel=0.1)  # the curve goes on without a bend
+
+
 def test_the_legend_takes_no_width_from_the_panels(comparison):
     page = drawn(comparison)
     (legend,) = page.legends

@@ -16,7 +16,7 @@ LAW_LOOKS: dict[str, dict[str, Any]] = {
     "kelvin_voigt": {"color": OCHRE},
     "gharib_hurmuzlu": {"color": UMBER},
     "carvalho_martins": {"color": PLUM},
-    "jankowski": {"color": VIOLET},
+    "jankowski": {"color": VIOLET, "linestyle": "-."},
     "newton_impact": {"color": INK, "linestyle": ":"},
     "herbert_mcwhannell": {"color": VERMILLION, "linestyle": "--"},
     "lee_wang": {"color": BLUE, "linestyle": "--"},
@@ -28,7 +28,8 @@ LAW_LOOKS: dict[str, dict[str, Any]] = {
     "kuwabara_kono": {"color": VIOLET, "linestyle": "--"},
 }
 """Law → properties of its lines, with matplotlib's names. Lines are solid for the
-laws that are used most, dotted for newton_impact and dashed for all other laws."""
+laws that are used most, dotted for newton_impact, dashed for all other laws; but dash-dotted
+for jankowski, as VIOLET looks like BLUE, the colour of hertz, to colour-blind readers."""
 USER_LAW: dict[str, Any] = {"color": BROWN}
 
 

@@ -127,13 +127,14 @@ def write_head(
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
     The headline is ``title`` or, if ``title`` is "", the result of ``message``. ``first`` are texts that
-    stand before the results. ``row`` is for a picture of a single impact: the row of this impact; the results
-    then tell only this impact. ``panels``: the names of the panels of an overview.
+    stand before the results; with such a text, the results lack the largest force in a joint (``load_text``).
+    The results tell the impacts of ``peaks`` or, if ``row`` is given, the impact in this row. ``panels``: the
+    names of the panels of an overview.
 
-    In a narrow figure without a ``title``, the message is short. The impact of the first of ``peaks`` then
-    has a line of its own below the message, and the rest of the message stands among the conditions. In any
-    narrow figure, the largest force in a joint (``load_text``) has such a line. A line has the colour of the
-    mark if a panel has a mark.
+    In a narrow figure without a ``title``, the message is short. The first of the told impacts then has a
+    line of its own below the message, and the rest of the message stands among the conditions. In any narrow
+    figure, the largest force in a joint has a line of its own. A line has the colour of the mark if a panel
+    has a mark.
     """
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]

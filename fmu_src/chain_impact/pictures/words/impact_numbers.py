@@ -41,7 +41,7 @@ def listed_or_counted(numbers: Sequence[int], count: int) -> str:
     """Return numbers of impacts as text, such as "3, 7–9".
 
     If the text would have more than MOST_LISTED items (numbers or ranges), it tells only how many different
-    ``numbers`` there are: "31 of 81". ``count``, here 81, is the number of all impacts.
+    ``numbers`` there are: "31 of all 81". ``count``, here 81, is the number of all impacts.
     """
     text = listed(numbers)
-    return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of {count}"
+    return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of all {count}"

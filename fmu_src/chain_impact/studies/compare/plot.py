@@ -19,7 +19,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, merged_dashes
 from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS, law_look
@@ -42,7 +41,7 @@ from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.words.unit_text import of_power
-from chain_impact.studies.compare.runs import LawRuns, grows_again
+from chain_impact.studies.compare.runs import LawRuns, grows_again, has_jump, with_jump
 from chain_impact.studies.other_law import LOSSLESS, compared_impact
 from chain_impact.variables.impact_units import unit_at
 
@@ -177,7 +176,7 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     for law in differ[:1] if comparison.has_restitution else ():
         _add_reason(why, law, "differs most with losses")
     for law in (run.law for run in comparison.runs if run.loop is not None and run.loop.size):
-        if law in CONTACT_LAWS and CONTACT_LAWS[law].rate_exponent == 0.0:
+        if has_jump(law):
             _add_reason(why, law, JUMPS)
     for run in comparison.runs:
         if run.law in USED and run.result is not None and len(why) < COLOURED_LAWS:
@@ -251,7 +250,8 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
     for law in (law for law, loop in loops.items() if not loop.size):
         axes.axvline(0.0, **looks[law])
-    draw_lines(axes, {law: loop for law, loop in loops.items() if loop.size and law not in band}, looks)
+    lines = {law: with_jump(law, loop) for law, loop in loops.items() if loop.size and law not in band}
+    draw_lines(axes, lines, looks)
     axes.set(
         xlabel=f"penetration in the {compared_impact(comparison.scene)} [{depth_unit}]",
         ylabel=f"{name} [{force_unit}]",

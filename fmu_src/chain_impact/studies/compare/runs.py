@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.equality import same
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.results.result import Result
@@ -177,3 +178,22 @@ def first_of(result: Result | None) -> np.void | None:
     """
     number = None if result is None else first_number(result.scene, result.impacts)
     return None if result is None or number is None else result.impacts[number]
+
+
+def has_jump(law: str) -> bool:
+    """Return whether the force of a law jumps at the onset; False for a law from a user's file."""
+    return law in CONTACT_LAWS and CONTACT_LAWS[law].rate_exponent == 0.0
+
+
+def with_jump(law: str, loop: np.ndarray) -> np.ndarray:
+    """Return a loop with the force just after the onset, so that a jump of the force is vertical.
+
+    This force is on the straight line through the first two points with a penetration. A loop of a law
+    without a jump (``has_jump``) is returned unchanged.
+    """
+    if not has_jump(law):
+        return loop
+    first = int((loop[0] > 0.0).argmax())
+    (depth, next_depth), (force, next_force) = loop[:, first : first + 2]
+    onset = force - depth * (next_force - force) / (next_depth - depth)
+    return np.insert(loop, first, (0.0, onset), axis=1)

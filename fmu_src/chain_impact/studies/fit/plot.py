@@ -112,6 +112,11 @@ def fill(figure: Figure, fit: Estimates) -> None:
     alone = len(names) - 1 if len(names) % across else None
     cells = [grid[k // across, :] if k == alone else grid[k // across, k % across] for k in range(len(names))]
     has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
+    residuals = figure.axes[1::2]
+    for k, axes in enumerate(residuals):
+        below = residuals[k + across : k + across + 1] or residuals[-1:] * (alone is not None)
+        if any(other is not axes and other.get_xlabel() == axes.get_xlabel() for other in below):
+            axes.set_xlabel("")
     poor = ", ".join(alike_neighbours(fit))
     warning = f"errors are too small: neighbouring residuals of {poor} are correlated"
     more = [f"rms residual {number(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
@@ -251,7 +256,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             means = running_means(part.at, off)
             residuals.plot(*means, color=colour if several else INK, linewidth=1.2, label=MEAN)
     values.set_ylabel(f"{name}{in_brackets(unit)}")
-    values.tick_params(labelbottom=True)
+    values.tick_params(labelbottom=False)
     residuals.set_ylabel("Δ [σ]")
     last = max((float(np.nanmax(part.at, initial=0.0)) for part in parts), default=0.0)
     residuals.set_xlabel("number of the impact" if over_impacts else name_time(residuals, last))
