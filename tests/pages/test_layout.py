@@ -303,3 +303,17 @@ def test_a_phone_on_its_side_shows_force_and_motion_beside_a_slider(show, pins):
     page.evaluate("chainImpact.show({'simulation.stop_time': 0.2})")
     until(page, "document.querySelector('#impacts.none')")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_phone_has_motion_pins_and_force_above_the_parameters(show, scheme):
+    page = show(
+        "cart_pole", hash_="#curves=energy.total", viewport=PHONE, has_touch=True, color_scheme=scheme
+    )
+    until(page, "document.getElementById('outputs-card').checkVisibility()")
+    below = ["parameters", "outputs-card", "inputs-card", "energy-title", "list"]
+    sections = function_of("layout", "sectionsDownwards")
+    assert page.evaluate(sections) == ["stage", "contact", *below]
+    page.get_by_role("button", name="Pin").click()
+    until(page, "document.getElementById('pins').checkVisibility()")
+    assert page.evaluate(sections) == ["stage", "pins", "contact", *below]

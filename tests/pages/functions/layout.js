@@ -61,3 +61,10 @@ export const cutCharts = () => {
     return top < edge && bottom > edge;
   }).map(({ id, className }) => id || className);
 };
+
+export const sectionsDownwards = () => {
+  const top = (section) => section.getBoundingClientRect().top;
+  return [...document.querySelectorAll("main > section, main > aside > section")].filter((section) => section.checkVisibility())
+    .sort((one, other) => top(one) - top(other))
+    .map((section) => section.id || section.getAttribute("aria-labelledby"));
+};
