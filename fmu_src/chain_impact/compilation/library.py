@@ -48,7 +48,7 @@ def kernel_library(
     kind = DERIVATIVES if derivatives else KERNEL
     exact = ready.exact_sizes(links, kind)
     name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
-    existing = cache.find(name) if law else ready.best(links, platform, kind) or cache.find(name)
+    existing = cache.find(name) if law else ready.best_kernel(links, platform, kind) or cache.find(name)
     if existing:
         return existing
     ready.require_compilers(_purpose(platform, law_file, derivatives))

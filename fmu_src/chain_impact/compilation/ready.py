@@ -99,7 +99,7 @@ def find(name: str) -> Path | None:
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
-def best(wanted: Sizes, platform: str, what: str) -> Path | None:
+def best_kernel(wanted: Sizes, platform: str, what: str) -> Path | None:
     """Return the path of a ready kernel of the kind ``what`` that can run the scenes ``wanted``, or None.
 
     For a number of links, this is the kernel for any number if there is no ready kernel for this number.

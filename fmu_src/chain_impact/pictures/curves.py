@@ -31,7 +31,7 @@ from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
-from chain_impact.pictures.words.headline import hit, write_head
+from chain_impact.pictures.words.headline import hit_words, write_head
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import LOAD_UNITS, few, plural
@@ -206,7 +206,7 @@ def in_view(recording: Recording, curves: Curves) -> str:
     if not curves.number:
         return ""
     impact, count = recording.impacts[curves.number - 1], len(recording.impacts)
-    return f"{hit(recording, impact)}, impact {curves.number} of {count}"
+    return f"{hit_words(recording, impact)}, impact {curves.number} of {count}"
 
 
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:

@@ -27,7 +27,7 @@ from chain_impact.pictures.drawing.style import (
 )
 from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.single_impact import shown_contact
-from chain_impact.pictures.words.headline import hit
+from chain_impact.pictures.words.headline import hit_words
 from chain_impact.recording.course import Course
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
@@ -50,7 +50,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     """
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
-    title = f"{recording.name}: {hit(recording, impact)}, impact {number}"
+    title = f"{recording.name}: {hit_words(recording, impact)}, impact {number}"
     headline(figure, title, conditions(impact, course, stop))
     if not is_narrow(figure):
         grid = figure.add_gridspec(3, 2)

@@ -51,7 +51,7 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
     size = max(_extent(positions, 0), SMALLEST_PATH * _extent(positions[0], 0))
     walls = [np.stack([moved, 0.0 * moved], axis=-1)[:, None] for moved in recording.moved_walls.values()]
     positions = np.concatenate([positions, *walls], axis=1)
-    still = _largest(np.diff(positions, axis=0)) * span <= REST_WAY * size * np.diff(time)
+    still = _largest_lengths(np.diff(positions, axis=0)) * span <= REST_WAY * size * np.diff(time)
     hit = np.searchsorted(time, recording.impacts["onset"], side="right") - 1
     still[hit.clip(0, len(still) - 1)] = False
     reach = max(1, int(len(time) * SHORTEST_REST / 2))
@@ -71,7 +71,7 @@ def _extent(positions: np.ndarray, axis: int) -> float:
     return float(np.hypot(*np.ptp(positions, axis=axis).T).max())
 
 
-def _largest(vectors: np.ndarray) -> np.ndarray:
+def _largest_lengths(vectors: np.ndarray) -> np.ndarray:
     """Return the largest length of the vectors in each row, shape (T,).
 
     The vectors have the shape (T, P, 2).
@@ -97,7 +97,7 @@ def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.nd
     if reach == 0:
         return np.full(len(time) - 1, np.inf)
     speeds = (positions[reach:] - positions[:-reach]) / (time[reach:] - time[:-reach])[:, None, None]
-    changes = _largest(speeds[reach:] - speeds[:-reach]) / (time[2 * reach :] - time[: -2 * reach])
+    changes = _largest_lengths(speeds[reach:] - speeds[:-reach]) / (time[2 * reach :] - time[: -2 * reach])
     around: np.ndarray = 2.0 * changes[(np.arange(len(time) - 1) - reach).clip(0, len(changes) - 1)]
     return around
 

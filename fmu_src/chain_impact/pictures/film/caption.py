@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.words.headline import hardness, hit
+from chain_impact.pictures.words.headline import hardness, hit_words
 from chain_impact.pictures.words.point_names import brief_hit, short_names
 from chain_impact.recording.contact_times import contact_ends
 from chain_impact.recording.pacing import RAMP, impact_ends, slow_spans
@@ -55,7 +55,7 @@ class Caption:
         self.told, texts = number, [""]
         if number:
             count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
-            whole, brief = short_names(recording, hit(recording, impact)), brief_hit(recording, impact)
+            whole, brief = short_names(recording, hit_words(recording, impact)), brief_hit(recording, impact)
             hard = hardness(recording, number - 1)
             texts = [f"{text}\n{hard}" for text in (f"{count}: {whole}", f"{count}: {brief}", brief)]
         for text in texts:

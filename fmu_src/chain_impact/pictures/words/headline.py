@@ -111,7 +111,7 @@ def lost_and_supplied(recording: Recording) -> list[str]:
     return parts
 
 
-def hit(recording: Recording, impact: np.void) -> str:
+def hit_words(recording: Recording, impact: np.void) -> str:
     """Return words for an impact: "point 4 hits y_min"."""
     return f"{what_touches(recording, impact)} hits {recording.wall_names[impact['wall']]}"
 

@@ -163,11 +163,12 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
     if sampling not in SAMPLINGS:
         raise SceneError(f"{source}: sampling = {sampling!r} must be lhs or sobol")
     most = MOST_RUNS if sampling == "lhs" else MOST_SOBOL
-    count = whole(source, "samples", count, end=most + 1)
-    return Design(tuple(variations), count, sampling, whole(source, "seed", seed, least=0, end=MOST_SEEDS))
+    count = whole_number(source, "samples", count, end=most + 1)
+    seed = whole_number(source, "seed", seed, least=0, end=MOST_SEEDS)
+    return Design(tuple(variations), count, sampling, seed)
 
 
-def whole(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
+def whole_number(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
     """Return ``number``, the argument ``name`` of a sweep, if it is whole and least ≤ number < end.
 
     ``end`` None means no upper limit. ``source`` is the name of the scene, for errors.

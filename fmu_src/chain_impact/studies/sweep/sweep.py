@@ -16,7 +16,7 @@ from chain_impact.studies.sweep.batches import missing, run_in_threads
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.computation import Computation, Span, columns_of
 from chain_impact.studies.sweep.dataset import known_by, locked_dataset
-from chain_impact.studies.sweep.design import Design, Sampling, check_table_size, grid, sampled, whole
+from chain_impact.studies.sweep.design import Design, Sampling, check_table_size, grid, sampled, whole_number
 from chain_impact.studies.sweep.interrupted import keep, partial_path, restore_runs
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
@@ -81,7 +81,7 @@ def sweep(
         BuildError: when the kernel cannot be compiled.
     """
     scene, progress = scene_of(scene), progress or silent
-    threads = cores() if threads is None else whole(scene.name, "threads", threads)
+    threads = cores() if threads is None else whole_number(scene.name, "threads", threads)
     prepared = PreparedScene(scene)
     variations = variations_of(prepared, vary)
     job = job_of(prepared, variations, (outputs,) if isinstance(outputs, str) else outputs)
