@@ -186,6 +186,23 @@ def test_colours_suit_wide_ranges_and_counts():
     assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
 
 
+def test_a_choice_without_a_value_has_a_word_in_its_row():
+    laws = ["flores", "newton_impact", "kelvin_voigt", "zhang_sharf"]
+    found = sweep(SCENE, {"contact.model": laws})
+    page = drawn(found)
+    words = {}
+    for axes in page.axes:
+        words[axes.get_xlabel().partition(" [")[0].partition(",")[0]] = {
+            laws[round(text.get_position()[1])]: text.get_text() for text in axes.texts
+        }
+        assert len(axes.lines) == 1
+    assert words["peak force"] == {"newton_impact": "impulse", "kelvin_voigt": "failed"}
+    assert words["largest penetration"] == {"kelvin_voigt": "failed"}
+    told = page.get_suptitle() + "".join(text.get_text() for text in page.texts)
+    assert "1 failed (exponent not allowed)" in told
+    assert "4 of contact.model, zhang_sharf in the scene" in told
+
+
 @pytest.mark.parametrize("points", [4, 8], ids=["values in cells", "values at lines"])
 def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.stiffness": f"1e6:1e9:{points}:log"})

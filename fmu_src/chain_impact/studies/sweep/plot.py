@@ -6,7 +6,7 @@ choice, such as the contact law, give a line for each choice or, if the choices 
 with a row for each choice. Two choices give a map. Three parameters give maps of one result, one for each
 value of the parameter with the fewest values. Samples of one number are points; samples of a choice or of
 several parameters give a histogram of each result, and dots of the result over ``drawn_parameters``. A run
-that failed is a cross at the edge of a panel with lines or dots, grey in a map, and in no histogram.
+that failed is a cross at the edge of a panel with lines, a word among dots, grey in a map, in no histogram.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from chain_impact.recording.text import few, number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.sweep.computation import STATUS_WORD
-from chain_impact.studies.sweep.curves import COLOURS, CROSS, FOOT, distinct_texts, draw_curves
+from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS, draw_samples, drawn_parameters, influence
-from chain_impact.studies.sweep.maps import draw_maps, own_maps, own_value, unit_of
-from chain_impact.studies.sweep.quantities import Quantity, Results, constants, results_of
+from chain_impact.studies.sweep.maps import NEVER, draw_maps, own_maps, own_value, unit_of
+from chain_impact.studies.sweep.quantities import LOADS, Quantity, Results, constants, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
@@ -119,7 +119,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     told = [conditions(runs, varying), constants(runs, results)]
     if kind == HISTOGRAMS:
         told.insert(0, influence(runs, quantities, varying))
-    mark = "×: " if kind in (DOTS, CURVES) else ""
+    mark = "×: " if kind == CURVES else ""
     head, *parts = title(runs, results, mark)
     kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure, the headline has two parts at most
     told = [", ".join(parts[kept:]), *told]
@@ -274,7 +274,10 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
         marked = mark if variation in shown else ""
         told = "" if own is None else f", {number(own)} in the scene{marked}"
         count = f"{len(np.unique(variation.values))} of {variation.name}"
-        parts.append(count if variation.choices else f"{variation.name} {interval}{told}")
+        choice = str(runs.scene.values.get(variation.name, ""))
+        if variation.choices:
+            told = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""
+        parts.append(f"{count}{told}" if variation.choices else f"{variation.name} {interval}{told}")
     return "; ".join(parts)
 
 
@@ -333,8 +336,8 @@ def _panels(
 def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
     """Draw each quantity in a panel with a row for each run, and a dot for each value.
 
-    ``across``: the only varied parameter, a choice, which names the rows. The row of a run that failed has a
-    cross at the left edge of the panel.
+    A row without a value has a word in place of the dot: "failed" if the run failed, "impulse" for a load at
+    a rigid wall. ``across``: the only varied parameter, a choice, which names the rows.
     """
     names = across.shown(across.values).tolist()
     count = len(quantities)
@@ -345,8 +348,12 @@ def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variat
         finite = shown[np.isfinite(shown)]
         axes.grid(axis="y", color="0.92")
         axes.plot(shown, rows, "o", color=COLOURS[0], markersize=4.0)
-        failed = rows[runs.failed]
-        axes.plot(np.full(len(failed), FOOT), failed, transform=axes.get_yaxis_transform(), **CROSS)
+        missing = "impulse" if quantity.column in LOADS else NEVER
+        for row in rows[~np.isfinite(shown)]:
+            word = "failed" if runs.failed[row] else missing
+            axes.text(
+                FOOT, row, word, transform=axes.get_yaxis_transform(), va="center", color="0.4", size="small"
+            )
         axes.set_xlabel(quantity.label_for(finite))
         if ends := quantity.ends_for(finite):
             axes.set_xlim(*ends)
