@@ -1,6 +1,6 @@
 """Runs that also compute derivatives of their results with respect to parameters and inputs.
 
-In memory, tangent instances stand behind the instance: records of dual numbers, each with derivatives in a
+In memory, tangent instances come after the instance: records of dual numbers, each with derivatives in a
 few directions (kernel/tangent/). A derivative is a partial derivative: all other parameters of the FMU are
 constant. Its unit is the unit of the quantity divided by the unit of the parameter. A derivative that does
 not exist, or cannot be trusted, is NaN.
@@ -251,8 +251,8 @@ class Differentiated:
         impacts: I rows, one for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: quantity of an impact → its derivatives, shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
-        limits: sentences on derivatives that are NaN, with the reason and, if this matters, the first time;
-            on one-sided derivatives; and on errors that dry friction causes.
+        limits: sentences on derivatives that are NaN, and why; on one-sided derivatives; and on errors that
+            dry friction causes.
     """
 
     __eq__ = same

@@ -93,7 +93,7 @@ class UnitChart extends TimeChart {
   }
 }
 
-/** Return a curve's value at the time `now` [s]: interpolated between its rows, at the times `time` [s]; if stepped, that of a row. */
+/** Return a curve's value at the time `now` [s], interpolated between rows at the times `time` [s]; a stepped curve has a row's value. */
 function valueAt(time, { values, isStepped }, now) {
   const [row, share] = placeIn(time, now);
   return isStepped ? values[row + Math.floor(share)] : valueAtPlace(values, [row, share]);

@@ -33,9 +33,9 @@ export class ArrowScale {
   }
 
   /**
-   * Return the marks of the ruler, from right to left: powers of ten [N] up to the largest force whose texts have room. `at` is the
-   * distance [pixels] of a mark from the ruler's left end, `text` the text of its force. If these are fewer than two marks, the ruler
-   * goes on to the next power of ten.
+   * Return the marks of the ruler, from right to left: of the DECADES powers of ten [N] up to the largest force, those for whose texts
+   * there is room. `at` is the distance [pixels] of a mark from the ruler's left end, `text` the text of the mark's force. With fewer than
+   * two marks, the ruler goes on to the next power of ten.
    */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));

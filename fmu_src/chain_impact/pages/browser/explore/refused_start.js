@@ -27,7 +27,7 @@ export function overlapOf({ status, part }, scene, valueOf) {
   return { at, positions, wall, depth };
 }
 
-/** Return words for the fault of a run that cannot start; for a part beyond a wall or stop which part, which one, and how far, if known. */
+/** Return words for the fault of a run that cannot start: for a part beyond a wall or stop, both names and, if known, the distance. */
 export function startText(run, scene, overlap) {
   const words = scene.partsInWords[run.part - 1];
   if (run.status !== SHARED.kernel.STARTS_INSIDE_WALL || !words) return faultText(run, scene);

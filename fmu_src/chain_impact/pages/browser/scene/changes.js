@@ -57,7 +57,7 @@ export class Changes {
     return sumOf(derived, (factor) => this.valueOf(factor, values));
   };
 
-  /** Return a value at a time [s]: of an input's last step up to this time; without one, and for other parameters, that of `valueOf`. */
+  /** Return a parameter's value at a time [s]: that of an input's last step up to this time or, without such a step, that of `valueOf`. */
   valueAt(name, time) {
     return this.inputSteps[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
   }

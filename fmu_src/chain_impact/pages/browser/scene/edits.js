@@ -37,7 +37,7 @@ export function moveToLink(file, link, entry, number) {
   links[number - 1].points.push(point);
 }
 
-/** Add a point to the last link, beside the middle of its line: to the left by a tenth of the length. */
+/** Add a point to the last link, beside the middle of the link: to the left by a tenth of the link's length. */
 export function addPoint({ chain: { links } }) {
   const { length, points } = links.at(-1);
   points.push({ x: length / 2, y: length / 10 });
@@ -110,7 +110,7 @@ export function setBox(file, key, value) {
   if (value === undefined) forget(file, key);
 }
 
-/** Remove the material of a removed wall, its table contact.wall.…, and its name in inputs.wall_motion. */
+/** Remove the table contact.wall.… of a removed wall, which has its material, and the name of the wall in inputs.wall_motion. */
 function forget({ contact, inputs }, name) {
   delete contact.wall[name];
   inputs.wall_motion = inputs.wall_motion.filter((other) => other !== name);
