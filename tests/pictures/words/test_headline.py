@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR
+from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR
 from chain_impact.pictures.words.headline import (
     conditions,
     has_contact,
@@ -83,14 +83,16 @@ def test_the_largest_force_and_its_impact_are_told(title):
     assert (most.value in place) == bool(title)  # the value is told once
 
 
-def test_a_narrow_picture_has_the_peak_as_its_headline():
+@pytest.mark.parametrize(("panel", "colour"), [("impacts", PEAK_COLOUR), ("energy", INK)])
+def test_a_narrow_picture_has_the_peak_as_its_headline(panel, colour):
+    """The line on the impact has the colour of its mark, if the picture has the mark."""
     recording = recorded("pinned_arm")
-    page = recording.plot(size=(84 / 25.4, None), panels="energy")
+    page = recording.plot(size=(84 / 25.4, None), panels=panel)
     assert page.get_suptitle() == "PinnedArm: peak force 1.02 kN"
-    (line,) = (text for text in page.texts if text.get_color() == PEAK_COLOUR)
     impact = recording.impacts[0]
     place = f"impact 1: point 2 hits x_max at {impact['onset']:.4g} s"
-    assert line.get_text() == f"{place} with {impact['impact_speed']:.3g} m/s"
+    words = f"{place} with {impact['impact_speed']:.3g} m/s"
+    assert [text.get_color() for text in page.texts if text.get_text() == words] == [colour]
     assert any("1 impact in 2 s" in text.get_text().replace("\n", " ") for text in page.texts)
 
 
