@@ -24,6 +24,7 @@ def test_a_fast_oscillation_is_a_pale_area_between_its_extremes():
     assert area.get_facecolor()[0, 3] < 0.5  # a curve behind it is seen
     low, high, other, told = axes.lines
     assert told.get_label() == FAST
+    assert (told.get_color(), told.get_alpha()) == (low.get_color(), area.get_alpha())
     assert np.allclose(high.get_ydata(), 2.0 + high.get_xdata(), atol=0.1)
     assert np.allclose(low.get_ydata(), -2.0 - low.get_xdata(), atol=0.1)
     assert len(other.get_xdata()) == len(TIME)
@@ -33,6 +34,8 @@ def test_a_fast_oscillation_is_a_pale_area_between_its_extremes():
     "curve",
     [
         np.sin(2.0 * np.pi * 3.0 * TIME),  # few periods
+        (7.0 * TIME) % 1.0,  # a sawtooth: both turns of a flank are at nearly one time
+        (12.0 * TIME) % 1.0,  # 36 periods, each 8 points wide
         TIME + 1e-3 * np.sin(2.0 * np.pi * 100.0 * TIME),  # an oscillation that is too small to be seen
         np.where(TIME < 0.1, np.sin(2.0 * np.pi * 100.0 * TIME), 0.0),  # in a small part of the time
     ],

@@ -12,11 +12,11 @@ from chain_impact.pictures.drawing.style import GREY
 
 MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
 SOFT = 0.45  # the opacity of a band, from 0 to 1
-# BIN: the width [points] of the parts into which the axes are divided. FAST_PART: a curve is fast if more
-# than this share of the parts have at least two turns of the curve each, which is a period. LEAST_TURN: a
-# turn counts if the value changes at least by this until the next turn, relative to the range of all curves
-# in the axes.
-BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
+# BIN: the width [points] of the parts into which the axes are divided. FAST_TURNS: a curve is fast at a part
+# if it has at least so many turns, two in each period, in this part and the parts beside it. FAST_PART: a
+# curve is fast if it is fast at more than this share of the parts. LEAST_TURN: a turn counts if the value
+# changes at least by this until the next turn, relative to the range of all curves in the axes.
+BIN, FAST_TURNS, FAST_PART, LEAST_TURN = 4.0, 6, 0.2, 0.05
 # the largest distance of two curves that look like one curve, relative to the range of all compared curves
 SAME = 0.005
 # MERGED: two lines merge if their usual distance (``_apart``), relative to the range of all lines, is at most
@@ -45,7 +45,7 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
     """Draw curves; a fast curve (``is_fast``) is drawn as the range of its values (``envelope``).
 
     The range is a pale area between lines at its least and its largest values. If there is a fast curve, an
-    entry of the legend explains the area.
+    entry of the legend explains the area; it is grey if areas have different colours.
 
     Args:
         axes: the axes to draw into.
@@ -67,7 +67,9 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
         for edge, label in ((low, "_"), (high, look["label"])):
             axes.plot(at, edge, **look | {"linewidth": BAND_EDGE, "label": label})
     if fast:
-        axes.plot([], [], color=GREY, alpha=SOFT, linewidth=5.0, solid_capstyle="butt", label=FAST)
+        colour, *others = {curves[k][1]["color"] for k in fast}
+        colour, alpha = (GREY, SOFT) if others else (colour, CLEAR)
+        axes.plot([], [], color=colour, alpha=alpha, linewidth=5.0, solid_capstyle="butt", label=FAST)
 
 
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
@@ -141,10 +143,11 @@ def _apart(first: np.ndarray, second: np.ndarray) -> float:
 def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
     """Return whether a curve turns so often that, drawn as a line, it would look like an area.
 
-    The axis is divided into ``bins`` equal parts. The result is True if more than FAST_PART of these parts
-    have at least two turns each. A turn counts only if the value changes by at least ``least`` from this turn
-    to the next turn; the last turn always counts. The result is False for a curve with missing values, or
-    with at most ``bins`` rows. ``along`` and ``values`` have the shape (T,).
+    The axis is divided into ``bins`` equal parts. The result is True if, at more than FAST_PART of the parts,
+    the part and the parts beside it have at least FAST_TURNS turns. So a range (``envelope``) contains whole
+    periods, and a slow curve with steep flanks is no fast curve. A turn counts only if the value changes by
+    at least ``least`` from this turn to the next turn; the last turn always counts. The result is False for a
+    curve with missing values, or with at most ``bins`` rows. ``along`` and ``values`` have the shape (T,).
     """
     if not np.isfinite(values).all() or len(along) <= bins:
         return False
@@ -152,7 +155,8 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
     turns = np.flatnonzero(steps[1:] * steps[:-1] < 0.0) + 1
     large = np.abs(np.diff(values[turns], append=np.inf)) >= least
     counts, _ = np.histogram(along[turns[large]], bins, (along[0], along[-1]))
-    return bool((counts > 1).mean() > FAST_PART)
+    around = np.convolve(counts, np.ones(3))[1:-1]
+    return bool((around >= FAST_TURNS).mean() > FAST_PART)
 
 
 def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
