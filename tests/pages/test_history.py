@@ -55,6 +55,29 @@ def test_a_key_that_begins_the_start_by_hand_leads_to_the_first_handle(show):
     assert page.evaluate(focused) is None, "the arrow keys go on moving the time"
 
 
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm"])
+def test_undo_takes_the_thumb_of_a_slider_with_the_focus_back(show, model):
+    page = show(model)
+    slider = page.get_by_role("slider", name="Restitution")
+    first = slider.input_value()
+    slider.click(position={"x": 70, "y": 9})
+    assert slider.input_value() != first
+    page.keyboard.press("Control+z")
+    assert slider.input_value() == first
+    before = float(page.evaluate(PRESENT))
+    page.keyboard.press("ArrowRight")
+    assert 0.0 < float(page.evaluate(PRESENT)) - before < 0.01
+
+
+def test_each_arrow_key_moves_a_slider_with_fine_steps(show):
+    page = show("rod_drop", {"initial.y": 100.0})
+    slider = page.get_by_role("slider", name="Initial height")
+    before = float(slider.input_value())
+    for step in range(1, 7):
+        slider.press("ArrowRight")
+        assert float(slider.input_value()) == before + step
+
+
 def test_a_drag_of_a_handle_is_one_change(show):
     page = show()
     names = "Object.entries(chainImpact.parameters).filter(([name]) => name.startsWith('initial.')).join()"

@@ -115,24 +115,29 @@ function slider(changes, entry, { field, write, now, unit }) {
   const { toPosition, toValue } = scaleOf(entry, changes.starts[name]);
   const element = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
   let isDragged = false;
+  const chosen = () => Math.max(rounded(toValue(element.value / STEPS)), leastOf(changes, entry));
   const since = entry.isInput && make("p", { className: "sentence" });
   element.addEventListener("input", () => {
-    const value = rounded(toValue(element.value / STEPS));
+    const value = chosen();
     const { isPlaying, time } = now();
     const from = Number(time.toFixed(6));
     isDragged = true;
     if (entry.isInput && isPlaying && from > 0) attempt(changes, element, () => changes.setFrom(name, value, from));
-    else attempt(changes, element, () => changes.set({ [name]: Math.max(value, leastOf(changes, entry)) }));
+    else attempt(changes, element, () => changes.set({ [name]: value }));
   });
   // dragging a slider back to its first value causes no event `change`, so other events end the drag, too
   ["change", "pointerup", "pointercancel"].forEach((end) => element.addEventListener(end, () => {
     isDragged = false;
   }));
-  /** Show the value at the present time. A field in which the reader types, or whose text is refused, stays; so does a slider in use. */
+  /**
+   * Show the value at the present time. A field in which the reader types, or whose text is refused, stays. So does a slider that is
+   * dragged, or whose position stands for the value: the steps of the slider and of the rounded values differ, so that an arrow key could
+   * lead back to the same position.
+   */
   const follow = () => {
     const value = changes.valueAt(name, now().time);
     if (document.activeElement !== field && field.checkValidity()) write(value);
-    if (name in changes.inputSteps ? !isDragged : document.activeElement !== element) element.value = String(STEPS * toPosition(value));
+    if (!isDragged && chosen() !== value) element.value = String(STEPS * toPosition(value));
     element.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
     element.setAttribute("aria-label", [entry.label, unit()].filter(Boolean).join(", "));
     if (since) since.textContent = sinceText(changes, name, now().time);
