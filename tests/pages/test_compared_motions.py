@@ -270,6 +270,34 @@ def test_a_chart_of_force_tells_why_it_has_no_curve_of_a_pin(show):
         )
 
 
+def test_a_chart_with_curves_of_pins_alone_is_titled_by_their_letters(show):
+    """The letters of pins without a curve at an impact stand together before their common reason."""
+    page = show()
+    for changes in ({"contact.restitution": 0.4}, {"contact.restitution": 0.2}):
+        page.evaluate("changes => chainImpact.show(changes)", changes)
+        until_told(page, impacts_of(changes))
+        page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
+    until_told(page, impacts_of({"contact.model": "newton_impact", "contact.restitution": 0.2}))
+    assert page.inner_text("#contact-quantity") == "Contact force of A, B"
+    name = page.text_content("#contact-name")
+    assert "N·s, present: an impulse only" in name
+    assert "no force over time is known" not in name
+    names = set()
+    for number in range(1, 15):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
+        names.add(page.text_content("#contact-name").partition("; ")[2])
+    assert "A, B: no such impact near" in names
+    assert "A: no such impact near; B: no such impact near" not in names
+
+
+def test_the_card_of_the_force_stays_at_a_stop_with_impulses_alone(show):
+    page = show("kneed_leg", {"stop.restitution": 0.5})
+    assert page.text_content("#contact-name").startswith("impact 1: joint 3 at max, 6.35\u202fmN·m·s, ")
+    assert page.locator("#contact").is_visible()
+
+
 def test_a_stiff_pin_does_not_flatten_the_curve_of_the_present_contact(show):
     page = show("rod_drop", hash_="#contact.stiffness=1e8")
     page.get_by_role("button", name="Pin").click()

@@ -13,6 +13,7 @@ const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of 
 const [PEAK_ROOM, PEAK_TOP] = [18, 4];
 // largest extent of both axes, relative to the curves of the contact itself: parts of compared curves beyond it are cut off
 const MOST_BESIDE = 2;
+const [ONLY_IMPULSE, NO_COURSE] = ["an impulse only", "no known force over time"]; // why a contact has no curve
 const NO_FORCE = 1e-9; // [N], or [N·m] at a stop of a joint: if no force is larger, the axis goes up to about 1
 
 /** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis up to it has a length. */
@@ -186,15 +187,19 @@ export class ForceChart extends Chart {
     const isKnown = hasCurve || this.curves.length > 0;
     this.element.hidden = !isKnown;
     this.loopButton.hidden ||= !isKnown;
-    const holds = hasImpulseOnly(contact);
-    const [force, moment] = holds ? ["Holding force", "Holding moment"] : ["Contact force", "Moment of the stop"];
-    const quantity = (unitsOf(contact).force === "N" ? force : moment) + (holds ? " after the impulse" : "");
+    const isRigid = hasImpulseOnly(contact);
+    const isHeld = isRigid && hasCurve;
+    const [force, moment] = isHeld ? ["Holding force", "Holding moment"] : ["Contact force", "Moment of the stop"];
+    const letters = hasCurve ? "" : this.curves.map(({ letter }) => letter).join(", ");
+    const quantity = (unitsOf(contact).force === "N" ? force : moment) + (isHeld ? " after the impulse" : letters && ` of ${letters}`);
     this.quantity.textContent = this.loop ? `${quantity} over penetration` : quantity;
-    const length = hasCurve ? durationText(end - onset, 2) : "no force over time is known";
-    const notes = lines.map(({ letter, points, why = noteAbove(points[1], high, this.unit.force) }) =>
-      why && `; ${letter}: ${why}`).join("");
+    const without = letters ? `present: ${isRigid ? ONLY_IMPULSE : NO_COURSE}` : "no force over time is known";
+    const own = hasCurve ? durationText(end - onset, 2) : without;
+    const whyOf = ({ points, why = noteAbove(points[1], high, this.unit.force) }) => why;
+    const lettersWith = (why) => lines.filter((line) => whyOf(line) === why).map(({ letter }) => letter).join(", ");
+    const notes = [...new Set(lines.map(whyOf))].filter(Boolean).map((why) => `; ${lettersWith(why)}: ${why}`).join("");
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + notes;
-    const text = `${contactTitle(contact)}, ${length}${legend}`;
+    const text = `${contactTitle(contact)}, ${own}${legend}`;
     Object.assign(this.title, { textContent: text, title: text }); // the title may be cut, so its whole text is also the tooltip
   }
 
@@ -204,7 +209,7 @@ export class ForceChart extends Chart {
     if (!partner) return { why: "no such impact near" };
     const { times, depth, force } = courseAround(other, partner);
     if (this.loop && !depth) return { why: "no known penetration" };
-    if (!force.some((value) => value > 0)) return { why: partner.peak === null ? "an impulse only" : "no known force over time" };
+    if (!force.some((value) => value > 0)) return { why: hasImpulseOnly(partner) ? ONLY_IMPULSE : NO_COURSE };
     return { points: [this.loop ? depth : times, force] };
   }
 }

@@ -34,7 +34,7 @@ export class Player {
           { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact"),
             title: find("outputs-impact"), note: find("outputs-note"),
             whyWithout: "a pin of another scene keeps its outputs" })],
-      [({ forces }) => forces.length > 0, find("force").closest("section"),
+      [({ impacts }) => impacts.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"))],
     ];
     this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
