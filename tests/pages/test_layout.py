@@ -5,7 +5,7 @@
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, until, until_told
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, impacts_of, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -186,6 +186,21 @@ def test_a_tap_on_an_impact_shows_the_motion(show, size):
         view = page.locator("#view").bounding_box()
         assert view["y"] >= 0.0
         assert view["y"] + view["height"] <= page.locator("footer").bounding_box()["y"] + 1.0
+
+
+def test_a_title_of_three_lines_covers_no_legend(show):
+    page = show()
+    for changes in ({}, {"contact.restitution": 0.5}, {"contact.restitution": 0.3}):
+        page.evaluate("changes => chainImpact.show(changes)", changes)
+        until_told(page, impacts_of(changes))
+        page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
+    until_told(page, impacts_of({"contact.model": "newton_impact", "contact.restitution": 0.3}))
+    page.get_by_role("button", name="Go to impact 3, ").click()
+    until(page, "document.getElementById('contact-title').clientHeight > 50")
+    energies, impacts = (page.locator(name).bounding_box() for name in ("#energies", "#list"))
+    assert energies["y"] + energies["height"] <= impacts["y"]
+    assert page.locator("#impacts tbody tr").nth(2).is_visible()
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "hopper"])
