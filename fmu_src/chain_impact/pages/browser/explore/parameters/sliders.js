@@ -64,7 +64,9 @@ function mainParameter(changes, entry, now) {
     ? choiceSentence(changes, parameter)
     : slider(changes, entry, { field, write, now, unit: text });
   row.classList.toggle("choice-parameter", parameter.items.length > 0);
-  row.append(element, ...(since ? [since] : []), refusal());
+  const noEffect = make("p", { className: "no-effect", id: `no-effect-${name}` });
+  field.setAttribute("aria-describedby", noEffect.id);
+  row.append(element, ...(since ? [since] : []), noEffect, refusal());
   return { name, row, follow, refresh: () => {
     refresh();
     show();
@@ -73,7 +75,7 @@ function mainParameter(changes, entry, now) {
     explain(row);
     const law = idleLaw(changes, name.split(".").at(-1), name.startsWith("stop."));
     row.classList.toggle("idle", Boolean(law));
-    label.title = law ? `${name}: no effect with ${law}` : name;
+    noEffect.textContent = law && `No effect with ${law}.`;
     row.classList.toggle("changed", changes.isChanged(name));
   } };
 }
@@ -155,12 +157,17 @@ function slider(changes, entry, { field, write, now, unit }) {
  */
 export function showMainParameters(element, changes, now) {
   let rows;
+  const lawOfStops = make("p", { className: "note" }); // the law is no parameter: only the scene file can change it
   const fill = () => {
     const entries = mainParametersOf(changes).filter(({ isListed }) => !isListed);
     rows = [...entries, ...signalSliders(changes)].map((entry) => mainParameter(changes, entry, now));
     element.replaceChildren(...rows.map(({ row }) => row));
+    element.querySelector("[id^='main-stop.']")?.closest(".main-parameter").before(lawOfStops);
   };
-  const refresh = () => rows.forEach((row) => row.refresh());
+  const refresh = () => {
+    rows.forEach((row) => row.refresh());
+    lawOfStops.textContent = `Contact law of stops: ${lawOf(changes, true)}`;
+  };
   changes.onOpen(fill);
   changes.onChange(refresh);
   fill();
