@@ -5,6 +5,7 @@
 
 import csv
 import io
+import re
 import shlex
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
+CAPTION = 28  # pixels of the screen, height of the caption below a picture
 
 
 def test_the_console_gives_the_bits_of_simulate(show):
@@ -129,9 +131,21 @@ def test_the_command_repeats_the_motion_and_a_picture_shows_it(show, tmp_path, m
     assert [list(map(float, row)) for row in here[1:]] == [list(map(float, row)) for row in there[1:]]
     picture = Image.open(io.BytesIO(saved(page, "Picture as PNG").read_bytes())).convert("RGB")
     box = page.locator("#scene").bounding_box()
-    assert picture.size == (2 * int(box["width"]), 2 * int(box["height"]))
+    assert picture.size == (2 * int(box["width"]), 2 * (int(box["height"]) + CAPTION))
+    caption = np.asarray(picture)[-2 * CAPTION :].astype(int)
+    assert (caption.max(axis=-1) < 100).sum() > 500, "the name and the time stand below the drawing"
     chain = np.abs(np.asarray(picture).astype(int) - [0x2B, 0x4A, 0x9F]).max(axis=-1) < 8
     assert chain.sum() > 2000
+
+
+def test_a_picture_of_the_start_has_no_handles(show):
+    page = show()
+    assert page.locator("#scene .velocity").count() > 0
+    colour = page.evaluate("getComputedStyle(document.querySelector('#scene .velocity')).stroke")
+    velocity = np.array(list(map(int, re.findall(r"\d+", colour)[:3])))
+    page.get_by_role("button", name="Export…").click()
+    picture = Image.open(io.BytesIO(saved(page, "Picture as PNG").read_bytes())).convert("RGB")
+    assert (abs(np.asarray(picture).astype(int) - velocity).max(axis=-1) < 8).sum() == 0
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "kneed_leg", "simple_pendulum"])

@@ -92,28 +92,35 @@ export function save(blob, name) {
 const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-linecap", "stroke-linejoin",
   "opacity", "font-family", "font-size", "font-weight", "paint-order", "text-anchor", "stroke-dasharray"];
 
+const [CAPTION, CAPTION_BESIDE] = [28, 12]; // [pixels] height of a picture's caption, and free space to its left
+
 /**
  * Return a picture of an SVG drawing as a Blob with a PNG, which has twice as many pixels in each direction as the drawing has CSS pixels.
  * The background has the colour `background`; `below(context)` draws on it what lies behind the drawing. `context`: that of the canvas.
+ * With a `caption`, the picture is higher, and has the caption in its lowest part. The picture has no handles.
  */
-export async function pictureOf(svg, background, below = () => {}) {
+export async function pictureOf(svg, background, { below = () => {}, caption = "" }) {
   const copy = svg.cloneNode(true);
   const [from, to] = [svg, copy].map((root) => [...root.querySelectorAll("*")]);
   from.forEach((element, k) => {
     const style = getComputedStyle(element);
     DRAWN.forEach((name) => to[k].style.setProperty(name, style.getPropertyValue(name)));
   });
+  copy.querySelectorAll(".above > :not(.refused, .pose)").forEach((handle) => handle.remove());
   copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
   const address = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
   const image = new Image();
   image.src = address;
   await image.decode();
   const { width, height } = svg.getBoundingClientRect();
-  const canvas = Object.assign(document.createElement("canvas"), { width: 2 * width, height: 2 * height });
+  const canvas = Object.assign(document.createElement("canvas"), { width: 2 * width, height: 2 * (height + (caption ? CAPTION : 0)) });
   const context = canvas.getContext("2d");
   context.fillStyle = background;
   context.fillRect(0, 0, canvas.width, canvas.height);
   below(context);
-  context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  context.drawImage(image, 0, 0, 2 * width, 2 * height);
+  const { color, fontFamily } = getComputedStyle(document.body);
+  Object.assign(context, { font: `28px ${fontFamily}`, fillStyle: color, textBaseline: "middle" });
+  context.fillText(caption, 2 * CAPTION_BESIDE, 2 * height + CAPTION, canvas.width - 4 * CAPTION_BESIDE);
   return new Promise((done) => canvas.toBlob(done, "image/png"));
 }

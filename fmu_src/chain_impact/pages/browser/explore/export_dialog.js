@@ -53,7 +53,8 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   });
   connectFile("png", async () => {
     const background = getComputedStyle(document.body).backgroundColor;
-    save(await pictureOf(find("scene"), background), `${changes.scene.name}.png`);
+    const caption = `${changes.scene.name}, ${find("time").textContent}`;
+    save(await pictureOf(find("scene"), background, { caption }), `${changes.scene.name}.png`);
     return "";
   });
 }

@@ -22,8 +22,8 @@ function csvOfMap(shown) {
 /** Return the picture of a map: its `canvas` with axes and scale, on the background colour of its `dialog`. */
 function pictureOfMap({ canvas, dialog }) {
   const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = canvas;
-  return pictureOf(find("map-scales"), getComputedStyle(dialog).backgroundColor, (context) => {
+  return pictureOf(find("map-scales"), getComputedStyle(dialog).backgroundColor, { below(context) {
     context.imageSmoothingEnabled = false;
     context.drawImage(canvas, ...[left, top, width, height].map((length) => 2 * length));
-  });
+  } });
 }
