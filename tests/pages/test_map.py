@@ -223,9 +223,10 @@ def test_a_map_whose_runs_all_fail_tells_why_and_what_is_changed(show):
     page = show("bouncing_ball")
     page.evaluate("chainImpact.show({ 'initial.y': -1 })")
     page.get_by_role("button", name="Map…").click()
+    page.locator("#map-y-name").select_option("initial.angle[1]")
     text = page.locator("#map-text")
-    text.get_by_text("All 81 runs fail; the first one: ").wait_for()
-    assert "initial.y" in text.inner_text()
+    text.get_by_text("All have changed values of initial.y.").wait_for()
+    assert text.inner_text().startswith("All 81 runs fail; the first one: ")
 
 
 def test_a_run_that_a_scene_would_refuse_has_no_colour(show):

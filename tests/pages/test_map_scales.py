@@ -138,6 +138,28 @@ def test_a_map_tells_numbers_of_runs_the_present_run_and_the_pointers(show):
     assert page.locator(".map-label-text").count() == 0
 
 
+def test_the_first_map_and_its_colours_contain_the_present_run(show):
+    """The height changes the motion of a ball; the angle does not."""
+    for model in ("bouncing_ball", "kneed_leg"):
+        page = show(model)
+        page.get_by_role("button", name="Map…").click()
+        page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
+        assert (page.locator("#map-y-name").input_value() == "initial.y") is (model == "bouncing_ball")
+        page.locator("#map-output").select_option("impact.count")
+        count = len(simulate(model).impacts)
+        assert page.text_content(".map-value.of-present") == str(count)
+        if model == "bouncing_ball":
+            assert page.locator(".of-present").get_attribute("fill") == "#ffffff", (
+                "runs with few impacts are dark"
+            )
+        scale = page.locator("#map-scales .map-number").all_text_contents()
+        bins = [
+            tuple(map(int, match.groups())) for text in scale if (match := re.fullmatch(r"(\d+)–(\d+)", text))
+        ]
+        single = [int(text) for text in scale if re.fullmatch(r"\d+", text)]
+        assert any(low <= count <= high for low, high in bins) if bins else count in single
+
+
 def test_the_colours_of_crowded_values_have_equally_many_runs(script):
     values = [1 + 0.001 * k for k in range(80)] + [1.2 + 0.05 * k for k in range(20)]
     shares, knots = script.evaluate(

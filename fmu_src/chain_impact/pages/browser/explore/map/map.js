@@ -119,7 +119,10 @@ export class GridMap {
     const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
     this.wordsOf = wordsFor(this.changes);
     const restitutions = mainParametersOf(this.changes).map(({ name }) => name).filter((name) => name.endsWith("restitution"));
-    const preferred = [...restitutions.slice(0, 1), "initial.angle[1]", "gravity.y"];
+    const { scene: { links, contactPoints }, parameters } = this.changes;
+    const isBall = links === 1 && contactPoints.length === 1; // its angle hardly matters
+    const preferred = [...restitutions.slice(0, 1), ...(isBall ? ["initial.y"] : []), "initial.angle[1]", "gravity.y"]
+      .filter((name) => parameters.has(name));
     this.inputs.forEach(([name], k) => {
       name.replaceChildren(...reals.map((parameter) => new Option(this.wordsOf(parameter.name), parameter.name)));
       name.value = preferred[k];
@@ -289,7 +292,8 @@ export class GridMap {
     const { shown } = this;
     takeOutput([shown.coarse, shown].filter(Boolean), this.output.value);
     const results = completed(shown);
-    shown.scale = colourScale(results, shown.output.integer);
+    const present = [...shown.known.values()].filter(({ status }) => !status).map(({ values }) => outputIn(values, shown.output));
+    shown.scale = colourScale([...results, ...present], shown.output.integer);
     this.drawing.drawRuns(shown, results);
     find("map-files").hidden = shown.points !== POINTS || shown.rows === 0;
     this.#drawScales();

@@ -38,8 +38,8 @@ export function markRuns(scales, map, place, { present, chosen }) {
   const { results, points, scale } = map;
   const [width, height] = [place.width / points, place.height / points];
   const middle = (index) => [place.left + (index % points + 0.5) * width, place.top + (points - Math.floor(index / points) - 0.5) * height];
-  const write = (value, [x, y], kind, anchor = "middle") => scales.plain(outputText(value, map))
-    .attr({ x, y: y + 4, "text-anchor": anchor, fill: scale.shareOf(value) > BLACK_FROM ? "#000" : "#fff" }).addClass(`map-value ${kind}`);
+  const write = (value, [x, y], kind, anchor = "middle", below = value) => scales.plain(outputText(value, map))
+    .attr({ x, y: y + 4, "text-anchor": anchor, fill: scale.shareOf(below) > BLACK_FROM ? "#000" : "#fff" }).addClass(`map-value ${kind}`);
   const texts = results.filter(Number.isFinite).map((value) => outputText(value, map));
   const wide = texts.reduce((most, { length }) => Math.max(most, SIGN * length), LEAST_WIDTH);
   const steps = [Math.ceil((wide + BETWEEN) / width), Math.ceil(NUMBERS_ABOVE / height)];
@@ -57,7 +57,9 @@ export function markRuns(scales, map, place, { present, chosen }) {
   });
   if (ring) {
     ["map-present-edge", "map-present"].forEach((kind) => scales.circle(RING_SIZE).center(...present.at).addClass(kind));
-    if (Number.isFinite(present.value ?? NaN)) write(present.value, [ring.from, ring.y], "of-present", ring.anchor);
+    const row = points - 1 - Math.floor((ring.y - place.top) / height);
+    const below = results[Math.max(row, 0) * points + Math.floor((ring.middle - place.left) / width)]; // the output below the number
+    if (Number.isFinite(present.value ?? NaN)) write(present.value, [ring.from, ring.y], "of-present", ring.anchor, below ?? present.value);
   }
   if (results[chosen] === undefined) return;
   const [x, y] = middle(chosen);

@@ -12,12 +12,12 @@ export function isLogarithmic(name) {
 
 /**
  * Return the first and the last value of a map's axis, within the allowed values. For a logarithmic axis they are a tenth of the present
- * value and ten times it; for a parameter whose allowed values lie from 0 to 1, 0.05 and 0.95; for any other parameter, the present value
- * minus and plus half of its absolute value, or −1 and 1 for a value of 0.
+ * value and ten times it; for a parameter whose allowed values lie from 0 to 1, 0.05 and 0.95, or the present value if it is beyond these;
+ * for any other parameter, the present value minus and plus half of its absolute value, or −1 and 1 for a value of 0.
  */
 export function rangeOf({ name, low, high }, value) {
   if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
-  if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
+  if (high <= 1 && low >= 0) return [Math.max(low, Math.min(value, 0.05)), Math.min(high, Math.max(value, 0.95))];
   const reach = value === 0 ? 1 : Math.abs(value) / 2;
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
