@@ -34,6 +34,12 @@ def test_a_contact_is_marked_at_its_onset_if_no_row_has_its_peak():
     np.testing.assert_array_equal(impacts_at_peaks(sparse)["onset"], recording.impacts["onset"])
 
 
+def test_a_force_that_stays_constant_is_marked_at_its_onset():
+    recording = recorded("stick_slip_belt")  # a constant force presses the body onto the belt
+    assert recording.columns["contact[1].y_min.force"].argmax() > 0
+    np.testing.assert_array_equal(impacts_at_peaks(recording)["onset"], recording.impacts["onset"])
+
+
 def test_an_impulse_is_marked_at_its_onset():
     recording = recorded("kneed_leg")  # its joint stays at the stop after the impulse, with a force
     np.testing.assert_array_equal(impacts_at_peaks(recording)["onset"], recording.impacts["onset"])

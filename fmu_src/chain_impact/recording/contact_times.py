@@ -21,6 +21,8 @@ ALMOST_PEAK = 0.98
 # does not choose a time while the force is constant
 FIRST = 1.0 - 1e-4
 FIRST_EXACT = 1.0 - 1e-7  # the same as FIRST for the rows of an impact's course, which are close in time
+# a force is mostly constant if more than this share of its rows have at least FIRST × the largest force
+STEADY = 0.5
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
@@ -42,7 +44,8 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
     """Return a copy of the table of impacts in which ``onset`` is the time of the largest force, if known.
 
     The onset stays if the largest force follows too soon to be visible (SEEN_CONTACT), if no row has almost
-    the peak force (ALMOST_PEAK), if the recording lacks the force, and under a law that acts by impulses.
+    the peak force (ALMOST_PEAK), if the force is mostly constant (STEADY), if the recording lacks the force,
+    and under a law that acts by impulses.
     """
     impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * np.ptp(recording.time)
     law = recording.parameters.get("contact.model", "")
@@ -56,7 +59,10 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
         if force is None or is_short or has_impulses(of_impact):
             continue
         during = force[first:last]
-        row = first + (during >= FIRST * during.max()).argmax()
+        is_largest = during >= FIRST * during.max()
+        row = first + is_largest.argmax()
+        if is_largest.mean() > STEADY:
+            continue
         if force[row] >= ALMOST_PEAK * impact["peak_force"] and time[row] - impact["onset"] > least:
             impact["onset"] = time[row]
     return impacts

@@ -66,6 +66,15 @@ def test_the_conditions_are_the_parameters_of_the_run():
     assert "radius 0.05 m" in conditions(recorded("ramp"))
 
 
+@pytest.mark.parametrize(
+    ("model", "told"), [("arm_at_stop", "20"), ("ur5e", "200")], ids=["with targets", "with a limit"]
+)
+def test_the_damping_of_a_powered_drive_is_that_of_a_servo(model, told):
+    parts = conditions(recorded(model)).split(SEPARATOR)
+    assert f"servo damping ≤ {told} N·m·s/rad" in parts
+    assert not [part for part in parts if part.startswith("joint damping")]
+
+
 @pytest.mark.parametrize("title", ["", "Arm"])
 def test_the_largest_force_and_its_impact_are_told(title):
     recording = recorded("four_link_box")

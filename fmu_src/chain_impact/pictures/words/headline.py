@@ -40,6 +40,8 @@ LITTLE_SUPPLIED = 0.01
 # words for the impulse of a contact, and for the part of this impulse without the time integral of the force
 IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
 MARKING = ("motion", "impact", "impacts")  # the panels of an overview that mark the impact with the peak
+# key of a link → unit, for the losses of its joint that the conditions tell
+JOINT_LOSSES = {"joint_damping": "N·m·s/rad", "joint_friction": "N·m"}
 SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
 
 
@@ -303,12 +305,7 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
     """
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
-    for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
-        if most := max(
-            (value for name, value in known.items() if name_parts(name).quantity == f"joint_{key}"),
-            default=0.0,
-        ):
-            parts.append(f"joint {key} ≤ {most:g} {unit}")
+    parts += of_joints(recording)
     parts += of_contacts(recording) if touches else []
     if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
         parts.append(f"friction µ = {', '.join(rubbing)}")
@@ -323,6 +320,23 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
     if "solver.tolerance" in known:
         parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
     return SEPARATOR.join(parts)
+
+
+def of_joints(recording: Recording) -> list[str]:
+    """Return words for the largest damping and friction of joints: "joint damping ≤ 0.02 N·m·s/rad".
+
+    The damping of a powered drive, with a target or a limit, is "servo damping": its work is work of the
+    drive, and not dissipated energy.
+    """
+    known, largest = recording.parameters, dict[tuple[str, str], float]()
+    has_targets = any(name.endswith(".target_angle") for name in (*recording.columns, *recording.inputs))
+    for name, value in known.items():
+        owner, _, key = name.rpartition(".")
+        if (unit := JOINT_LOSSES.get(key)) and value:
+            is_servo = key == "joint_damping" and (has_targets or known.get(f"{owner}.joint_torque_limit"))
+            words = "servo damping" if is_servo else key.replace("_", " ")
+            largest[words, unit] = max(value, largest.get((words, unit), 0.0))
+    return [f"{words} ≤ {most:g} {unit}" for (words, unit), most in sorted(largest.items())]
 
 
 def of_contacts(recording: Recording) -> list[str]:
