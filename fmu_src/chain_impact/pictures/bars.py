@@ -30,13 +30,11 @@ from chain_impact.pictures.drawing.style import (
 # blocks of bars; the height for one bar
 WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
-HEADING_ROW = -1.0  # the row of the heading of the texts, above the first bar, which is in row 0
+# [points] the space between the axes and the heading of the texts, and between the axes and a title above it
+HEADING_SPACE, TITLE_SPACE = 3.0, 16.0
 DOT = 24.0  # [square points] the size of a dot
 RUN_MARK = 4.5  # [points] the size of the diamonds, see ``Bars.marks``
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
-# The axes of all blocks of bars have one scale if their labels are equal, and if the longest bar or mark of
-# any block, without a part that is cut off, is at most ONE_SCALE times as long as that of any other block.
-ONE_SCALE = 10.0
 # bars are cut off only if the longest bar extends more than CUT times as far from 0 as what must be visible
 CUT = 4.0
 ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are visible beside the marks
@@ -81,9 +79,11 @@ class Bars:
         """The ends of the axis without margins (``axis_ends``)."""
         return axis_ends(self.values, self.mark_of_each)
 
-    def are_cut(self, ends: tuple[float, float]) -> bool:
-        """Return whether a bar extends beyond the ``ends`` of the axis."""
-        return any(not ends[0] <= value <= ends[1] for value in self.values if math.isfinite(value))
+    @property
+    def are_cut(self) -> bool:
+        """Whether a bar extends beyond the ``ends`` of the axis."""
+        low, high = self.ends
+        return any(not low <= value <= high for value in self.values if math.isfinite(value))
 
 
 def axis_ends(values: Sequence[float], marks: Sequence[float | None]) -> tuple[float, float]:
@@ -120,8 +120,7 @@ def fill_bars(
         blocks: the blocks, each with at least one bar; without a block the picture says "no effect".
         warning: a text in PEAK_COLOUR between title and conditions; "" for none.
     """
-    scales = _scales(blocks) if blocks else []
-    if any(block.are_cut(ends) for block, ends in zip(blocks, scales, strict=True)):
+    if any(block.are_cut for block in blocks):
         warning += CUT_BARS
     headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
     if not blocks:
@@ -131,30 +130,9 @@ def fill_bars(
         return
     heights = [len(block.names) for block in blocks]
     grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
-    for axes, block, ends in zip(grid, blocks, scales, strict=True):
-        draw_bars(axes, block, ends, small=is_narrow(figure))
+    for axes, block in zip(grid, blocks, strict=True):
+        draw_bars(axes, block, block.ends, small=is_narrow(figure))
     settle(figure)
-
-
-def have_one_scale(longest: Sequence[float]) -> bool:
-    """Return whether blocks of bars can have one scale (ONE_SCALE).
-
-    ``longest``: the length of the longest bar or mark of each block, as far as it is not cut off.
-    """
-    return max(longest) <= ONE_SCALE * min(longest)
-
-
-def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
-    """Return the ends of each block's axis.
-
-    All axes have the same ends if their labels are equal, and if ``have_one_scale``. Otherwise each axis has
-    the ends of its own block.
-    """
-    longest = [max(map(abs, block.ends)) for block in blocks]
-    if len({block.label for block in blocks}) > 1 or not have_one_scale(longest):
-        return [block.ends for block in blocks]
-    low, high = zip(*(block.ends for block in blocks), strict=True)
-    return [(min(low), max(high))] * len(blocks)
 
 
 def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool) -> None:
@@ -172,30 +150,32 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
         marks = block.mark_of_each
         hollow = ["none" if mark is not None else colour for mark, colour in zip(marks, colours, strict=True)]
         axes.barh(rows, block.values, THICK, color=hollow, edgecolor=colours)
-        for place, (value, colour) in enumerate(zip(block.values, colours, strict=True)):
+        for row, (value, colour) in enumerate(zip(block.values, colours, strict=True)):
             if not ends[0] <= value <= ends[1]:
-                _draw_arrow(axes, place, colour, to_right=value > 0.0)
-        for place, mark in enumerate(marks):
+                _draw_arrow(axes, row, colour, to_right=value > 0.0)
+        for row, mark in enumerate(marks):
             if mark is not None:
-                axes.plot([mark], [place], "D", color=INK, markersize=RUN_MARK)
-    heading = [(HEADING_ROW, block.heading)] if block.heading else []
-    for row, text in [*zip(rows, block.texts, strict=True), *heading]:
-        axes.annotate(
-            text.replace("-", "−"),
-            (1.0, row),
-            (4.0, 0.0),
-            xycoords=axes.get_yaxis_transform(),
-            textcoords="offset points",
-            va="center",
-            fontsize="small",
-        )
+                axes.plot([mark], [row], "D", color=INK, markersize=RUN_MARK)
+    beside: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
+    for row, text in zip(rows, block.texts, strict=True):
+        place: dict[str, Any] = {"xy": (1.0, row), "xycoords": axes.get_yaxis_transform(), "va": "center"}
+        axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **place, **beside)
+    if block.heading:
+        axes.annotate(block.heading, (1.0, 1.0), (4.0, HEADING_SPACE), "axes fraction", **beside)
     axes.set_yticks(rows, block.names, fontsize="small" if small else None)
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.axvline(0.0, color=INK, linewidth=0.6)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     axes.set_xlabel(block.label)
-    axes.set_title(block.title, fontsize="small", color=INK, loc="left", wrap=True)
+    axes.set_title(
+        block.title,
+        fontsize="small",
+        color=INK,
+        loc="left",
+        wrap=True,
+        pad=TITLE_SPACE if block.heading else None,
+    )
     axes.xaxis.set_major_locator(MaxNLocator(4 if small else 6, min_n_ticks=LEAST_TICKS, steps=TICK_STEPS))
     low, high = ends
     margin = BAR_MARGIN * (high - low)

@@ -235,8 +235,6 @@ class Ranking:
         reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks)]
         longest = [max(map(abs, values)) for values in changes]
         sizes = list(map(min, reach, longest))
-        if blocks and pictures.have_one_scale(sizes):
-            sizes = [max(sizes)] * len(sizes)
         factor, unit = readable(abs(self.value), self.unit)
         other = [effect for effect in itertools.chain(*blocks) if effect.differs]
         checked = [effect for effect in itertools.chain(*blocks) if effect.simulated is not None]
@@ -276,8 +274,7 @@ class Ranking:
     def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:
         """Return the arguments of ``pictures.Bars`` for effects; their unit has a prefix that suits ``size``.
 
-        ``size`` is the length of the longest bar that the axis shows, in the block or, with one scale, in all
-        blocks.
+        ``size`` is the length of the longest bar that the axis shows.
         """
         factor, unit = readable(size, self.unit)
         values = [factor * effect.change for effect in effects]
