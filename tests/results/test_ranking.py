@@ -169,11 +169,10 @@ def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
     texts = [text.get_text() for axes in page.axes for text in axes.texts]
     assert all(share in text for text in texts if text != "relative")
     assert "for 2 effects: all differ by more" in " ".join(page.texts[1].get_text().split())
+    assert "the bars are the runs" in " ".join(page.texts[1].get_text().split())
     for axes in page.axes:
-        marks = [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "D"]
-        assert marks == [change]  # on the scale of the bars
-        assert axes.get_xlim()[0] <= change <= axes.get_xlim()[1]
-        assert [bar.get_facecolor()[3] for bar in axes.patches] == [0.0]  # hollow
+        assert [bar.get_width() for bar in axes.patches] == [change]
+        assert not [line for line in axes.lines if line.get_marker() == "D"]
     assert all(bar.get_facecolor()[3] == 1.0 for axes in ranking.plot().axes for bar in axes.patches)
 
 
@@ -196,6 +195,7 @@ def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
     assert arrows[">"] == [0]
     assert arrows["<"] == [1, 3]
     assert len(arrows["D"]) == 3, "the third run confirms its effect"
+    assert [bar.get_facecolor()[3] for bar in axes.patches] == [0.0, 0.0, 1.0, 0.0]  # hollow
     told = " ".join(page.texts[1].get_text().split())
     assert "3 differ by more than 25 % (hollow bars; the diamond is the run); a bar with an arrow" in told
     title = page.get_suptitle()
@@ -203,9 +203,19 @@ def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
     assert "+\n" not in title
 
 
+def test_bars_of_runs_are_in_the_order_of_the_runs_if_all_runs_differ(result):
+    ranking = result.ranking("point[2].x", FOUR)
+    pairs = zip(ranking.effects, (0.02, -0.01, 0.03, 0.001), strict=True)
+    effects = tuple(effect._replace(change=400.0, simulated=run) for effect, run in pairs)
+    (axes,) = replace(ranking, effects=effects).plot().axes
+    names = [label.get_text() for label in axes.get_yticklabels()]
+    assert names == [effects[k].parameter for k in (2, 0, 1, 3)]
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx([30.0, 20.0, -10.0, 1.0])  # mm
+
+
 def test_bars_that_a_run_refutes_stay_whole_if_the_run_is_of_their_size(result):
     ranking = result.ranking("point[2].x", FOUR[:2])
-    pairs = zip(ranking.effects, (0.02, 0.1), strict=True)
+    pairs = zip(ranking.effects, (0.05, 0.1), strict=True)
     effects = tuple(effect._replace(change=0.05, simulated=run) for effect, run in pairs)
     page = replace(ranking, effects=effects).plot()
     assert not [line for line in page.axes[0].lines if line.get_marker() in "<>"]

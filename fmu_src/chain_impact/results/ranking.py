@@ -226,18 +226,27 @@ class Ranking:
         return pictures.draw_figure(self.fill, path, size, usual)
 
     def fill(self, figure: Figure) -> None:
-        """Draw the bars on an empty figure."""
+        """Draw the bars on an empty figure.
+
+        If the runs differ from all effects of the picture, the bars are the changes in these runs, because no
+        effect to first order holds for the step.
+        """
         from chain_impact import pictures
 
         percent, blocks = f"{100.0 * PART:g} %", self._blocks()
+        drawn = list(itertools.chain(*blocks))
+        checked = [effect for effect in drawn if effect.simulated is not None]
+        told = self.verdict(checked)
+        warning = f"{told} (hollow bars; the diamond is the run)" if any(e.differs for e in drawn) else ""
+        if drawn and all(effect.differs and np.isfinite(effect.simulated or 0.0) for effect in drawn):
+            warning = f"{told}: the bars are the runs, not first order"
+            blocks = list(map(_in_runs, blocks))
         changes = [[effect.change for effect in effects] for effects in blocks]
         marks = [list(map(_mark, effects)) for effects in blocks]
         reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks)]
         longest = [max(map(abs, values)) for values in changes]
         sizes = list(map(min, reach, longest))
         factor, unit = readable(abs(self.value), self.unit)
-        other = [effect for effect in itertools.chain(*blocks) if effect.differs]
-        checked = [effect for effect in itertools.chain(*blocks) if effect.simulated is not None]
         more = max(len(self.effects) - MOST_BARS, 0)
         parts = [
             self.where,
@@ -250,7 +259,7 @@ class Ranking:
             figure,
             title=f"{self.source}: effect of + {percent} on {self._words}"
             f" = {with_unit(digits(factor * self.value), unit)}",
-            warning=f"{self.verdict(checked)} (hollow bars; the diamond is the run)" if other else "",
+            warning=warning,
             conditions="; ".join(filter(None, parts)),
             blocks=[pictures.Bars(**self._bars(*each)) for each in zip(blocks, sizes, strict=True)],
         )
@@ -300,6 +309,12 @@ class Ranking:
 def _mark(effect: Effect) -> float | None:
     """Return ``simulated``, the change in a run, if ``effect.differs``; else None."""
     return effect.simulated if effect.differs else None
+
+
+def _in_runs(effects: Sequence[Effect]) -> list[Effect]:
+    """Return effects whose ``change`` is the change in the run, the largest first, without ``simulated``."""
+    found = [effect._replace(change=effect.simulated or 0.0, simulated=None) for effect in effects]
+    return sorted(found, key=lambda effect: -abs(effect.change))
 
 
 def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
