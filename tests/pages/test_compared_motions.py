@@ -392,6 +392,14 @@ def test_what_differs_comes_first_in_the_names_of_pins(show):
     ]
 
 
+def test_a_change_to_many_times_the_force_is_told_as_a_factor(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.stiffness': 1e11})")
+    change = page.locator("#pins tbody tr:nth-child(2) td:nth-child(2) small")
+    change.filter(has_text=re.compile(r"^A → now ×\u202f[1-9]\d(\.\d)?$")).wait_for()
+
+
 def test_forces_and_impulses_are_not_compared_and_angles_are_in_degrees(show):
     page = show()
     page.evaluate("chainImpact.show({'contact.model': 'newton_impact', 'initial.angle[2]': -2.16})")

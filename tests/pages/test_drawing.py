@@ -184,8 +184,8 @@ def test_a_joint_with_stops_has_an_arc_and_impacts_in_angles(show_recording):
     assert page.locator(".force-text").text_content().endswith("N·m")
     assert page.get_attribute("#caption", "title") == page.inner_text("#caption")
     assert page.inner_text("#caption").startswith("Impact 1 of ")
-    assert page.inner_text("#caption").endswith(", joint 2 at min")
-    assert "joint 2 at min" in page.text_content("#contact-name")
+    assert page.inner_text("#caption").endswith(", joint 2 at min (point 1)")
+    assert "joint 2 at min (point 1)" in page.text_content("#contact-name")
 
 
 @pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])

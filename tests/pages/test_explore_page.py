@@ -137,6 +137,18 @@ def test_a_ratio_of_speeds_above_1_is_told_as_such_and_no_impulse_is_cut(show):
     assert page.evaluate("impacts.scrollWidth <= impacts.clientWidth")
 
 
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_the_list_has_room_for_units_of_stops(show, size):
+    page = show("kneed_leg", hash_="#stop.restitution=0.5", viewport=size)
+    page.evaluate("chainImpact.show({'stop.restitution': 0.3})")
+    until_told(page, impacts_of({"stop.restitution": 0.3}, "kneed_leg"))
+    assert page.locator("#impacts td:nth-child(5)", has_text="mrad/s").count() > 2, "the speeds are long"
+    assert page.evaluate("impacts.scrollWidth <= impacts.clientWidth")
+    largest = page.locator("#impacts tbody tr:first-child td:last-child").inner_text()
+    assert page.locator("#impacts-before").inner_text().endswith(f" → {largest}")
+    assert page.locator("#impacts tbody tr").first.get_attribute("title") == "Joint 3 at max (point 2)"
+
+
 def test_the_page_within_a_lesson_without_a_worker_and_in_an_old_browser(browser, server):
     page = browser.new_page()
     page.goto(f"{server}/lesson.html")

@@ -11,6 +11,7 @@ import { onGesture } from "./gestures.js";
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
 const [TIP, TIPS_APART] = [15, 16]; // TIP: [pixels] diameter of the dot of a letter; TIPS_APART: least distance between two of them
+const MANIFOLD = 10; // least factor between two forces or impulses that is told as a factor, not in percent
 const LISTED = 40; // number of impacts of each motion, from the first on, that the table of compared motions has
 
 export class ComparedMotions {
@@ -221,7 +222,7 @@ function comparisonTable(motions, isPresent) {
   if (motions.some(({ recording: { impacts } }) => impacts.length > LISTED)) heads.push(`the first ${LISTED} of each motion are listed`);
   const head = make("tr", {}, ...heads.map((textContent) => make("th", { scope: "col", textContent })));
   const body = motions.map(({ title, recording, letter }, k) => {
-    const change = k && (isPresent ? percentText(motions[0].recording, recording) : "–");
+    const change = k && (isPresent ? changeText(motions[0].recording, recording) : "–");
     const largest = make("td", { textContent: largestText(recording) });
     if (change) largest.append(make("small", { textContent: `${letter} → now ${change}`, title: "From this motion to the present one" }));
     return make("tr", {}, title, largest, ...columns.map((column) => cellOf(column[k], column[0]?.number)));
@@ -246,7 +247,7 @@ function alignedImpacts(all) {
 }
 
 /**
- * Return { value, unit }: the largest peak force of a recording or, if no peak force or moment is known, the largest impulse, of ended
+ * Return { value, unit, text }: the largest peak force of a recording or, if no peak force or moment is known, the largest impulse, of ended
  * contacts if there are any. At stops of joints, peak moments and impulses of moments replace forces and impulses; they count only if no
  * other impact has a known value of this kind. The result is null if no value is known.
  */
@@ -257,13 +258,14 @@ function largestKnown({ impacts }) {
   const atWalls = known.filter(({ atStop }) => !atStop);
   const key = peaks.length ? "peak" : "impulse";
   const impact = (atWalls.length ? atWalls : known).reduce((one, other) => (one && one[key] >= other[key] ? one : other), null);
-  return impact && { value: impact[key], unit: unitsOf(impact)[key === "peak" ? "force" : "impulse"] };
+  if (!impact) return null;
+  const unit = unitsOf(impact)[key === "peak" ? "force" : "impulse"];
+  return { value: impact[key], unit, text: key === "peak" ? forceText(impact.peak, 3, unit) : impulseText(impact) };
 }
 
 /** Return a text: the largest peak force of a recording; the largest impulse if no peak force is known; a dash if neither is known. */
 export function largestText(recording) {
-  const largest = largestKnown(recording);
-  return largest ? forceText(largest.value, 3, largest.unit) : "–";
+  return largestKnown(recording)?.text ?? "–";
 }
 
 /** Return the values of `largestKnown` for two recordings; an empty list if the units of the values differ, or a value is unknown. */
@@ -273,12 +275,13 @@ function comparableOf(...recordings) {
 }
 
 /**
- * Return the largest force (or else impulse) of a recording minus that of `other`, in percent of the value of `other`, as text: "−12 %";
- * "" if the units differ, a value is unknown, or the value of `other` is 0.
+ * Return the change of the largest force (or else impulse) from `other` to a recording as text: in percent of the value of `other`, as in
+ * "−12 %", or as a factor from MANIFOLD on, as in "× 1350"; "" if the units differ, a value is unknown, or the value of `other` is 0.
  */
-function percentText(recording, other) {
+function changeText(recording, other) {
   const [value, base] = comparableOf(recording, other);
   if (!(base > 0)) return "";
+  if (value >= MANIFOLD * base) return `×\u202f${Number((value / base).toPrecision(3))}`;
   const percent = 100 * (value / base - 1);
   const rounded = Math.abs(percent) < 0.05 ? "0" : digits(percent, 2);
   return `${percent > 0 && rounded !== "0" ? "+" : ""}${withMinus(rounded)}\u202f%`;

@@ -2,7 +2,7 @@
 
 import { find, make } from "../base/dom.js";
 import { fixed, forceText, impulseText, speedWithUnit, unitsOf, withMinus } from "../base/format.js";
-import { placeText, toucherText, wallText } from "../scene/words.js";
+import { capitalized, placeText, toucherText, wallText } from "../scene/words.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
 const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
@@ -84,7 +84,7 @@ export class ImpactList {
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return this.#showAll(false);
-    const table = make("table");
+    const table = make("table", { className: recording.impacts.some(({ atStop }) => atStop) ? "with-stops" : "" });
     element.parentElement.style.setProperty("--rows", recording.impacts.length);
     const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
     const areImpulses = recording.impacts.every((impact) => impact.peak === null && impulseText(impact));
@@ -123,6 +123,7 @@ export class ImpactList {
       const [x, y] = [impact.x, impact.y].map((value) => withMinus(fixed(value, 4)));
       row.title = `At x = ${x}\u202fm, y = ${y}\u202fm`;
     }
+    if (impact.atStop) row.title = capitalized(placeText(impact));
     const button = make("button", { type: "button", tabIndex: -1, textContent: String(impact.number) });
     button.setAttribute("aria-label", `Go to impact ${impact.number}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);

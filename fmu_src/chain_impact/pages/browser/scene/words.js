@@ -31,9 +31,13 @@ export function wallText({ wall, boxWall }) {
   return boxWall ?? wall.replace(/^(joint|slider)_(?=(min|max)$)/, "");
 }
 
-/** Return words for a contact: "point 2 at the floor". */
+/**
+ * Return words for a contact: "point 2 at the floor"; for a stop of a joint also the number that the drawing has at the joint: "joint 3 at
+ * max (point 2)". The number is at the end, which a narrow screen may cut.
+ */
 export function placeText(contact) {
-  return `${contact.what} at ${contact.boxWall ? "the " : ""}${wallText(contact)}`;
+  const [, joint] = /^joint (\d+)$/.exec(contact.what) ?? [];
+  return `${contact.what} at ${contact.boxWall ? "the " : ""}${wallText(contact)}${joint ? ` (point ${joint - 1})` : ""}`;
 }
 
 /** Return the name of a point in the words for what touches, such as "point 5 (heel)"; undefined if it has no name, or is no point. */
