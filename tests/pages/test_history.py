@@ -78,6 +78,13 @@ def test_each_arrow_key_moves_a_slider_with_fine_steps(show):
         assert float(slider.input_value()) == before + step
 
 
+@pytest.mark.parametrize(("model", "walls"), [("cart_pole", False), ("four_link_box", True)])
+def test_the_text_on_the_start_by_hand_names_walls_of_the_scene(show, model, walls):
+    text = show(model).locator(".by-hand small").inner_text()
+    assert text.startswith("At the start, drag joints")
+    assert ("walls" in text) is walls
+
+
 def test_a_drag_of_a_handle_is_one_change(show):
     page = show()
     names = "Object.entries(chainImpact.parameters).filter(([name]) => name.startsWith('initial.')).join()"

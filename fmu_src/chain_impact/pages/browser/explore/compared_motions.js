@@ -247,9 +247,9 @@ function alignedImpacts(all) {
 }
 
 /**
- * Return { value, unit, text }: the largest peak force of a recording or, if no peak force or moment is known, the largest impulse, of ended
- * contacts if there are any. At stops of joints, peak moments and impulses of moments replace forces and impulses; they count only if no
- * other impact has a known value of this kind. The result is null if no value is known.
+ * Return { value, unit, text }: the largest peak force of a recording or, if no peak force or moment is known, the largest impulse, of
+ * ended contacts if there are any. At stops of joints, peak moments and impulses of moments replace forces and impulses; they count only if
+ * no other impact has a known value of this kind. The result is null if no value is known.
  */
 function largestKnown({ impacts }) {
   const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));

@@ -115,5 +115,13 @@ find("by-hand").addEventListener("click", ({ detail }) => {
   player.draw();
   find("scene").querySelector("[data-grip^=joint]").focus({ preventScroll: true });
 });
+/** Tell by the button what the reader can drag at the start: walls only if the scene has any. */
+const tellByHand = () => {
+  const hasWalls = Object.keys(changes.scene.walls).length > 0;
+  const dragged = hasWalls ? "joints, arrows of velocity, and walls" : "joints and arrows of velocity";
+  find("by-hand-text").textContent = `At the start, drag ${dragged}.`;
+};
+changes.onOpen(tellByHand);
+tellByHand();
 keepChartsWhole();
 simulation.begin();
