@@ -140,7 +140,7 @@ def _locked(path: Path) -> Iterator[None]:
     """Context manager that holds the lock file ``path``, after waiting for other processes that hold it.
 
     The operating system releases the lock if the process is killed. A process that waits longer than PATIENCE
-    logs a message.
+    logs a message and waits on.
     """
     from filelock import FileLock, Timeout
 

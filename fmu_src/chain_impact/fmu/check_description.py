@@ -87,7 +87,7 @@ def description_findings(path: Path) -> list[Finding]:
     for file, content in terminals.items():
         faults += terminal_findings(content, names, file)
     structure = Structure(root, variables)
-    # fmpy would raise IndexError or KeyError for a reference to a variable that does not exist
+    # fmpy (in ``_of_fmpy``) would raise IndexError or KeyError for a reference to a missing variable
     if not (lost := list(structure.lost())):
         faults += structure.findings()
         # a fault that the XML schema refuses causes other faults, so it is listed first

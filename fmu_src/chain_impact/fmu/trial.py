@@ -25,8 +25,8 @@ from chain_impact.fmu.references import REFERENCE_FILE, check_references
 from chain_impact.fmu.versions import FMI_2, FMI_3, is_fmi_2
 
 T = TypeVar("T")
-# two values count as equal up to this relative difference, because a start value may be written with six
-# digits
+# two values count as equal up to this relative difference, because a start value may be written with only
+# seven significant digits
 START_ROUND_OFF = 1e-6
 TINY = 1e-12  # in the unit of the variable: two values also count as equal if they differ by at most this
 SAID = 300  # a message of the FMU is cut to this number of characters in the report

@@ -45,7 +45,7 @@ def number(value: float, digits: int = 4) -> str:
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")
 
 
-WHOLE = 99.5  # a number from this size on is written without decimals: with two digits it would become 1e+02
+WHOLE = 99.5  # from this size on, a number with two digits would have an exponent, as in 1e+02
 
 
 def signed(value: float) -> str:

@@ -104,7 +104,7 @@ class DifferentiatedInstance(Instance):
         self.initialize()
 
     def slope_words(self, words: np.ndarray) -> np.ndarray:
-        """Return the indices, in the record, of the derivatives of outputs.
+        """Return the indices of the derivatives of outputs, in the record with its tangent instances.
 
         Args:
             words: the indices of the W outputs in the record.

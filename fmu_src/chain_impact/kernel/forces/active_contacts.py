@@ -80,9 +80,9 @@ def clear_loads(d):
 def apply_contacts(d):
     """Set the loads to the input force at the tip, forces of contacts with a force law, and sliding friction.
 
-    The points must be located. A contact force is that of one side of its kink (forces/force_formula.py); the
-    sliding friction includes joints and slider. Return the power [W] that these contact forces and the
-    sliding friction dissipate.
+    Earlier loads are cleared. The points must be located. ``touch.beyond_kink`` tells which side's formula
+    gives a contact force (``continued_force``); the sliding friction includes joints and slider. Return the
+    power [W] that these contact forces and the sliding friction dissipate.
     """
     clear_loads(d)
     dissipated = 0.0

@@ -276,7 +276,7 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("point", INTEGER, (log,)),  # point of the contact, as in `candidate.point`
         ("wall", INTEGER, (log,)),  # index of the wall or kind of stop, as in `candidate.wall`
         ("onset", REAL, (log,)),  # s, time of the contact's onset
-        # s, end of the contact; for an active contact NaN or, in rows for `latest`, the communication point
+        # s, end of the contact; for an active contact NaN, or in ``list_latest`` the communication point
         ("end", REAL, (log,)),
         ("impact_speed", REAL, (log,)),  # m/s, approach speed at the onset, `touch.onset_speed`
         ("separation_speed", REAL, (log,)),  # m/s, rate of the clearance at ``end``; NaN if ``end`` is NaN

@@ -25,7 +25,8 @@ def bounded(least: int, most: int) -> np.dtype:
 
     The kernel uses the integer as an index or as a number of iterations: with a value beyond the bounds the
     kernel could access memory outside the record. ``within_bounds`` in kernel/entry.py checks these fields in
-    a record from outside. A bound is an affine function of the counts of the record (counts.py).
+    a record from outside. Each bound is an integer that must depend affinely on the record's
+    counts (counts.py).
     """
     return np.dtype(INTEGER, metadata={"least": least, "most": most})
 

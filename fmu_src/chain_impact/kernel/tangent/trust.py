@@ -116,7 +116,7 @@ def jumps_at_rest(t, c, depth):
 
 
 def mark_untrusted(t, reason, c, time):
-    """End the derivatives at a ``time`` [s]; the cause is candidate or element c, or for NO_IMPACT neither.
+    """End the derivatives at a ``time`` [s]; the cause is candidate or element c, neither if c = NO_IMPACT.
 
     ``reason`` is a number of this module, from GRAZING to FROM_REST.
     """

@@ -210,7 +210,8 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
     ``lines`` are pairs of a text and its colour; they stand between message and conditions.
 
     All texts are broken at the edge of the figure; the font has the same size in all figures. In a narrow
-    figure the conditions stand at the foot. Conditions without room (MOST_HEAD, ``write_foot``) are left out.
+    figure the conditions stand at the foot. Without room for all of them, none is written
+    (MOST_HEAD, ``write_foot``).
     """
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}

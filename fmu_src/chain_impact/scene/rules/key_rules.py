@@ -45,8 +45,8 @@ class KeyRules(TypedDict, total=False):
     label: str
     # whether only files have the key: the reading of a file replaces it by other keys
     file_only: bool
-    # name of another key, in the same table or as "table.key", whose value is the path of a user's file: the
-    # file's name without suffix is one more choice, as for a user's law
+    # name of another key, in the same table or as "table.key", whose value is the path of a user's file, such
+    # as a file with a contact law: the file's name without suffix is one more choice
     extended_by: str
     # function that returns the unit of the value from the values of keys read before; only for a key whose
     # unit depends on other keys

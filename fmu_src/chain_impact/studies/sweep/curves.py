@@ -130,7 +130,7 @@ def lines_of(
 
 
 def _equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
-    """Return whether the runs ``first`` and ``second`` are as many and have nearly equal results in pairs.
+    """Return whether two lists of indices of runs are as long, with nearly equal results of runs in pairs.
 
     ``results``: the value of each quantity in each run, shape (number of quantities, R). Two missing values,
     NaN, are equal.

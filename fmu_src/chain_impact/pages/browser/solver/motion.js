@@ -69,8 +69,8 @@ function drawnWords({ drawn: { points, groups }, moved }) {
 }
 
 /**
- * Return the rows of a recording as the argument `rows` of `framesOf`; `column` is a function from an index in the record to the
- * values there in all rows.
+ * Return the rows of a recording as the argument `rows` of `framesOf`. Two arguments are functions: `valueOf` from the name of a
+ * parameter to its value, `column` from an index in the record to the values there in all rows.
  */
 function rowsOf(scene, valueOf, { time, impacts, column }) {
   const { drawn: { points, groups }, moved } = scene;

@@ -5,7 +5,7 @@ import { idleLaw } from "../parameters/main_parameters.js";
 // a map first shows the first of these outputs that the scene has and no rigid law leaves unknown (`rigidLaw`)
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];
 
-/** Return the words of a run that a map needs, as indices in the record: its status, and those of the outputs. */
+/** Return the indices, in the record, of the words (8 bytes each) of a run that a map needs: its status and the outputs. */
 export function wordsOfRun({ layout }, outputs) {
   return [layout.status, ...outputs.flatMap(({ words }) => words)];
 }
@@ -47,8 +47,8 @@ function outputsLike({ columns }, name) {
 }
 
 /**
- * Return the outputs that are largest values of a run: at walls, at stops of joints, and of forces in joints. Their names are those of a
- * sweep.
+ * Return the outputs that are largest values of a run: at walls and stops of the slider, at stops of joints, and of forces in joints.
+ * Their names are those of a sweep.
  */
 function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
   const touch = contactPoints.length + sliderStops.length;

@@ -13,8 +13,8 @@ function release(field) {
 
 /**
  * Call the function `change`; if it throws an error, because it refuses the field's value, mark the field, and show the reason in the
- * field's row; in the reason, words replace the names of parameters (`withControls`). `changes`: the present parameters of the page, and
- * their changes.
+ * field's row; in the reason, words replace the names of parameters (`withControls`). `changes`: the object `Changes` of
+ * the page.
  */
 export function attempt(changes, field, change) {
   try {

@@ -81,8 +81,8 @@ function mainParameter(changes, entry, now) {
 }
 
 /**
- * Return the least value that the slider of a parameter may set: a value above 0 for an entry with a `spread`, and for a restitution if the
- * contact law does not allow 0; else −∞.
+ * Return the least value that the slider of a parameter may set: a value above 0 for an entry whose slider goes from 0 to `spread` times
+ * the start value, and for a restitution if the contact law does not allow 0; else −∞.
  */
 function leastOf(changes, { name, spread }) {
   if (spread) return rounded(changes.starts[name] / 100);
