@@ -58,8 +58,8 @@ runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sy
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
 GENERAL = 0
 """The number that stands in place of a number of links for the kernel that can run every scene: with any
-number of links and all rare features, such as moving walls, points of links, a slider, or signals. Kernels
-without the rare features lose no time with them."""
+number of links and all rare features, such as moving walls, points of links, a slider, or signals. Runs with
+a kernel without the rare features take less time."""
 _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
 """The names of the LLVM functions that return the counts and flags at the start of a record, in the record's
 order."""

@@ -274,9 +274,9 @@ class _Conversion:
         return mass, center, about
 
     def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
-        """Return the mass, centre of mass and inertia of a link by their keys; refuse a link without mass.
+        """Return a link's mass, centre of mass (from ``hinge``) and inertia about it by their keys.
 
-        ``part`` are the indices of the link's bodies; ``along`` is the unit vector along the link.
+        A link without mass is refused. ``part``: indices of the link's bodies; ``along``: its unit vector.
         """
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)

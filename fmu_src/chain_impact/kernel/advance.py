@@ -342,7 +342,7 @@ def land(d, theta):
         control.reject_step(d, control.SPOILED)
         return -1.0
     make_last_step(d)
-    # the error of the whole step, not of the repeated part, determines the size of the next step
+    # the error of the whole step, not of its repetition up to an event, determines the size of the next step
     control.set_outcome(d, error, d.trial.cost_factor)
     return onset_fraction(d)
 

@@ -24,8 +24,8 @@ from chain_impact.recording.recording import Recording
 # panel than ABOVE_TIME.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
 BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arranged
-# the height of the panel of motion beside other panels, relative to the width of the figure, for a wide and a
-# narrow figure
+# ``motion_share`` of a motion that is as high as wide, in a wide and in a narrow figure; it sets the width of
+# the panel only
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
 # contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
@@ -62,7 +62,7 @@ def is_over_time(recording: Recording, name: str) -> bool:
 
 
 def is_in_column(recording: Recording, name: str) -> bool:
-    """Return whether the panel ``name`` stands among the panels over time: all but a motion in the plane."""
+    """Return whether a panel stands among the panels over time: all but a motion that is along no line."""
     return name != "motion" or line_of_motion(recording) is not None
 
 

@@ -364,10 +364,10 @@ def _convert(kind: Any, value: Any) -> Any:
 
 
 def meant_number(value: Any, unit: str) -> str:
-    """Return a hint how to write the number that a text has in a wrong form; "" for any other value.
+    """Return a hint on the number that a text has in a wrong form; "" for any other value.
 
-    A wrong form has a unit (``unit`` with any prefix, or %), a power such as 10^7, a decimal comma, or
-    several values.
+    A wrong form has a unit (``unit`` with any prefix; % if ``unit`` is that of a pure number), a power such
+    as 10^7, a decimal comma, or several values.
     """
     if not isinstance(value, str):
         return ""

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from chain_impact import fit, load_scene
+from chain_impact import fit, load_scene, simulate
 from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT
 from chain_impact.studies.fit.sigma import standard_deviation
@@ -92,6 +92,33 @@ def test_the_table_of_impacts_of_a_result_is_one():
     assert {"x", "y"} & {*every.quantity} == set()
     assert "duration" not in every.quantity  # onset and end determine it
     assert "joint_force" not in every.quantity  # unknown without loads
+
+
+def test_a_contact_that_ends_late_is_simulated_to_its_measured_end():
+    ball = load_scene("bouncing_ball").with_values(
+        {
+            "contact.model": "zhang_sharf",
+            "contact.stiffness": 1000.0,
+            "contact.exponent": 1.0,
+            "initial.y": 0.05,
+            "simulation.stop_time": 3.0,
+        }
+    )
+    first = simulate(ball).impacts[0]
+    onset, end = float(first["onset"]), float(first["end"])
+    assert end > 1.5 * onset
+    table = {"onset": [onset], "end": [end]}
+    data = read_measurements(table, ball, {"onset": 1e-4, "end": 1e-4})
+    assert data.order.tolist() == [onset, end]
+    assert data.end(3.0) > end
+    found = fit(
+        ball.with_values({"contact.stiffness": 1300.0}),
+        table,
+        ["contact.stiffness"],
+        sigma=dict.fromkeys(table, 1e-4),
+    )
+    assert found.values["contact.stiffness"] == pytest.approx(1000.0, rel=1e-6)
+    assert found.used.all()
 
 
 def test_a_force_in_a_joint_needs_a_scene_with_loads():

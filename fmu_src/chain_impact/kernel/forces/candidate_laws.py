@@ -40,10 +40,10 @@ from chain_impact.kernel.status import (
     refuse_candidate,
 )
 
-# The largest depth in a wall at which a point counts as not touching, relative to the longest link; at rigid
-# walls this depth is 0. For K = 1e8 N/m^1.5, n = 3/2 and links of 1 m, a force of 1e-10 N is neglected; the
-# round-off of positions is about 1e-15 m. Without this margin, the solver would search every step for an
-# onset if a point slides along a wall at zero clearance.
+# The largest depth in a wall at which a point at the end of a step counts as not touching, relative to the
+# longest link; at rigid walls this depth is 0. For K = 1e8 N/m^1.5, n = 3/2 and links of 1 m, a force of
+# 1e-10 N is neglected; the round-off of positions is about 1e-15 m. Without this margin, the solver would
+# search every step for an onset if a point slides along a wall at zero clearance.
 HARMLESS_DEPTH = 1e-12
 # results of ``law_origin`` for a law that does not belong to a wall
 OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3

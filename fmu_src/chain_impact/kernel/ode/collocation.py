@@ -109,7 +109,7 @@ CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)
 
 
 def factorize(d, h):
-    """Factorize the linear systems of a step of size h."""
+    """Factorize the linear systems of an implicit step of size h [s]."""
     factorize_real(d, h * REAL_EIGENVALUE)
     for pair in range(PAIRS):
         factorize_complex(d, shift_of(pair, h), pair)

@@ -111,7 +111,7 @@ def quadrature_at(d, k):
 
 
 def extended_size(d):
-    """Return the length of the extended state z."""
+    """Return the number of entries of the extended state z: y without u and t, g, ġ and quadratures."""
     return quadrature_at(d, d.quadrature.count)
 
 

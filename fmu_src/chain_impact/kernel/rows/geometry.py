@@ -296,7 +296,7 @@ def add_joint_loads(d, load):
 
 
 def add_joint_impedances(d, impedance):
-    """Add to each joint's impedance its rotor's inertia, and the impedance of its place × the lever arm²."""
+    """Add to each joint's impedance its rotor's inertia, and the impedance of stop and drive × lever arm²."""
     if d.chain.has_joint_places or d.chain.has_armatures:
         square = d.chain.longest_link * d.chain.longest_link
         for i in range(d.links):

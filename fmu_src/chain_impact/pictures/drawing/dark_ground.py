@@ -25,7 +25,8 @@ DARK = 0.18  # a ground with less luminance is dark: white text has more contras
 LEAST_LUMINANCE = 0.2
 # the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE_CONTRAST applies to colours,
 # and to the greys of text and outlines, from 0 (black) to TEXT. VISIBLE_CONTRAST applies to the greys of
-# lines, between TEXT and LINES. The greys of areas and grids, above LINES, have no least ratio.
+# lines, between TEXT and LINES. The greys of areas and grids, above LINES, have no least ratio. All greys are
+# those that are chosen for a white ground.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 # The number of mixtures that are tried: of a colour with white, by increasing part of white; for a grey, of

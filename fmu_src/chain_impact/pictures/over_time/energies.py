@@ -36,7 +36,7 @@ ENERGIES = {
     "supplied": PURPLE,
 }
 """Name of an energy → its colour in all pictures."""
-# the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
+# the elastic energy is drawn if its largest value exceeds this, relative to the range of 0 and all energies
 VISIBLE_ELASTIC = 0.01
 # An energy whose |values| are all less than this, relative to the largest |value| of any energy, looks like a
 # line at 0; more than MOST_GREY of these energies are drawn as a band (``tiny_curves``).

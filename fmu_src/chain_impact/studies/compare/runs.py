@@ -162,7 +162,7 @@ class LawRuns:
 
     @property
     def at_stop(self) -> bool:
-        """Whether the first impact is at a stop of a joint: moment and angle replace force and length."""
+        """Whether ``first_impact`` is at a stop of a joint: moment and angle replace force and length."""
         return at_stop(self.scene, self.first_impact["wall"])
 
 

@@ -65,7 +65,7 @@ class Estimates:
 
     @property
     def chi_squared(self) -> float:
-        """χ²: the sum over the fitted values of (residual/σ)²."""
+        """χ²: the sum of (residual/σ)² over the measured values that were ``used``."""
         return float(np.nansum((self.residuals / self.sigma) ** 2))
 
     @property

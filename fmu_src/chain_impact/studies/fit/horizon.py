@@ -226,7 +226,7 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 
 
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
-    """Return the next horizon [s], the later one of two times; infinity if no value has a later time.
+    """Return the next horizon [s], the later one of two times; infinity if no value is later than both.
 
     One time is GROWTH × ``horizon``. The other is the first time of a value in ``Problem.followed`` that the
     model lacks, or from which it differs by more than ``far`` × the size of the column; infinity if no value

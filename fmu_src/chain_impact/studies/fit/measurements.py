@@ -92,13 +92,15 @@ class Measurements:
     def order(self) -> np.ndarray:
         """The time of each value, shape (M,) [s]: for an output, the time at which it was measured.
 
-        The time of a quantity of an impact is the measured onset of this impact or, without a measured onset,
-        the measured end; NaN if neither was measured.
+        The time of an impact's measured end is this end. The time of its other quantities is the measured
+        onset or, without a measured onset, the measured end; NaN if neither was measured.
         """
         onsets = np.array([impact.order for impact in self.impacts])
         order = np.zeros(len(self))
         order[~self.of_impact] = self.times[self.row[~self.of_impact]]
         order[self.of_impact] = onsets[self.row[self.of_impact]]
+        ends = self.of_impact & (np.array(self.quantity) == "end")
+        order[ends] = self.value[ends]
         return order
 
     def end(self, stop_time: float) -> float:
