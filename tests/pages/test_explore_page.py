@@ -239,6 +239,8 @@ def test_the_list_has_speed_ratios_and_the_chart_has_the_force_loop(show):
     assert line[-1] - line[0] > 8, "with a loss, the force on the way back is smaller"
     page.get_by_role("button", name="F(δ)").click()
     assert page.locator("#force .now").is_visible()
+    line, plot = (page.locator(f"#force {name}").bounding_box() for name in (".now", ".u-over"))
+    assert line["y"] - plot["y"] > 15.0, "the line does not cross the number of the peak force"
     assert "penetration" not in page.inner_text("#contact-quantity")
 
 

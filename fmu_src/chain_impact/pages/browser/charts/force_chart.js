@@ -14,6 +14,7 @@ const [PEAK_ROOM, PEAK_TOP] = [18, 4];
 // largest extent of both axes, relative to the curves of the contact itself: parts of compared curves beyond it are cut off
 const MOST_BESIDE = 2;
 const [ONLY_IMPULSE, NO_COURSE] = ["an impulse only", "no known force over time"]; // why a contact has no curve
+const LEAST_IN = { m: 1, mm: 1e-4, µm: 0 }; // [m] least value of the last tick with which an axis of penetrations is in a unit
 const NO_FORCE = 1e-9; // [N], or [N·m] at a stop of a joint: if no force is larger, the axis goes up to about 1
 
 /** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis up to it has a length. */
@@ -54,9 +55,9 @@ function courseAround(recording, contact) {
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
 }
 
-/** Return the label of a tick of an axis of penetrations [m]: all of `ticks` are in millimetres or all in micrometres. */
+/** Return the label of a tick of an axis of penetrations [m]: all of `ticks` are in metres, in millimetres or in micrometres. */
 function depthText(tick, ticks) {
-  const [factor, unit] = ticks.at(-1) >= 1e-4 ? [1e3, "mm"] : [1e6, "µm"];
+  const [factor, unit] = [[1, "m"], [1e3, "mm"], [1e6, "µm"]].find(([, name]) => ticks.at(-1) >= LEAST_IN[name]);
   return `${+(factor * tick).toPrecision(6)} ${unit}`;
 }
 
