@@ -124,7 +124,7 @@ export class Ranking {
     const others = [some.length > MOST_EFFECTS && `${some.length - MOST_EFFECTS} more with smaller effects`,
       effects.length > some.length && `${effects.length - some.length} without any`].filter(Boolean).join(", ");
     const effect = "Effects of 1\u00a0% more of a parameter, each from a run";
-    const told = `${effect}${others && `; ${others}`}. Click one to vary it in the map.`;
+    const told = `${effect}${others && `; ${others}`}. Choose one to vary it in the map.`;
     text.textContent = base === null ? `${quantityOf(output.name)} is not known ${output.isPlace ? "as a number" : "in this run"}.`
       : `${quantityOf(output.name)} = ${write(base, 4)}. ${told}`;
   }
