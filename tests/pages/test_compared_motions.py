@@ -366,7 +366,7 @@ def test_pins_are_named_by_the_changes_in_which_they_differ(show, size):
     names = page.locator(".pin-text")
     assert names.all_inner_texts() == [
         "present: Stiffness = 1e7\u202fN/m¹·⁵, Solver tolerance = 1e-7",
-        "Stiffness = 1e6\u202fN/m¹·⁵, Solver tolerance as in the scene",
+        "Stiffness = 1e6\u202fN/m¹·⁵, Solver tolerance = 1e-8",
     ]
     assert names.evaluate_all("all => all.every((one) => one.scrollWidth <= one.clientWidth)")
     assert names.evaluate_all("all => all.every((one) => one.scrollHeight <= one.clientHeight + 1)")

@@ -24,7 +24,7 @@ export class Simulation {
   /**
    * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show(parts, about, overlap)`
    * shows the parts of a motion (null if there is none) or, for a refused start, the result of `overlapOf`. `about` has the scene, the
-   * changes `values` and `inputSteps`, and the same changes in words (`changed`): words for a parameter → text of its value.
+   * changes `values` and `inputSteps`, and the result of `changesInWords`.
    */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });
@@ -61,7 +61,7 @@ export class Simulation {
     const { scene, values, inputSteps } = changes;
     this.#started = performance.now();
     this.#nextRun = 0;
-    const changed = changesInWords(changes);
+    const words = changesInWords(changes);
     const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
     const result = await this.engine
       .ask("motion", changes.values, { replaces: true, curves: choice.names, inputSteps: changes.inputSteps }, (share) =>
@@ -80,7 +80,7 @@ export class Simulation {
     const overlap = isRefused ? this.#overlapOf(result, values) : undefined;
     const suspects = isRefused ? this.#newNames() : [];
     if (suspects.length === 1) markFailing(suspects[0], this.#inWords(startText(result, scene, overlap)));
-    this.show(result.parts, { changed, scene, values, inputSteps }, overlap);
+    this.show(result.parts, { ...words, scene, values, inputSteps }, overlap);
     if (this.#nextRun) this.soon();
     else find("stage").ariaBusy = "false";
   }
@@ -106,7 +106,7 @@ export class Simulation {
     const { engine, choice: { names: curves }, changes } = this;
     const { scene } = changes;
     const motions = await Promise.all(all.map(async ({ values, inputSteps, ...given }) => {
-      const about = { changed: changesInWords(changes, { values, inputSteps }), scene, values, inputSteps };
+      const about = { ...changesInWords(changes, { values, inputSteps }), scene, values, inputSteps };
       return { ...given, about, parts: (await engine.ask("pinned", values, { curves, inputSteps }))?.parts };
     }));
     return motions.filter(({ parts }) => parts);
@@ -173,7 +173,10 @@ export class Simulation {
   }
 }
 
-/** Return changes, by default the reader's: words for a parameter → text of its value or, for an input with steps, of all its values. */
+/**
+ * Return changes, by default the reader's, as `changed`: words for a parameter → text of its value or, for an input with steps, of all
+ * its values. `unchanged` has the texts of all other parameters.
+ */
 function changesInWords(changes, { values, inputSteps } = changes) {
   const wordsOf = wordsFor(changes);
   const textOf = (name, value) => {
@@ -186,5 +189,9 @@ function changesInWords(changes, { values, inputSteps } = changes) {
     const later = steps.map(([time, value]) => `${textOf(name, value)} from ${time} s`);
     texts.set(name, [texts.get(name), ...later].filter(Boolean).join(", "));
   }
-  return new Map([...texts].map(([name, text]) => [wordsOf(name), text]));
+  const others = [...changes.parameters.keys()].filter((name) => !texts.has(name));
+  return {
+    changed: new Map([...texts].map(([name, text]) => [wordsOf(name), text])),
+    unchanged: new Map(others.map((name) => [wordsOf(name), textOf(name, changes.valueOf(name, values))])),
+  };
 }
