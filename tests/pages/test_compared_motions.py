@@ -294,7 +294,9 @@ def test_a_chart_with_curves_of_pins_alone_is_titled_by_their_letters(show):
 
 def test_the_card_of_the_force_stays_at_a_stop_with_impulses_alone(show):
     page = show("kneed_leg", {"stop.restitution": 0.5})
-    assert page.text_content("#contact-name").startswith("impact 1: joint 3 at max, 6.35\u202fmN·m·s, ")
+    assert page.text_content("#contact-name").startswith(
+        "impact 1: joint 3 at max (point 2), 6.35\u202fmN·m·s, "
+    )
     assert page.locator("#contact").is_visible()
 
 
