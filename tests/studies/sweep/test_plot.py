@@ -9,6 +9,7 @@ import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
@@ -334,6 +335,19 @@ def test_three_parameters_have_a_map_for_each_value_of_one():
         found.plot(panels=["impact.count", "peak_force"])
 
 
+def test_maps_are_three_in_a_row_and_each_column_has_a_label():
+    vary = {"contact.restitution": "0.3:0.6:6", "contact.stiffness": "1e7:1e8:6"}
+    vary["link[2].length"] = "0.8:1.2:5"
+    page = sweep(SCENE.with_values({"simulation.stop_time": 0.1}), vary).plot(size=(120 / 25.4, None))
+    maps = page.axes[:5]
+    assert len({round(axes.get_position().y1, 3) for axes in maps[:3]}) == 1
+    named = [axes.get_xlabel() != "" for axes in maps]
+    assert named == [False, False, True, True, True]  # the third is above an empty place
+    assert page.get_figheight() < 220 / 25.4
+    told = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert "link[2].length 0.8 to 1.2 m, 0.5 in the scene (outside)" in told
+
+
 def test_a_picture_has_at_most_nine_maps(tmp_path, monkeypatch):
     monkeypatch.setattr("chain_impact.studies.sweep.plot.MOST_MAPS", 1)
     vary = {"contact.restitution": "0.5,0.6", "contact.stiffness": "1e7,1e8", "initial.vx": "1,2,3"}
@@ -410,6 +424,28 @@ def test_samples_of_several_parameters_are_histograms():
     assert told[1].startswith("90 % of the runs: ")
     counts, *_ = found.plot(panels="impact.count").axes
     assert {bar.get_x() % 1.0 for bar in counts.patches} == {0.5}
+
+
+def test_the_parameter_without_dots_is_named():
+    vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
+    page = sweep(SCENE, vary | {"link[2].mass": "0.5:2"}, samples=10).plot()
+    drawn_over = {axes.get_xlabel().partition(" [")[0] for axes in page.axes[1:]}
+    told = page.texts[1].get_text().replace("\n", " ").split("; ")
+    without = {text.partition(" ")[0] for text in told if text.endswith(", no panel")}
+    assert len(drawn_over) == 3
+    assert without == {*vary, "link[2].mass"} - drawn_over
+
+
+@pytest.mark.parametrize("style", ["default", "dark_background"])
+def test_the_lines_in_a_histogram_stand_out_from_bars_and_ground(style):
+    vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log"}
+    with matplotlib.style.context(style):
+        page = sweep(SCENE, vary, samples=10).plot()
+    panel = page.axes[0]
+    bar, ground = np.array(panel.patches[0].get_facecolor()), np.array(to_rgb(page.get_facecolor()))
+    seen = bar[3] * bar[:3] + (1.0 - bar[3]) * ground
+    for line in panel.lines:
+        assert min(contrast(line.get_color(), below) for below in (seen, ground)) >= 4.5
 
 
 def test_ranks_correlate_whatever_the_scale():

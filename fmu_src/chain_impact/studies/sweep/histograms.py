@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.drawing.dark_ground import SKY
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.recording.map_colours import spread
@@ -21,6 +20,8 @@ from chain_impact.studies.sweep.variation import Variation
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """Quantile → matplotlib's style of the line that marks the quantile in each histogram."""
+# the colour and the opacity of the bars: lines on the bars have contrast on a white and on a dark ground
+BARS = (BLUE, 0.4)
 MOST_SCATTERS = 3  # the largest number of parameters over which each quantity of samples is drawn
 FEWEST = 3  # the correlation of fewer than FEWEST pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
@@ -44,7 +45,7 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         logarithmic = spread(values) >= WIDE_RANGE
         axes.set_xscale("log" if logarithmic else "linear")
         edges = edges_of(values, logarithmic=logarithmic, whole=quantity.is_count)
-        axes.hist(values, edges.tolist(), color=SKY, edgecolor=INK, linewidth=0.4)
+        axes.hist(values, edges.tolist(), color=BARS, edgecolor=INK, linewidth=0.4)
         low, middle, high = np.quantile(values, list(QUANTILES))
         between = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
         labels = ("_", f"median {with_unit(f'{middle:.3g}', quantity.unit)}", f"90 % of the runs: {between}")

@@ -130,10 +130,10 @@ def _name_maps(panels: Sequence[Axes], runs: Runs, third: Variation, gap: str) -
         if place % columns:
             axes.set_ylabel("")
             axes.tick_params(which="both", labelleft=False)
-        # a map above an empty place has numbers, too
-        if not cell.is_last_row():
+        # a map above an empty place has label and numbers, too
+        if place + columns < len(panels):
             axes.set_xlabel("")
-            axes.tick_params(which="both", labelbottom=place + columns >= len(panels))
+            axes.tick_params(which="both", labelbottom=False)
 
 
 def _draw_group(
@@ -350,10 +350,15 @@ def own_value(runs: Runs, variation: Variation) -> float | None:
 
     The result is also None for a choice.
     """
+    value = number_in_scene(runs, variation)
+    is_within = value is not None and variation.values.min() <= value <= variation.values.max()
+    return value if is_within else None
+
+
+def number_in_scene(runs: Runs, variation: Variation) -> float | None:
+    """Return the scene's own value of a varied number; None for a choice, or if the value is unknown."""
     value = runs.scene.values.get(variation.name)
-    if variation.choices or not isinstance(value, int | float):
-        return None
-    return float(value) if variation.values.min() <= value <= variation.values.max() else None
+    return float(value) if isinstance(value, int | float) and not variation.choices else None
 
 
 def label_of(runs: Runs, variation: Variation) -> str:

@@ -23,7 +23,7 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.drawing.figures import draw_figure, settle
 from chain_impact.pictures.drawing.sizes import Size, figure_size
-from chain_impact.pictures.drawing.style import COUNT_STEPS, WIDE, headline, is_narrow, raised, styled
+from chain_impact.pictures.drawing.style import COUNT_STEPS, headline, is_narrow, raised, styled
 from chain_impact.recording.text import few, number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.words.unit_text import unit_text
@@ -31,7 +31,7 @@ from chain_impact.studies.sweep.computation import STATUS_WORD
 from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS, draw_samples, drawn_parameters, influence
-from chain_impact.studies.sweep.maps import NEVER, draw_maps, own_maps, own_value, unit_of
+from chain_impact.studies.sweep.maps import NEVER, draw_maps, number_in_scene, own_maps, own_value, unit_of
 from chain_impact.studies.sweep.quantities import LOADS, Quantity, Results, constants, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -51,7 +51,9 @@ MOST_REASONS = 2  # the largest number of reasons of failed runs that the headli
 # they stand in one row
 IN_ONE_ROW = 3
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
-THREE_MAPS = 9.0  # [inch] least width of a figure with the maps of three results in one row
+# [inch] the least width of a figure with three maps in a row: THREE_MAPS for maps of three results, each with
+# its own colours; THREE_SMALL for maps of one result, which share numbers and colours
+THREE_MAPS, THREE_SMALL = 9.0, 4.0
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
@@ -262,21 +264,24 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 def conditions(runs: Runs, varying: list[Variation]) -> str:
     """Return a text with the range of each varied number, and how many choices each varied choice has.
 
-    After a range stands the value in the scene, if the value lies in the range, and (+) or (dashed line) if
-    the picture marks the value (``marked_parameters``).
+    After a range stands the value in the scene: with (+) or (dashed line) if the picture marks the value
+    (``marked_parameters``), and with (outside) if the value is beyond the range. Of samples, a parameter over
+    which the picture has no dots is named as such.
     """
     parts, shown = [], marked_parameters(runs, varying)
+    is_sampled = kind_of(runs.design) == HISTOGRAMS
     mark = " (+)" if kind_of(runs.design) == MAPS else " (dashed line)"
     for variation in varying:
         ends = " to ".join(distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
         interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
-        own = own_value(runs, variation)
-        marked = mark if variation in shown else ""
+        own = number_in_scene(runs, variation)
+        marked = " (outside)" if own_value(runs, variation) is None else mark if variation in shown else ""
         told = "" if own is None else f", {number(own)} in the scene{marked}"
         count = f"{len(np.unique(variation.values))} of {variation.name}"
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
             told = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""
+        told += ", no panel" if is_sampled and variation not in shown else ""
         parts.append(f"{count}{told}" if variation.choices else f"{variation.name} {interval}{told}")
     return "; ".join(parts)
 
@@ -299,11 +304,12 @@ def _across(count: int, kind: str, width: float) -> int:
 
 
 def maps_across(count: int, width: float) -> int:
-    """Return the number of maps in a row if three parameters vary: 2 for 2 or 4 maps or if narrow, else 3.
+    """Return the number of maps in a row if three parameters vary: 2 for 2 or 4 maps, else 3.
 
-    ``count`` is the number of maps, ``width`` the width of the figure [inches].
+    The number is also 2 if ``width``, the width of the figure [inches], is less than THREE_SMALL.
+    ``count`` is the number of maps.
     """
-    return 2 if width < WIDE or count in (2, 4) else 3
+    return 2 if width < THREE_SMALL or count in (2, 4) else 3
 
 
 def _dots_across(count: int, width: float) -> int:
