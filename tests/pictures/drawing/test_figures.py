@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.pictures.drawing.figures import least_figure
+from chain_impact.pictures.drawing.figures import TALLEST, fitting, least_figure
 
 
 @pytest.mark.parametrize("lines", [12, 40])
@@ -17,3 +17,16 @@ def test_the_least_height_is_found_by_bisection(lines):
     assert least == min(height for height in heights if height >= least)
     assert max(height for height in heights if height < least) == least - 0.25
     assert len(heights) <= 6  # 39 heights, halved
+
+
+@pytest.mark.parametrize("panels", [4, 7])
+def test_a_figure_of_several_panels_fits_on_a_page(panels):
+    """Beside 4 panels there is room for axes with their usual height, beside 7 only for lower ones."""
+
+    def fill(figure):
+        for axes in figure.subplots(panels, 1):
+            axes.set(ylabel="y", xlabel="x")
+
+    figure = fitting(fill, 4.0, (10.0, 2.9 * panels))
+    assert figure.get_figheight() <= TALLEST
+    assert min(axes.bbox.height / figure.dpi for axes in figure.axes) >= 0.65

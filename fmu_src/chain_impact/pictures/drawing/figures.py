@@ -40,6 +40,9 @@ PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its leg
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
 # [inch] the least mean height of the axes with a label along y, if the user gives no height
 USUAL_AXES_HEIGHT = 1.0
+# [inch] TALLEST: a printed page with margins and a caption has room for this height. If a figure would
+# be higher, the least mean height of the axes is FLAT_AXES_HEIGHT.
+TALLEST, FLAT_AXES_HEIGHT = 8.75, 0.7
 EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
 SETTLINGS = 3  # how often, at most, a figure is arranged: a label or legend that is broken changes the layout
 NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
@@ -141,18 +144,30 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     """Return a figure of a given width [inches] with the height that its contents need.
 
     The first height that is tried is that of ``usual`` (width and height [inches]); for a width between WIDE
-    and the usual width, a lower one. If the first height is too low for the contents, the result is that of
-    ``least_figure``, which tries greater heights.
+    and the usual width, a lower one; at most TALLEST. If the first height is too low for the contents, the
+    result is that of ``least_figure``, which tries greater heights. If this figure is higher than TALLEST,
+    the axes may be lower (FLAT_AXES_HEIGHT).
 
     Raises:
         ValueError: when no tried height is enough.
     """
-    height = max(LEAST_SIZE, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
+    height = usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0])))
+    height = min(max(LEAST_SIZE, height), TALLEST)
+    found = at_least(fill, width, height, USUAL_AXES_HEIGHT)
+    return found if found.get_figheight() <= TALLEST else at_least(fill, width, TALLEST, FLAT_AXES_HEIGHT)
+
+
+def at_least(fill: Fill, width: float, height: float, mean: float) -> Figure:
+    """Return a figure with a width and a height [inches], or the higher one that its contents need.
+
+    ``mean`` is as in ``has_room``.
+
+    Raises:
+        ValueError: when no tried height is enough.
+    """
     figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
-    lacks = lacking_height(fill, figure, USUAL_AXES_HEIGHT)
-    if lacks <= 0.0:
-        return figure
-    return least_figure(fill, width, height, USUAL_AXES_HEIGHT, lacks, free_height=True)
+    lacks = lacking_height(fill, figure, mean)
+    return figure if lacks <= 0.0 else least_figure(fill, width, height, mean, lacks, free_height=True)
 
 
 def least_figure(
