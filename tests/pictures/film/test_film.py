@@ -19,7 +19,7 @@ from chain_impact.pictures.drawing.dark_ground import lighter
 from chain_impact.pictures.drawing.style import LOAD, force_text
 from chain_impact.pictures.film.arrow_scale import ArrowScale
 from chain_impact.pictures.film.caption import CAPTION_FRAMES, caption_starts
-from chain_impact.pictures.film.charts import largest_forces
+from chain_impact.pictures.film.charts import largest_forces, stretch
 from chain_impact.pictures.film.film import CHAIN, FILM_STYLE, FORCE, ROOM, Film
 from chain_impact.pictures.film.scale_bar import draw_scale_bar
 from chain_impact.pictures.film.writing import MOST_FRAMES, RATES, draw_frames, resolution, write_film
@@ -90,6 +90,15 @@ def test_the_charts_stretch_slow_motion_so_that_the_cursor_moves_evenly(recordin
     assert numbers[0] == 0.0
     even = Film(Figure(figsize=ROOM), recording, np.linspace(0.0, 0.52, 99)).cursors[-1].axes
     assert (even.get_xlabel(), even.get_xscale()) == ("time [s]", "linear")
+
+
+def test_a_stretched_axis_keeps_the_number_at_its_end():
+    axes = Figure().subplots()
+    axes.set_xlim(0.0, 2.0)
+    assert stretch(axes, 2.0 * np.linspace(0.0, 1.0, 99) ** 4)
+    numbers = axes.get_xticks().tolist()
+    assert numbers == sorted(numbers)
+    assert numbers[-1] == 2.0
 
 
 def test_walls_may_have_the_names_of_stops_that_the_chain_does_not_have():
@@ -427,6 +436,7 @@ def test_a_film_has_the_largest_force_over_time_with_a_cursor(recording):
     for frame, time in enumerate(recording.time[[0, -1]]):
         list(page.show(frame, 1.0))
         assert [cursor.get_xdata()[0] for cursor in page.cursors] == [time, time]
+    assert not any(cursor.get_clip_on() for cursor in page.cursors)
 
 
 def test_a_ring_stays_where_an_impact_happened():

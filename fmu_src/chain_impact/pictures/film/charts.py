@@ -51,7 +51,9 @@ def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: fl
         axes.set_xlim(*recording.time[[0, -1]])
         is_stretched = stretch(axes, times)
     panels[-1].set_xlabel("time [s], stretched in slow motion" if is_stretched else "time [s]")
-    return [axes.axvline(times[0], color=INK, linewidth=1.0, animated=True) for axes in panels]
+    # at the ends of the axis the cursor would be clipped
+    look: dict[str, Any] = {"color": INK, "linewidth": 1.0, "animated": True, "clip_on": False}
+    return [axes.axvline(times[0], **look) for axes in panels]
 
 
 def stretch(axes: Axes, times: np.ndarray) -> bool:
@@ -72,10 +74,11 @@ def stretch(axes: Axes, times: np.ndarray) -> bool:
     axes.set_xscale(
         "function", functions=(lambda t: np.interp(t, times, frames), lambda k: np.interp(k, frames, times))
     )
-    kept: list[int] = []
+    kept = [len(ticks) - 1]  # the last number stays, so that the end of the axis can be read
     for k in range(len(ticks)):
-        if not kept or at[k] - at[kept[-1]] >= TICK_GAP:
+        if np.abs(at[kept] - at[k]).min() >= TICK_GAP:
             kept.append(k)
+    kept.sort()
     axes.set_xticks(ticks[kept], [f"{tick:.10g}" for tick in ticks[kept]])
     axes.set_xlim(*ends)
     return True
