@@ -100,6 +100,13 @@ def test_the_hardest_impacts_are_numbered_first():
     assert texts(speeds)[0] == "3"
 
 
+def test_the_last_of_many_impacts_is_numbered():
+    impacts = [hit(1.0 + 1e-3 * k, 1, "y_max", 5.0 - 0.04 * k) for k in range(100)]
+    impacts[50] = hit(1.0455, 1, "y_max", 3.0)  # the distances in time are not equal
+    *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
+    assert any(re.split("[,–]", text)[-1].strip() == "100" for text in texts(speeds))
+
+
 @pytest.mark.full("takes long")
 def test_every_kth_of_many_evenly_spaced_impacts_is_numbered():
     page = recorded("bouncing_table").plot(size=(84 / 25.4, None))

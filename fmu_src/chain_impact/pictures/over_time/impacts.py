@@ -261,9 +261,9 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write numbers of impacts at their marks, where ``ink`` is free.
 
     If ``numbered_step`` is a number k > 1, only every k-th impact gets a number, in the order of time.
-    Otherwise the impact with the highest mark is first, and impacts whose marks coincide share a label. At
-    most NUMBERED labels are written. If an impact in ``marked_peaks`` has a label of its own, this label also
-    has the force, moment or impulse, if there is room.
+    Otherwise the impact with the highest mark is first, the last impact is second, and impacts whose marks
+    coincide share a label. At most NUMBERED labels are written. If an impact in ``marked_peaks`` has a label
+    of its own, this label also has the force, moment or impulse, if there is room.
 
     Returns words for the impacts without a number; "" without such impacts.
     """
@@ -273,6 +273,10 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     if step > 1:
         order = np.arange(step - 1, len(tops), step)
     common = {row: rows for rows in common_marks(recording, times, high).values() for row in rows}
+    if step == 1 and tops:
+        # second is the last impact, so that it has its number also at the end of many impacts
+        last = common[len(tops) - 1][0]
+        order = np.array([*dict.fromkeys([int(order[0]), last, *order.tolist()])])
     strongest = {peak.row: peak.value for peak in marked_peaks(recording)}
     wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
     numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]
