@@ -242,8 +242,10 @@ def off(state: np.ndarray, truth: np.ndarray) -> float:
 
 # --- the chart ----------------------------------------------------------------------------------------------
 
-SIZE = (14.5, 5.0)  # inches
-LEAST = 1e-6  # µm/s, lower limit of the chart's axis
+SIZE = (9.2, 4.9)  # inches
+NAMES_IN_ROW = 3  # in the legend
+LEAST = 1e-6  # µm/s, place of drifts below it, "none"
+BREAK = 1e-5  # µm/s, place of the line between "none" and the logarithmic scale
 CREEPS, SHOWN = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
 LOOKS = {
     "ours": (OURS, "o"),
@@ -270,15 +272,17 @@ def draw(figure: Any, record: Any) -> None:
             axes.loglog(
                 times, values, label=name.replace("ours", "chain-impact"), **strong(name == "ours", *drawn)
             )
-        axes.set(xlabel="CPU time [ms]", ylabel="error of the state (m, rad, m/s, rad/s)")
-        axes.set_title(f"thrown chain, {key}" if key != "slope" else f"rod at rest on a slope, {STOP:g} s")
+        axes.set(xlabel="CPU time [ms]", ylabel="error of the state\n(m, rad, m/s, rad/s)")
+        axes.set_title(f"thrown chain, {key}" if key != "slope" else f"rod on a slope, {STOP:g} s")
         axes.minorticks_off()
     panels[0].set_ylabel("drift [µm/s]")
     panels[0].set_yticks(
         [LEAST, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["none", *(f"$10^{{{k}}}$" for k in (-4, -2, 0, 2, 4))]
     )
     headline(figure, *told(results))
-    figure.legend(handles=highest_first(panels), loc="outside right center")
+    # below the lowest decade that is drawn, the axis is broken: "none" is not on the logarithmic scale
+    panels[0].axhline(BREAK, color=INK, linewidth=0.8, linestyle=(0.0, (1.0, 3.0)))
+    figure.legend(handles=highest_first(panels), loc="outside lower center", ncols=NAMES_IN_ROW)
 
 
 def told(results: dict[str, list[dict[str, Any]]]) -> tuple[str, str]:

@@ -147,7 +147,10 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
         figure,
         f"Chain that comes to rest: CVODE {CAREFUL} with {min(factors):.2g} to {max(factors):.2g} times our "
         "CPU time",
-        f"four_link_box for {settings['stop time']:g} s  ·  tolerance {number(settings['tolerance'])}",
+        f"four_link_box for {settings['stop time']:g} s  ·  tolerance {number(settings['tolerance'])}  ·  "
+        f"careful: {100.0 * POSITION_ERROR:g} % of the static penetration is the allowed error of positions, "
+        f"and a contact ends {100.0 * MARGIN:g} % of it above the "
+        "wall; as users have it: neither",
     )
     figure.legend(handles=highest_first(panels[0]), loc="outside lower center", ncols=len(looks))
 

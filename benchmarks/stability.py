@@ -26,8 +26,8 @@ from benchmarks.peers.cvode import OVER_BUDGET, Cvode
 from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
-from chain_impact.pictures.drawing.dark_ground import ORANGE
-from chain_impact.pictures.drawing.style import BLUE, GREEN, PURPLE, VERMILLION, headline
+from chain_impact.pictures.drawing.dark_ground import ORANGE, UMBER
+from chain_impact.pictures.drawing.style import GREEN, PURPLE, VERMILLION, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
 
@@ -59,7 +59,7 @@ OUTCOMES = {
     "tunnelled": PURPLE,
     "not finite": "black",
     "missed an onset": ORANGE,
-    "gave up": BLUE,
+    "gave up": UMBER,
 }
 """The outcomes of a run, and their colours in the chart."""
 

@@ -27,6 +27,7 @@ from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 from chain_impact.pictures.drawing.style import INK, headline
 from chain_impact.recording.text import number
+from chain_impact.studies.sweep.maps import number_few_decades
 
 NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -36,7 +37,8 @@ FIRST = """from benchmarks import peers
 from benchmarks.problems import PROBLEMS
 peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
-SIZE = (13.0, 7.6)  # inches, of the chart
+SIZE = (9.2, 8.4)  # inches, of the chart
+NAMES_IN_ROW = 5  # in the legend
 ALL_ROUNDS: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
 """The look of the range of the times of all rounds."""
 
@@ -121,10 +123,12 @@ def draw(figure: Any, record: Any) -> None:
                 impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
                 axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s, {impacts} impacts")
     draw_start_up(figure.add_subplot(grid[:, 3]), results["start-up [s]"])
+    for axes in labels:
+        number_few_decades(axes.yaxis)
     keys = highest_first(labels)
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
     keys.append(Line2D([], [], color=INK, label="all rounds", **ALL_ROUNDS))
-    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+    figure.legend(handles=keys, loc="outside lower center", ncols=NAMES_IN_ROW)
     factors = factors_told(results["at equal error"])
     headline(
         figure,
@@ -159,7 +163,7 @@ def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> list[Label]:
                 short = decade(row["setting"])
                 text = short + (" (default)" if row["setting"] == DEFAULT else "")
                 labels.append(Label(text, (row[key], 1e3 * row["seconds"]["median"]), short=short))
-    axes.minorticks_off()
+    axes.xaxis.minorticks_off()
     return labels
 
 
@@ -168,7 +172,7 @@ def draw_start_up(axes: Any, start: dict[str, float]) -> None:
     names, largest = list(start)[::-1], max(start.values())
     colours = [LOOKS[name][0] for name in names]
     axes.barh(range(len(names)), [start[name] for name in names], height=0.4, color=colours, alpha=0.4)
-    axes.set(title="new process to first result", xlabel="CPU time [s]", yticks=[], xlim=(0.0, 1.2 * largest))
+    axes.set(title="first result", xlabel="CPU time [s],\nnew process", yticks=[], xlim=(0.0, 1.2 * largest))
     for row, name in enumerate(names):
         axes.text(0.01 * largest, row + 0.26, name, va="bottom", fontsize=8)
         axes.text(start[name] + 0.02 * largest, row, f"{start[name]:.2g}", va="center", fontsize=8)
