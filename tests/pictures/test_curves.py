@@ -8,11 +8,11 @@ import pytest
 
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures.curve_looks import looks_of
-from chain_impact.pictures.curves import extremes, largest_vectors
+from chain_impact.pictures.curves import NO_FORCE, extremes, largest_vectors
 from chain_impact.pictures.drawing.style import LOAD, PALETTE, PEAK_COLOUR
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.curves import CLOSE_TIMES, Curves
-from tests.pictures.pictures import WIDTHS, check_texts
+from tests.pictures.pictures import WIDTHS, check_texts, recorded
 
 FORCES = "contact[*].y_min.force"
 
@@ -236,3 +236,14 @@ def test_the_largest_amount_of_a_force_is_finite(x, told):
     values = dict(zip(names, (np.array(x), np.full(len(x), 4.0)), strict=True))
     curves = Curves(np.arange(float(len(x))), values, dict.fromkeys(names, "N"))
     assert largest_vectors(curves) == told
+
+
+def test_a_force_that_rigid_impacts_lack_has_a_note_and_an_axis_from_zero():
+    ball = recorded("bouncing_ball")
+    page = ball.plot(curves=["point[1].y", FORCES], around=1)
+    low, high = page.axes[1].get_ylim()
+    assert -0.2 * high < low <= 0.0
+    assert list(page.axes[1].get_yticks()) == [0.0]
+    assert any(NO_FORCE in " ".join(text.get_text().split()) for text in page.texts)
+    page = ball.plot(curves="point[1].y", around=1)
+    assert not any(NO_FORCE in " ".join(text.get_text().split()) for text in page.texts)

@@ -32,6 +32,7 @@ from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
 from chain_impact.pictures.words.headline import hit_words, write_head
+from chain_impact.recording.contact_times import has_impulses
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import LOAD_UNITS, few, plural
@@ -53,6 +54,9 @@ VECTORS = {
 }
 """The last part of a component's name → the word for its vector."""
 MARKED = ("N", "N.m", "N.s")  # the units of curves whose largest values are written
+CONTACT_FORCES = ("force", "friction_force")
+NO_FORCE = "a rigid impact has an impulse, which no curve of a force shows"
+ZERO_ENDS = (-0.1, 1.0)  # the ends of an axis whose curves are all 0; the axis has no number but 0
 # the part of the text's colour in the colour of the line at the end of an impact; see ``faint``
 END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
@@ -126,8 +130,11 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         write_head(figure, recording, title or summary, *told, row=row)
     panels = clear_panels(curves)
     zero = always_zero(curves, panels)
-    if zero:
-        write_foot(figure, f"0 in the whole view: {few(zero, MOST_NAMED)}")
+    notes = [f"0 in the whole view: {few(zero, MOST_NAMED)}"] if zero else []
+    if lacks_impulses(recording, curves):
+        notes.append(NO_FORCE)
+    if notes:
+        write_foot(figure, "; ".join(notes))
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     found = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
@@ -188,6 +195,15 @@ def largest_vectors(curves: Curves) -> str:
             told.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
     parts = [f"{' and '.join(each)} at {when}" for when, each in told.items()]
     return f"largest |force|: {', '.join(parts)}" if parts else ""
+
+
+def lacks_impulses(recording: Recording, curves: Curves) -> bool:
+    """Return whether a curve is the force of a contact that acts by impulses, with an impact in the view."""
+    parts = [name_parts(name) for names in curves.panels for name in names]
+    is_force = any(part.owner == "contact" and part.quantity in CONTACT_FORCES for part in parts)
+    onsets = recording.impacts["onset"][~recording.at_stops]
+    is_seen = (onsets >= curves.time[0]) & (onsets <= curves.time[-1])
+    return is_force and bool(is_seen.any()) and has_impulses(recording.parameters.get("contact.model", ""))
 
 
 def amounts(curves: Curves, names: Sequence[str]) -> dict[str, np.ndarray]:
@@ -289,7 +305,10 @@ def draw_all(
         of_time = name_time(axes, ends[-1]) if curves.onset is None else ""
         axes.set_xlabel("; ".join(filter(None, (of_time, label))))
         axes.margins(y=0.16 if own in MARKED else 0.08)
-        give_ticks(axes)
+        if any(values.any() for values in drawn):
+            give_ticks(axes)
+        else:
+            axes.set(ylim=ZERO_ENDS, yticks=[0.0])
         widest = max(map(len, names))
         if is_alone:
             continue
