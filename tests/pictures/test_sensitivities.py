@@ -17,6 +17,7 @@ from chain_impact.pictures.drawing.dark_ground import lighter
 from chain_impact.pictures.drawing.style import PALETTE
 from chain_impact.pictures.sensitivities import (
     LARGEST_EFFECTS,
+    LEAVES,
     calm,
     fill_sensitivities,
     hold_to_first_order,
@@ -312,3 +313,19 @@ def test_a_headline_that_no_run_can_check_tells_the_change_to_first_order(swing)
     assert swing.in_other_run({"contact.stiffness": -1.0}, 0.1) is None
     other = swing.in_other_run({"gravity.y": 0.0}, 0.1)
     np.testing.assert_allclose(other.energies["potential"], 0.0, atol=1e-12)
+
+
+def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
+    names = ["contact.restitution", "contact.radius"]
+    result = simulate("four_link_box", 1.1, sensitivities=names)
+    page = result.plot_sensitivities(outputs=["point[4].x"])
+    axes, scale = page.axes[0], 1e3  # mm
+    of_value, of_zero = (
+        scale * np.nanmax(np.abs(result.sensitivities.changes("point[4].x")[:, k])) for k in (0, 1)
+    )
+    assert axes.get_ylabel() == "Δ point[4].x [mm]"
+    assert np.abs(axes.get_ylim()).max() < 2.0 * of_value < of_zero
+    assert LEAVES in " ".join(page.get_supxlabel().split())
+    alone = simulate("four_link_box", 1.1, sensitivities=names[1:]).plot_sensitivities(outputs=["point[4].x"])
+    assert np.abs(alone.axes[0].get_ylim()).max() > 0.4 * of_zero
+    assert LEAVES not in " ".join(alone.get_supxlabel().split())

@@ -50,6 +50,10 @@ ROUND_OFF = 1e-9  # [1] a range of an output up to this, relative to the largest
 LARGEST_EFFECTS = 4
 TO_FIRST_ORDER = "changes to first order"
 ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
+# curves of parameters that are 0 leave the axes if they reach more than LEAVING times as far from 0 as
+# all other curves; the axis then extends ROOM_FOR_OTHERS times as far as these other curves
+LEAVING, ROOM_FOR_OTHERS = 3.0, 1.5
+LEAVES = "a curve that leaves its panel is that of a parameter that is 0: not comparable with + 1 %"
 LOW_TABLE = 0.6  # if the panels form one column: the height of the table below, relative to that of a panel
 JUMPS = "changes jump at impacts, whose times shift"
 Looks = list[dict[str, Any]]
@@ -75,8 +79,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
     panels, table = panels_of(figure, len(names), across)
+    are_cut = False
     for axes, name in zip(panels, names, strict=True):
-        draw_changes(axes, recording, sensitivities, name, looks, known=known)
+        are_cut |= draw_changes(axes, recording, sensitivities, name, looks, known=known)
         mark_impacts(axes, recording)
         mark_unknown(axes, recording, sensitivities)
         give_ticks(axes)
@@ -89,7 +94,12 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     draw_impact_changes(table, recording, sensitivities, looks, known)
     legend_above(panels[0])
     figure.supxlabel(
-        "\n".join(sensitivities.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True
+        "\n".join([*([LEAVES] if are_cut else []), *sensitivities.limits]),
+        x=0.01,
+        ha="left",
+        fontsize="small",
+        color=INK,
+        wrap=True,
     )
     settle(figure)
 
@@ -280,8 +290,11 @@ def draw_changes(
     looks: Looks,
     *,
     known: np.ndarray,
-) -> None:
+) -> bool:
     """Draw the changes of an output over time, a curve for each parameter.
+
+    Return whether a curve leaves the axes: curves of parameters with the value 0, whose steps cannot be
+    compared with 1 %, do not determine the scale if they are much larger (LEAVING) than all other curves.
 
     A curve has gaps within impacts that are too short to be visible, and where the derivative is unknown. A
     curve ends where ``known``, the result of ``hold_to_first_order``, is False. If there are more than
@@ -289,8 +302,15 @@ def draw_changes(
     """
     changes = np.where(known, sensitivities.changes(output), np.nan)
     changes[short_contacts(recording)] = np.nan
-    seen = calm(recording)
-    largest = float(np.nanmax(np.abs(changes[seen]), initial=0.0))
+    least = NO_CHANGE * np.ptp(recording.columns[output])
+    scaling = changes[calm(recording)]
+    sizes = np.nanmax(np.abs(scaling), axis=0, initial=0.0)
+    is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
+    most = sizes[~is_zero].max(initial=0.0)
+    is_cut = bool(most > least and sizes.max(initial=0.0) > LEAVING * most)
+    if is_cut:
+        scaling = ROOM_FOR_OTHERS * scaling[:, ~is_zero]
+    largest = float(np.nanmax(np.abs(scaling), initial=0.0))
     scale, unit = readable(largest, sensitivities.units[output])
     changes *= scale
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
@@ -300,7 +320,8 @@ def draw_changes(
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
     axes.set_ylabel(f"Δ {output}{in_brackets(unit)}")
-    fit_scale(axes, changes[seen], scale * NO_CHANGE * np.ptp(recording.columns[output]))
+    fit_scale(axes, scale * scaling, scale * least)
+    return is_cut
 
 
 def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
