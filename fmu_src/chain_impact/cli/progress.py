@@ -77,13 +77,13 @@ def _now_and_then(work: str) -> Progress:
     def advance(fraction: float) -> None:
         nonlocal written
         if monotonic() >= written + LINES:
-            complain(_described(work, fraction))
+            complain(_work_text(work, fraction))
             written = monotonic()
 
     return advance
 
 
-def _described(work: str, fraction: float) -> str:
+def _work_text(work: str, fraction: float) -> str:
     return f"{work}, {100 * fraction:.0f} %"
 
 
@@ -119,7 +119,7 @@ def _bar(work: str) -> Iterator[Progress]:
         if fraction > shown + 0.01 and monotonic() > started + BRIEF:
             if not any(task.total for task in bar.tasks):
                 begin(work, 1.0)
-            bar.update(bar.task_ids[0], completed=fraction, description=_described(work, fraction))
+            bar.update(bar.task_ids[0], completed=fraction, description=_work_text(work, fraction))
             shown = fraction
 
     try:

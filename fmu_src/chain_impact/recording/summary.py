@@ -65,7 +65,7 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
     yield f"balance  off by at most {off:.1e} J: an energy check, no bound on positions or times"
 
 
-def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | TextTable]:
+def summary_lines(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | TextTable]:
     """Yield the summary of a run: lines, and the list of the first impacts.
 
     Args:

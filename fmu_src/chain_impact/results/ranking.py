@@ -288,11 +288,13 @@ class Ranking:
         factor, unit = readable(size, self.unit)
         values = [factor * effect.change for effect in effects]
 
-        def told(change: float) -> str:
+        def change_text(change: float) -> str:
             return f"{signed(100.0 * change / abs(self.value))} %" if self.value else signed(factor * change)
 
         texts = [
-            f"{told(effect.change)} (run: {_in_run(effect, told)})" if effect.differs else told(effect.change)
+            f"{change_text(effect.change)} (run: {_in_run(effect, change_text)})"
+            if effect.differs
+            else change_text(effect.change)
             for effect in effects
         ]
         label = f"change{in_brackets(unit)}"

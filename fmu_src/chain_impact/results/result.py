@@ -360,11 +360,11 @@ class Result(Pictured):
 
     def __repr__(self) -> str:
         """Return the summary of the run in some lines, with the first impacts."""
-        return as_text(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IN_SHORT))
+        return as_text(summary.summary_lines(self, len(self.names), self._facts(), summary.LISTED_IN_SHORT))
 
     def _repr_html_(self) -> str:
         """Return the summary as HTML for a notebook, with more impacts than in ``repr``."""
-        return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IMPACTS))
+        return as_html(summary.summary_lines(self, len(self.names), self._facts(), summary.LISTED_IMPACTS))
 
     def _facts(self) -> list[str]:
         """Return lines on the energy, on a wall or slider stop that is too soft, and on the solver's work."""

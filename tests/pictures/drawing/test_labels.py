@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from chain_impact.pictures.drawing.labels import Ink, Label, folded, place_labels
-from chain_impact.pictures.words.impact_numbers import listed
+from chain_impact.pictures.words.impact_numbers import number_list
 
 
 @pytest.fixture
@@ -118,7 +118,7 @@ def test_a_line_to_a_label_passes_no_other_label(axes):
     ("numbers", "expected"), [([3], "3"), ([9, 3, 8, 7, 3], "3, 7–9"), ([1, 2], "1, 2"), ([], "")]
 )
 def test_numbers_in_a_row_are_told_by_the_first_and_the_last(numbers, expected):
-    assert listed(numbers) == expected
+    assert number_list(numbers) == expected
 
 
 def test_a_line_to_a_label_goes_around_a_strong_line_if_it_can():

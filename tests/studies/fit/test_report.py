@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import fit, simulate
 from chain_impact.recording.text import aligned
-from chain_impact.studies.fit.report import rounded
+from chain_impact.studies.fit.report import rounded_text
 from tests.helpers.scenes.stops import struck_rod
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
@@ -84,7 +84,7 @@ def test_a_ranking_is_printed():
     ],
 )
 def test_digits_follow_the_standard_error(value, error, text):
-    assert rounded(value, error) == text
+    assert rounded_text(value, error) == text
 
 
 def test_columns_are_aligned():

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.studies.fit.uncertainty import exceeded, information, quantiles, small_sample
+from chain_impact.studies.fit.uncertainty import exceedance_probability, information, quantiles, small_sample
 
 SLOPES = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0], [1.0, 3.0]])
 SIGMA = np.full(4, 0.5)
@@ -45,7 +45,7 @@ def test_quantiles_are_those_of_scipy():
 
     wanted = [stats.t.ppf(0.975, 2), stats.t.ppf(0.975, 5.5), stats.norm.ppf(0.975), np.inf]
     assert quantiles(np.array([2.0, 5.5, np.inf, 0.0])).tolist() == pytest.approx(wanted)
-    assert exceeded(25.0, 10) == pytest.approx(stats.chi2.sf(25.0, 10))
+    assert exceedance_probability(25.0, 10) == pytest.approx(stats.chi2.sf(25.0, 10))
 
 
 def test_degrees_of_freedom_of_one_column_are_its_own():

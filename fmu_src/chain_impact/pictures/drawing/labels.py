@@ -84,7 +84,7 @@ class Ink:
         parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
         colours = parts.view(np.uint32)[..., 0]
         self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
-        self._strong_counts = counted(self._strong)
+        self._strong_counts = cumulative_counts(self._strong)
         # strong pixels and their neighbours, so that a leader does not pass through the white rim between a
         # mark and a link
         self._near_strong = widened(self._strong)
@@ -92,7 +92,7 @@ class Ink:
         for ground in {*map(_pixel, grounds)}:
             self._drawn &= colours != ground
         self._labels, self._leaders = np.zeros_like(self._drawn), np.zeros_like(self._drawn)
-        self._counts = counted(self._drawn)
+        self._counts = cumulative_counts(self._drawn)
         self.apart = int(APART * figure.dpi / 72.0)
 
     def pixels(self) -> list[np.ndarray]:
@@ -185,7 +185,7 @@ def widened(pixels: np.ndarray) -> np.ndarray:
     return wide
 
 
-def counted(pixels: np.ndarray) -> np.ndarray:
+def cumulative_counts(pixels: np.ndarray) -> np.ndarray:
     """Return the number of true pixels below and to the left of each corner of a pixel.
 
     The result has one row and one column more than ``pixels``. From the numbers at the four corners of a box

@@ -16,8 +16,8 @@ from chain_impact.pictures.words.headline import marked_peaks
 from chain_impact.pictures.words.impact_numbers import (
     LISTED_OF_MANY,
     MOST_IN_LABEL,
-    listed_or_counted,
     numbers_text,
+    short_number_list,
 )
 from chain_impact.recording.joint_stops import touching_place
 from chain_impact.recording.recording import Recording
@@ -94,7 +94,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
     name_loads(axes, recording, ink)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
-    return listed_or_counted([hit + 1 for hits in missing for hit in hits], len(recording.impacts))
+    return short_number_list([hit + 1 for hits in missing for hit in hits], len(recording.impacts))
 
 
 def _label_place(

@@ -22,8 +22,8 @@ from chain_impact.pictures.words.headline import marked_peaks, strengths
 from chain_impact.pictures.words.impact_numbers import (
     LISTED_OF_MANY,
     MOST_IN_LABEL,
-    listed_or_counted,
     numbers_text,
+    short_number_list,
 )
 from chain_impact.pictures.words.point_names import short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
@@ -292,7 +292,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
         return f"all but every {step}{'nd' if step == 2 else 'th'}"  # noqa: PLR2004 - 2nd
     named = {hit for label, each in zip(labels, numbers, strict=True) if label not in left for hit in each}
     missing = [number for number in range(1, len(tops) + 1) if number not in named]
-    return listed_or_counted(missing, len(tops))
+    return short_number_list(missing, len(tops))
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:

@@ -84,19 +84,19 @@ def message(recording: Recording, *, short: bool = False) -> str:
     For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated". If ``short``, the headline
     has only the name and the first entry of ``peaks`` or, if ``peaks`` is empty, the number of impacts.
     """
-    parts = [*(peak.text for peak in peaks(recording)[:1]), counted(recording)]
-    parts = parts[:1] if short else [*parts, *lost_and_supplied(recording)]
+    parts = [*(peak.text for peak in peaks(recording)[:1]), impact_count_text(recording)]
+    parts = parts[:1] if short else [*parts, *energy_texts(recording)]
     return f"{recording.name}: {', '.join(filter(None, parts))}"
 
 
-def counted(recording: Recording) -> str:
+def impact_count_text(recording: Recording) -> str:
     """Return words for the number of impacts and the duration of the run: "14 impacts in 2 s"."""
     count, span = recording.impact_count, float(recording.time[-1] - recording.time[0])
     factor, unit = time_unit(span)
     return f"{plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
 
 
-def lost_and_supplied(recording: Recording) -> list[str]:
+def energy_texts(recording: Recording) -> list[str]:
     """Return words for the energies that the run lost and got: "2.98 J dissipated", "10.5 J taken by drives".
 
     A dissipated energy that is round-off (NO_LOSS) or not known is left out. The energy that drives and
@@ -151,7 +151,7 @@ def write_head(
         lines.append((load, LOAD if "motion" in panels and recording.loads else INK))
     results = [*first, *told, "" if short else load]
     if short and not title:
-        results += [*([counted(recording)] if most else []), *lost_and_supplied(recording)]
+        results += [*([impact_count_text(recording)] if most else []), *energy_texts(recording)]
     known = conditions(recording, *results, touches=has_contact(recording))
     headline(figure, title or message(recording, short=short), known, *lines)
 

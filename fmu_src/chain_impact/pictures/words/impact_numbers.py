@@ -17,13 +17,13 @@ def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
     If the text would have more than ``most`` items (numbers or ranges), it lists only the first ``kept`` of
     ``numbers``, and counts the other numbers: "7, 10 + 4 more".
     """
-    whole = listed(numbers)
+    whole = number_list(numbers)
     if whole.count(",") < most:
         return whole
-    return f"{listed(numbers[:kept])} + {len(numbers) - kept} more"
+    return f"{number_list(numbers[:kept])} + {len(numbers) - kept} more"
 
 
-def listed(numbers: Iterable[int]) -> str:
+def number_list(numbers: Iterable[int]) -> str:
     """Return whole numbers as text, ascending; LEAST_RUN or more successive ones are a range: "3, 7–9"."""
     runs: list[list[int]] = []
     for number in sorted(set(numbers)):
@@ -37,11 +37,11 @@ def listed(numbers: Iterable[int]) -> str:
     return ", ".join(parts)
 
 
-def listed_or_counted(numbers: Sequence[int], count: int) -> str:
+def short_number_list(numbers: Sequence[int], count: int) -> str:
     """Return numbers of impacts as text, such as "3, 7–9".
 
     If the text would have more than MOST_LISTED items (numbers or ranges), it tells only how many different
     ``numbers`` there are: "31 of all 81". ``count``, here 81, is the number of all impacts.
     """
-    text = listed(numbers)
+    text = number_list(numbers)
     return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of all {count}"

@@ -141,7 +141,7 @@ def number_in(rule: str, value_of: ValueOf) -> Any:
 
     A condition gives the number 0 or 1, a list the number of its entries.
     """
-    value = _counted(_function(rule)(value_of))
+    value = _length_or_value(_function(rule)(value_of))
     return int(value) if value is True or value is False else value
 
 
@@ -234,7 +234,9 @@ def _of_two(
     first, second = left(value_of), right(value_of)
     if first is None or second is None:
         return None if sign in ("+", "*") else False
-    return _OF_TWO[sign](first, second) if sign == "in" else _OF_TWO[sign](_counted(first), _counted(second))
+    if sign != "in":
+        first, second = _length_or_value(first), _length_or_value(second)
+    return _OF_TWO[sign](first, second)
 
 
 def of_members(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:
@@ -262,7 +264,7 @@ def _members(value: Any) -> Collection[Any]:
     return value.values() if isinstance(value, Mapping) else value or ()
 
 
-def _counted(value: Any) -> Any:
+def _length_or_value(value: Any) -> Any:
     return len(value) if type(value) in (tuple, list) else value
 
 

@@ -48,7 +48,14 @@ from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.remarks import alike_neighbours
-from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, misfit, rounded, sigma_of
+from chain_impact.studies.fit.report import (
+    count_of_best,
+    fits_equally,
+    heading,
+    misfit,
+    rounded_text,
+    sigma_of,
+)
 from chain_impact.studies.fit.unknown import size_of
 
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
@@ -341,7 +348,7 @@ def _estimate_text(fit: Estimates, label: str) -> str:
 
     For a parameter at a bound, the text has the bound in place of value and error. If ``size_of`` gives the
     error in percent, or if the error is 0, not finite, at least 100 or needs more than ERROR_DECIMALS
-    decimals, ``rounded`` and ``size_of`` write value and error. Otherwise both have the decimals of the
+    decimals, ``rounded_text`` and ``size_of`` write value and error. Otherwise both have the decimals of the
     error's first two digits.
     """
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
@@ -353,5 +360,5 @@ def _estimate_text(fit: Estimates, label: str) -> str:
     unit = of_scene(parameter.unit, fit.scene)
     decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1
     if size.endswith("%") or not 0 <= decimals <= ERROR_DECIMALS:
-        return f"{label} {raised(with_unit(rounded(value, error), unit))} ± {size}"
+        return f"{label} {raised(with_unit(rounded_text(value, error), unit))} ± {size}"
     return f"{label} {value:.{decimals}f} ± {raised(with_unit(f'{error:.{decimals}f}', unit))}"

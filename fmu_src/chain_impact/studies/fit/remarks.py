@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.recording.text import plural
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import Measurements
-from chain_impact.studies.fit.uncertainty import exceeded, information
+from chain_impact.studies.fit.uncertainty import exceedance_probability, information
 
 # a value is no outlier if its |residual| is at most SMALL × the range of the measured values of its column
 SMALL = 1e-3
@@ -113,12 +113,12 @@ def unusual_chi_squared(result: Estimates) -> Iterator[str]:
     if least <= 0 or total < SIMULATED * least:
         return
     what = f"χ² is {total:.4g} for {most} degrees of freedom, p < {IMPROBABLE:g}"
-    if exceeded(total, most) < IMPROBABLE:
+    if exceedance_probability(total, most) < IMPROBABLE:
         yield (
             f"{what}: the model does not follow the data within their σ, so the standard "
             "errors are too small."
         )
-    elif exceeded(total, least) > 1.0 - IMPROBABLE:
+    elif exceedance_probability(total, least) > 1.0 - IMPROBABLE:
         yield (
             f"{what}: the data follow the model more closely than their σ allow, so the "
             "standard errors are too large."

@@ -89,7 +89,7 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
             (
                 parameter.label,
                 number(parameter.start, 6),
-                with_unit(rounded(value, error), of_scene(parameter.unit, fit.scene)),
+                with_unit(rounded_text(value, error), of_scene(parameter.unit, fit.scene)),
                 size_of(parameter, value, relative_error),
                 _interval(parameter, value, error, fit.intervals[parameter.label]),
             )
@@ -109,10 +109,10 @@ def _interval(parameter: Parameter, value: float, error: float, ends: tuple[floa
     # Each end is rounded by its own error: on a logarithmic scale the value and the ends have the same
     # relative error.
     errors = [error * end / value for end in ends] if parameter.logarithmic else [error, error]
-    return " … ".join(rounded(*end).replace("inf", "∞") for end in zip(ends, errors, strict=True))
+    return " … ".join(rounded_text(*end).replace("inf", "∞") for end in zip(ends, errors, strict=True))
 
 
-def rounded(value: float, error: float) -> str:
+def rounded_text(value: float, error: float) -> str:
     """Return a value as text, rounded to the second significant digit of its standard error ``error``.
 
     The value is rounded to at least 2 and at most 10 significant digits; to 4 if the error is 0 or not
@@ -129,7 +129,7 @@ def _columns(fit: Estimates) -> list[Sequence[str]]:
     for name, mine in fit.columns.items():
         used = mine & fit.used
         rms = math.sqrt(float((fit.residuals[used] ** 2).mean())) if used.any() else math.nan
-        rows.append((name, str(int(used.sum())), sigma_of(fit, name), measured([rms], fit.unit(name))))
+        rows.append((name, str(int(used.sum())), sigma_of(fit, name), values_text([rms], fit.unit(name))))
     return rows
 
 
@@ -140,10 +140,10 @@ def sigma_of(fit: Estimates, name: str) -> str:
     """
     sigma = fit.sigma[fit.columns[name]]
     how = "estimated" if name in fit.estimated else "given"
-    return f"{measured([*dict.fromkeys((sigma.min(), sigma.max()))], fit.unit(name))} {how}"
+    return f"{values_text([*dict.fromkeys((sigma.min(), sigma.max()))], fit.unit(name))} {how}"
 
 
-def measured(values: Sequence[float], unit: str) -> str:
+def values_text(values: Sequence[float], unit: str) -> str:
     """Return one or two values as text with a unit, whose prefix suits the largest value."""
     factor, shown = prefixed(max(values), unit) if unit else (1.0, unit)
     return with_unit(" … ".join(number(factor * value, 3) for value in values), shown)
@@ -178,7 +178,8 @@ def _laws(fit: Estimates) -> list[Sequence[str]]:
             rows.append((law_fit.law, "–", "–", *("–" for _ in fit.values), law_fit.note))
             continue
         values = (
-            rounded(value, law_fit.fit.standard_errors[name]) for name, value in law_fit.fit.values.items()
+            rounded_text(value, law_fit.fit.standard_errors[name])
+            for name, value in law_fit.fit.values.items()
         )
         told = above_best(law_fit.fit, fit), number(misfit(law_fit.fit, fit), 3)
         rows.append((law_fit.law, *told, *values, law_fit.note))

@@ -148,7 +148,7 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
     return np.where(freedom > TOO_FEW, values, math.inf)
 
 
-def exceeded(chi_squared: float, freedom: float) -> float:
+def exceedance_probability(chi_squared: float, freedom: float) -> float:
     """Return the probability, 0 to 1, that the χ² of a correct model exceeds ``chi_squared``.
 
     ``freedom``: the degrees of freedom of χ², > 0.

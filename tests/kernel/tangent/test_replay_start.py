@@ -1,4 +1,4 @@
-"""The start of an instance of dual numbers."""
+"""The start and the restart of a replay."""
 
 # Tests: kernel/tangent/entry.py
 
@@ -13,7 +13,7 @@ from chain_impact.kernel.forces import active_contacts, candidate_laws, force_fo
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent import duals, replay as starts, trust
+from chain_impact.kernel.tangent import duals, replay, trust
 from tests.helpers.kernel.kernel_calls import tangents_of
 from tests.helpers.kernel.plain import Plain, make_rigid, record_of
 from tests.helpers.models.complex_laws import TINY
@@ -87,7 +87,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
     assert candidate_laws.update_laws(d) == OK
     duals.copy_given(d, t, AT_START)
-    starts.copy_given_and_modes(d, t)  # reads the walls, whose material may change during a run
+    replay.copy_given_and_modes(d, t)  # reads the walls, whose material may change during a run
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)
         np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
@@ -105,7 +105,7 @@ def test_given_values_hold_with_their_derivatives(both):
     d.given.piece.order, d.given.piece.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     assert candidate_laws.update_laws(d) == OK
-    starts.copy_given_and_modes(d, t)
+    replay.copy_given_and_modes(d, t)
     apply_inputs(t)
     assert candidate_laws.update_laws(t) == OK
     assert (t.law.number == number).all()
@@ -130,7 +130,7 @@ def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
     d.contact.exponent = 1.5
     assert candidate_laws.start_laws(d) == OK
     duals.copy_given(d, t, AT_START)
-    starts.copy_given_and_modes(d, t)
+    replay.copy_given_and_modes(d, t)
     assert candidate_laws.start_laws(t) == OK
     right = slope(entry.damping_factor, e, 1e-6)
     own = t.law
@@ -147,8 +147,8 @@ def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
 @pytest.fixture
 def twins(monkeypatch):
     """Return a chain and a second record of its layout in place of a record of dual numbers."""
-    monkeypatch.setattr(starts, "dual_with_slope", lambda number, _slope, _argument: number)
-    monkeypatch.setattr(starts, "value", float)
+    monkeypatch.setattr(replay, "dual_with_slope", lambda number, _slope, _argument: number)
+    monkeypatch.setattr(replay, "value", float)
     rng = np.random.default_rng(9)
     scene, d = chain(rng, 2, springs=True, dampers=True, inputs=True)
     dtype = d.numpy_record.dtype
@@ -167,7 +167,7 @@ def test_a_replay_starts_as_the_instance_does(twins):
     d.given.tip_force[:] = 1.0, 2.0
     assert initialize(d, 1.5) == OK
     t.scratch.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
-    starts.start_tangent(d, t)
+    replay.start_tangent(d, t)
     records = ["chain", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch"]
     records += ["given", "stops", "solver"]
     for record in records:
@@ -188,7 +188,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     """Lasting compliant contacts use the new law; contacts at rigid walls stay as they are."""
     d, t = twins
     assert initialize(d, 0.0) == OK
-    starts.start_tangent(d, t)
+    replay.start_tangent(d, t)
     rng = np.random.default_rng(1)
     y = random_state(rng, t)
     t.step.state_end[:], t.step.end = y, 2.5
@@ -203,7 +203,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     t.scratch.load.x[:], t.touch.beyond_kink[4], t.step.time, t.step.start_delay = 9.0, 5, 1.0, 7.0
     told = []
     monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
-    starts.reinit_tangent(d, t)
+    replay.reinit_tangent(d, t)
     assert told == [(t,)]
     assert t.step.time == t.step.start == t.step.end == 2.5
     assert t.step.start_delay == 0.0
@@ -227,7 +227,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
 def test_derivatives_that_ended_in_what_is_dropped_go_on(twins, ended, expected):
     d, t = twins
     assert initialize(d, 0.0) == OK
-    starts.start_tangent(d, t)
+    replay.start_tangent(d, t)
     t.step.end, t.trust.reason, t.trust.time = 2.5, 3, ended
-    starts.reinit_tangent(d, t)
+    replay.reinit_tangent(d, t)
     assert t.trust.reason == expected
