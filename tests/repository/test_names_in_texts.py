@@ -1,4 +1,4 @@
-"""A reader finds capital names of comments and docstrings in the code of the file, or of a file named."""
+"""A reader finds the capital names and the files that comments and docstrings name."""
 
 import itertools
 import re
@@ -17,6 +17,7 @@ FILES = [
     for file in sorted((ROOT / room).rglob("*.*"))
     if file.suffix in (".py", ".js", ".c", ".h") and file.parent.name != "vendor"
 ]
+PACKAGE = ROOT / "fmu_src"
 PUBLIC = {*chain_impact.__all__}
 WORDS = {
     *("ACM", "ARM", "BDF", "BIT", "BLAS", "BSD", "CC0", "CIE", "CIELAB", "CPU", "CRC", "CSV", "CVODE"),
@@ -30,6 +31,8 @@ WORDS = {
 NAME = re.compile(r"(?<![\w=#%\\])[A-Z][A-Z\d]+(?:_[A-Z\d]+)*(?![\w=′])")
 COMMAND = re.compile(r"``[^`]*[ =\[][^`]*``|\S+(?: \[?[A-Z_]{3,}\b[\]…]?){2,}")
 """A command or a setting, with words in place of its arguments."""
+FILE_NAME = re.compile(r"(?<![\w/.<{*-])(?!SVG\.js|__init__)([\w/]*\w\.(?:py|js|c|h))\b(?!\()")
+"""The name of a file, with or without folders. SVG.js is a library; each folder has an __init__.py."""
 PLAIN = re.compile(r"``([^` =\[]+)``|noqa: [A-Z0-9, ]+")
 """A quoted name, and numbers of rules."""
 STRINGS = r"""|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'"""
@@ -67,6 +70,49 @@ def unknown(file):
     told = [(name, text) for text in texts for name in {*NAME.findall(COMMAND.sub("", text))} - known]
     found = {name for name, text in told if any(name in read(other)[1] for other in named(text, name))}
     return sorted({name for name, _ in told} - found)
+
+
+def unclear_files(file):
+    """Return the names of files in the texts of a file that do not tell exactly one file of the repository.
+
+    A name alone tells the file of this name in the same folder, or else the only one in the package, or else
+    the only one in the repository. A name with folders tells the only file whose path ends so.
+    Lines `# Tests:` have paths in the package.
+    """
+    found = set()
+    for end in FILE_NAME.findall(re.sub("# Tests:.*", "", "\n".join(read(file)[0]))):
+        matches = [other for other in FILES if other.as_posix().endswith(f"/{end}")]
+        in_package = [other for other in matches if other.is_relative_to(PACKAGE)]
+        if file.parent / end not in matches and 1 not in (len(matches), len(in_package)):
+            found.add(end)
+    return sorted(found)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_reader_finds_the_files_in_texts(room):
+    files = [file for file in FILES if file.is_relative_to(ROOT / room)]
+    found = {file.name: names for file in files if (names := unclear_files(file))}
+    assert files
+    assert found == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("# rule_language.py, forces/friction.py, record/friction.py\n", []),
+        ("# rules_of_language.py\n", ["rules_of_language.py"]),
+        ("# as friction.py does\n", ["friction.py"]),
+        ("# as force/friction.py does\n", ["force/friction.py"]),
+        ("# beside itself.py\n", []),
+        ("# Tests: progress.py\n", []),
+        ("name = 'missing.py'\n", []),
+    ],
+)
+def test_an_unclear_file_is_found(tmp_path, monkeypatch, text, names):
+    file = tmp_path / "itself.py"
+    file.write_text(text, "utf-8")
+    monkeypatch.setattr(f"{__name__}.FILES", [*FILES, file])
+    assert unclear_files(file) == names
 
 
 @pytest.mark.parametrize("room", ROOMS)

@@ -1,9 +1,9 @@
 """Facts of a scene, such as whether it has friction, and lists of its parts.
 
-The tables FACTS and LISTS have the rules that give facts and lists; rules.py has the language of the rules. A
-page evaluates the same rules (pages/browser/scene/owners.js). Lists without a rule are found by code, in
-Python by FOUND. Example: if a scene gives ``joint_friction`` for a link with a proximal joint, the link has
-the value ``has_friction`` 1 in "links", so the facts "joint_friction" and "friction" are true.
+The tables FACTS and LISTS have the rules that give facts and lists; rule_language.py has the language of the
+rules. A page evaluates the same rules (pages/browser/scene/owners.js). Lists without a rule are found by
+code, in Python by FOUND. Example: if a scene gives ``joint_friction`` for a link with a proximal joint, the
+link has the value ``has_friction`` 1 in "links", so the facts "joint_friction" and "friction" are true.
 """
 
 from __future__ import annotations

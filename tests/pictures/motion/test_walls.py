@@ -39,7 +39,7 @@ def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     recording = recorded(model)
     motion = motion_of(recording)
     ends = wall_lines(motion)
-    # test_moving.py tests moving walls; the ends of a slider's line belong to the line
+    # test_moving_walls.py tests moving walls; the ends of a slider's line belong to the line
     others = {*STOPS, *SLIDER_STOPS, *recording.moved_walls}
     hit = {recording.wall_names[wall] for wall in recording.impacts["wall"]} - others
     assert len(hit) <= len(ends) <= len(recording.walls)

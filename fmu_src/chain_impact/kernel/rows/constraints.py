@@ -16,8 +16,8 @@ the iteration of an augmented Lagrangian. Each iteration divides the residual m 
 The constraints may be dependent. At rigid walls D is a million times the mean mass of a link. The iteration
 continues until the residual is round-off, often after a few iterations; D is increased if m falls too slowly.
 
-A sticking element of dry friction (friction.py) also has a constraint, of its tangential motion, which is
-always in the active set. For dependent constraints the iteration finds the solution with the least Σ p²/D.
+A sticking element of dry friction (forces/friction.py) also has a constraint, of its tangential motion, which
+is always in the active set. For dependent constraints the iteration finds the solution with the least Σ p²/D.
 With D in proportion to the limits of friction, the forces of sticking elements are in proportion to the
 limits, too. Some motions can hardly be constrained (D W ≪ 1), such as a change in the length of a straight
 chain on a floor. The iteration leaves them free, because their constraint forces could have any size. Where

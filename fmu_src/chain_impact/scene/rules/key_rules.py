@@ -71,8 +71,8 @@ class Derived:
         or_key: the key of the same table that can be given in place of this key; "" if there is none.
         with_stops: the default in each scene in which a joint has a stop; None for a rule of another kind.
         off: the default of a value that describes a part, such as dry friction, which the scene has only if
-            the file gives the value, even as 0; None for a rule of another kind. For the rules of rules.py, a
-            value that the file does not give is missing.
+            the file gives the value, even as 0; None for a rule of another kind. For the rules of
+            rule_language.py, a value that the file does not give is missing.
     """
 
     text: str

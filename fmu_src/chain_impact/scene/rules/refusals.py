@@ -2,7 +2,7 @@
 
 In an error, the path of the key comes before the sentence. Words in braces stand for texts of the scene. The
 text after "; " is advice, in which Python may say more than the page. The conditions of the rules are in the
-language of rules.py.
+language of rule_language.py.
 """
 
 from __future__ import annotations
@@ -81,8 +81,8 @@ class Rule(NamedTuple):
     Attributes:
         fault: the name of the fault, a key of SENTENCES.
         key: the refused key; the value of this key replaces the word ``value`` in the sentence.
-        condition: the condition, in the language of rules.py, that is true if the value is refused. Its names
-            are keys and facts.
+        condition: the condition, in the language of rule_language.py, that is true if the value is refused.
+            Its names are keys and facts.
         least: an expression of this language for the number with which the sentence compares the value; ""
             for none. The number replaces the word ``least`` in the sentence, the text of the expression the
             word ``bound``.
