@@ -1,4 +1,7 @@
-"""The colour scale of maps of sweeps: the values at both ends, and whether it is logarithmic or has steps."""
+"""The colour scale of maps of sweeps: the values at both ends, and whether it is logarithmic or has steps.
+
+The twin in JavaScript is pages/browser/explore/map/map_colours.js.
+"""
 
 from __future__ import annotations
 

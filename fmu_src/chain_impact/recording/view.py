@@ -1,4 +1,7 @@
-"""The view, a rectangle, that a picture of a motion shows, and the walls near the motion."""
+"""The view, a rectangle, that a picture of a motion shows, and the walls near the motion.
+
+The twin in JavaScript is pages/browser/recording/view.js.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Signals, functions of time that drive inputs of the scene: defaults, table files, and the driven inputs.
 
 kernel/chain/signals.py computes the values of signals.
+The twin in JavaScript is pages/browser/scene/signals.js.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """The data of signals in the kernel's record, and the values of signals at the start of a run.
 
 Functions of kernel/chain/signals.py evaluate the data, in a run and here.
+The twin in JavaScript is pages/browser/scene/signals.js.
 """
 
 from __future__ import annotations

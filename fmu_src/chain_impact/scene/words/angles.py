@@ -2,6 +2,8 @@
 
 A hint tells that an angle may be in degrees in place of radians, or may differ from the intended angle by
 whole turns.
+
+The twin in JavaScript is pages/browser/scene/angles.js.
 """
 
 from __future__ import annotations

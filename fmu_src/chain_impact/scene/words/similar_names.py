@@ -1,4 +1,7 @@
-"""Finds the known name that is most similar to an unknown name."""
+"""Finds the known name that is most similar to an unknown name.
+
+The twin in JavaScript is pages/browser/base/similar_names.js.
+"""
 
 import re
 from collections.abc import Iterable

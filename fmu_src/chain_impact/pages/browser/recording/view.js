@@ -1,5 +1,5 @@
-// The view of a motion: the rectangle that the motion and the walls near it need. `view.py` does the same for pictures and films, and has
-// the constants.
+// The view of a motion: the rectangle that the motion and the walls near it need. `recording/view.py` does the same for pictures and
+// films, and has the constants.
 
 import { endsOf } from "../base/range.js";
 import { freeRegionWithin } from "./free_region.js";

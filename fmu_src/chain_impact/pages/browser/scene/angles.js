@@ -1,4 +1,5 @@
 // Angles: texts in degrees, which the page accepts beside numbers in radians, and in which it shows angles.
+// `scene/words/angles.py` reads the same texts.
 
 import { numberText, unitText } from "../base/format.js";
 

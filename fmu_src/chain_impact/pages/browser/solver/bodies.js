@@ -1,5 +1,5 @@
-// The shapes that the page draws, as pictures do: outlines of links that have points besides their ends; and the line, the carriage and the
-// stops of a slider.
+// The shapes that the page draws, as `scene/display/bodies.py` does for pictures: outlines of links that have points besides their
+// ends; and the line, the carriage and the stops of a slider.
 
 import { discOf } from "../scene/geometry.js";
 
