@@ -58,7 +58,7 @@ def read_urdf(path: Path) -> Robot:
     by_parent: dict[str, list[Any]] = {}
     for joint in robot.joints:
         by_parent.setdefault(joint.parent, []).append(joint)
-        if joint.type != "fixed" and joint.axis is not None and not np.any(joint.axis):
+        if joint.type != "fixed" and joint.axis is not None and not np.linalg.norm(joint.axis):
             raise SceneError(f"{path}: joint {joint.name}: its axis is 0 0 0, must have a direction")
     # the parent of a joint is a body even if it has no element <link>, as "world" often has none
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])

@@ -61,7 +61,7 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
         during = force[first:last]
         is_largest = during >= FIRST * during.max()
         row = first + is_largest.argmax()
-        if is_largest.mean() > STEADY:
+        if len(during) > 1 and is_largest.mean() > STEADY:
             continue
         if force[row] >= ALMOST_PEAK * impact["peak_force"] and time[row] - impact["onset"] > least:
             impact["onset"] = time[row]

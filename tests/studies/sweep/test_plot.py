@@ -521,3 +521,16 @@ def test_values_that_hardly_differ_do_not_fill_the_axis(values, told):
     if ends:
         assert ends[0] < values.min() < values.max() < ends[1]
         assert ends[1] - ends[0] > 1.5 * np.ptp(values)
+
+
+def test_only_the_map_of_the_own_value_is_marked_and_empty_maps_are_named():
+    scene = load_scene("bouncing_ball").with_values({"simulation.stop_time": 0.6})
+    two = {"initial.y": [0.8, 1.0, 1.1, 1.2], "contact.restitution": [0.8, 0.9, 0.95, 1.0]}
+    found = sweep(scene, two | {"solver.tolerance": [1e-10, 1e-9, 1e-8]})
+    page = found.plot(panels=["impact.count"])
+    crosses = [sum(line.get_marker() == "P" for line in axes.lines) for axes in page.axes[:3]]
+    assert crosses == [0, 0, 1]
+    assert "1e-8" in page.axes[2].get_title()
+    page = found.plot(panels=["peak_force"])  # a rigid wall has impulses
+    assert "solver.tolerance" in page.axes[0].get_title()
+    assert any("peak force" in text.get_text() for text in page.axes[0].texts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -110,9 +111,9 @@ def own_maps(runs: Runs, third: Variation) -> list[int]:
     """Return a list with the index of the map of the scene's own value of the third parameter, if any."""
     own: Any = runs.scene.values.get(third.name)
     values = third.shown(third.values[axis_of(third).order]).tolist()
-    return [
-        k for k, value in enumerate(values) if value == own or (not third.choices and np.isclose(value, own))
-    ]
+    if third.choices or own is None:
+        return [k for k, value in enumerate(values) if value == own]
+    return [k for k, value in enumerate(values) if math.isclose(value, own)]
 
 
 def _name_maps(panels: Sequence[Axes], runs: Runs, third: Variation, gap: str) -> None:
@@ -154,7 +155,8 @@ def _draw_group(
         axes.set_facecolor(FAILED_COLOUR)
     values = tables.compressed()
     if not values.size:
-        panels[0].set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
+        where: dict[str, Any] = {"transform": panels[0].transAxes, "ha": "center", "va": "center"}
+        panels[0].text(0.5, 0.5, f"{quantity.label}:\n{NEVER}", **where)
         return
     norm, colours, ticks, ends = _colours(quantity, values)
     x, y = scales

@@ -31,7 +31,7 @@ from chain_impact.studies.sweep.computation import STATUS_WORD
 from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS, draw_samples, drawn_parameters, influence
-from chain_impact.studies.sweep.maps import NEVER, draw_maps, number_in_scene, own_maps, own_value, unit_of
+from chain_impact.studies.sweep.maps import draw_maps, number_in_scene, own_maps, own_value, unit_of
 from chain_impact.studies.sweep.quantities import LOADS, Quantity, Results, constants, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -354,7 +354,7 @@ def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variat
         finite = shown[np.isfinite(shown)]
         axes.grid(axis="y", color="0.92")
         axes.plot(shown, rows, "o", color=COLOURS[0], markersize=4.0)
-        missing = "impulse" if quantity.column in LOADS else NEVER
+        missing = "impulse" if quantity.column in LOADS else "unknown"
         for row in rows[~np.isfinite(shown)]:
             word = "failed" if runs.failed[row] else missing
             axes.text(

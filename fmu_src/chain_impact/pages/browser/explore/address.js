@@ -25,6 +25,9 @@ export class Address {
     Object.assign(this, { changes, choice, openScene, clock, comparedMotions, refuse });
     if (location.hash) this.#apply(location.hash);
     changes.onChange(() => this.updateSoon());
+    changes.onOpen(() => {
+      this.#awaited = {}; // pins and time of an address are of its own scene
+    });
     comparedMotions.onPin = () => this.updateSoon();
     let isPlaying = clock.playing;
     clock.onChange(() => {
@@ -38,8 +41,8 @@ export class Address {
   /** Return the address; it contains the present time of the motion if the motion is paused, but not at its start or its end. */
   get text() {
     const { changes, choice, openScene, clock, comparedMotions } = this;
-    const { pins = comparedMotions.pinsOf(changes.scene) } = this.#awaited;
-    const time = clock.recording && !clock.playing && !clock.hasEnded ? clock.time : 0;
+    const paused = clock.recording && !clock.playing && !clock.hasEnded ? clock.time : 0;
+    const { pins = comparedMotions.pinsOf(changes.scene), time = paused } = this.#awaited;
     const hash = hashOf(changes, {
       scene: openScene.text,
       curves: choice.names.join(),

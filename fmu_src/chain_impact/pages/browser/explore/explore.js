@@ -64,7 +64,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about, o
     player.show(Object.assign(new Recording(withSteadyView(parts)), about));
     comparedMotions.show();
     choice.bringIntoView();
-    bringBack(address.takeAwaited());
+    if (about.values === changes.values) bringBack(address.takeAwaited()); // else the link is newer than the run
     simulation.addCurves(comparedMotions.pins).then((isNew) => isNew && comparedMotions.show());
   } else if (player.recording) {
     player.clock.set({ playing: false });
@@ -78,6 +78,7 @@ function bringBack({ pins, time }) {
   if (time !== undefined) player.clock.set({ playing: false, frame: player.recording.frameAt(time) });
   if (!pins) return;
   simulation.motionsOf(pins).then((motions) => {
+    if (!motions.length) return;
     comparedMotions.pinAll(motions);
     simulation.soon();
   });

@@ -38,13 +38,13 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   connectFile("csv", async () => {
     const result = await ask("rows", { ...changes.values }, { inputSteps: changes.inputSteps });
     save(new Blob([csvOf(result)], { type: "text/csv" }), `${changes.scene.name}.csv`);
-    return faultOf(result, result.time.length > 0);
+    return faultOf(result, result.time.length > 0, changes.values);
   });
   connectFile("impacts-csv", async () => {
     const result = await ask("rows", { ...changes.values }, { names: [], inputSteps: changes.inputSteps });
     const text = impactsCsvOf(result.impacts, changes.scene);
     save(new Blob([text], { type: "text/csv" }), `${changes.scene.name}-impacts.csv`);
-    return faultOf(result, result.time.length > 0);
+    return faultOf(result, result.time.length > 0, changes.values);
   });
   connectFile("toml", async () => {
     const text = tomlText(contentsOf(changes, inputSignals(changes)), keys);

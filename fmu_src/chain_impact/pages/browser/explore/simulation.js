@@ -74,7 +74,7 @@ export class Simulation {
     document.body.classList.toggle("stale", !result.parts);
     if (result.parts) this.#last = { scene, values, inputSteps };
     this.#status = result.status;
-    this.#sentence = result.fault ?? this.faultOf(result, result.parts);
+    this.#sentence = result.fault ?? this.faultOf(result, result.parts, values);
     this.#tell();
     const isRefused = !result.parts && !result.fault;
     const overlap = isRefused ? this.#overlapOf(result, values) : undefined;
@@ -107,20 +107,20 @@ export class Simulation {
     const { scene } = changes;
     const motions = await Promise.all(all.map(async ({ values, inputSteps, ...given }) => {
       const about = { ...changesInWords(changes, { values, inputSteps }), scene, values, inputSteps };
-      return { ...given, about, parts: (await engine.ask("pinned", values, { curves, inputSteps }))?.parts };
+      return { ...given, about, parts: (await engine.ask("pinned", values, { curves, inputSteps }).catch(() => null))?.parts };
     }));
     return motions.filter(({ parts }) => parts);
   }
 
-  /** Return a sentence on the fault of a run; "" without one. `hasMotion`: whether the run has computed a motion up to the fault. */
-  faultOf(run, hasMotion) {
+  /** Return a sentence on the fault of a run with `values`; "" without one. `hasMotion`: whether the run has a motion up to the fault. */
+  faultOf(run, hasMotion, values) {
     const { scene } = this.changes;
     if (run.status === 0) return "";
-    const why = hasMotion ? stopText(run, scene) : `cannot start: ${startText(run, scene, this.#overlapOf(run))}`;
+    const why = hasMotion ? stopText(run, scene) : `cannot start: ${startText(run, scene, this.#overlapOf(run, values))}`;
     return this.#inWords(`The simulation ${why}.`);
   }
 
-  #overlapOf(run, values = this.changes.values) {
+  #overlapOf(run, values) {
     return overlapOf(run, this.changes.scene, (name) => this.changes.valueOf(name, values));
   }
 

@@ -380,7 +380,8 @@ export class GridMap {
     try {
       // the inputs get no steps, because the runs of a map have constant inputs
       this.changes.replace(this.changes.with(valuesAt(this.shown, index), this.shown.values), {});
-      this.shown.known.set(Object.values(valuesAt(this.shown, index)).join(), { values: this.shown.runs[index] });
+      const values = this.shown.runs[index]; // null if the run has failed
+      if (values) this.shown.known.set(Object.values(valuesAt(this.shown, index)).join(), { values });
       this.#leave(true);
       this.dialog.close();
     } catch (error) {

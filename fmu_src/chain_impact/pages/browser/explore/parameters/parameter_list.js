@@ -53,6 +53,7 @@ export function showParameterList(details, changes) {
     if (rows) return refreshRows();
     rows = changes.scene.parameters.map((parameter) => listRow(changes, parameter));
     first = undefined;
+    body.replaceChildren(); // rows of another scene go, also if one has the focus
     refreshRows();
   };
   details.firstElementChild.addEventListener("click", fill); // before the list opens: the event "toggle" comes later
