@@ -89,9 +89,10 @@ def unclear_files(file):
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_a_reader_finds_the_files_in_texts(room):
+@pytest.mark.parametrize("faults", [unknown, unclear_files], ids=["capital names", "files"])
+def test_a_reader_finds_what_texts_name(room, faults):
     files = [file for file in FILES if file.is_relative_to(ROOT / room)]
-    found = {file.name: names for file in files if (names := unclear_files(file))}
+    found = {file.name: names for file in files if (names := faults(file))}
     assert files
     assert found == {}
 
@@ -113,14 +114,6 @@ def test_an_unclear_file_is_found(tmp_path, monkeypatch, text, names):
     file.write_text(text, "utf-8")
     monkeypatch.setattr(f"{__name__}.FILES", [*FILES, file])
     assert unclear_files(file) == names
-
-
-@pytest.mark.parametrize("room", ROOMS)
-def test_a_reader_finds_the_capital_names_in_texts(room):
-    files = [file for file in FILES if file.is_relative_to(ROOT / room)]
-    found = {file.name: names for file in files if (names := unknown(file))}
-    assert files
-    assert found == {}
 
 
 @pytest.mark.parametrize(

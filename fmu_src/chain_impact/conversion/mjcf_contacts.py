@@ -128,7 +128,7 @@ class Contacts:
         else:  # for a kind that ``outline`` does not know, such as an ellipsoid, it returns a box
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
-        others = self.moving if g in self.still else range(model.ngeom)
+        others = self.moving if self._is_still(g) else range(model.ngeom)
         # if a scene of this package has no walls, its points touch nothing, but must be kept
         is_point = self.ours and bool(POINT.fullmatch(name))
         alone = is_point and not self.walls and self.works

@@ -44,17 +44,14 @@ def check_elements(root: Element, path: Path) -> None:
     """
     for part in (*root.findall("link"), *root.findall("joint")):
         name = f"{path}: {part.tag} {part.get('name')}"
-        inside = {element: where for where, element in _below(part, f"robot/{part.tag}")}
-        known = [element for element, where in inside.items() if where in USED_ATTRIBUTES]
-        for parent in (part, *known):
-            for tag, count in Counter(element.tag for element in parent if element in known).items():
-                if count > 1:
-                    raise SceneError(f"{name}: has {count} elements {tag}, must have one")
-        for element in known:
-            numbers = [key for key in USED_ATTRIBUTES[inside[element]].split() if key != "link"]
-            for key in numbers:
+        known = [found for found in _below(part, f"robot/{part.tag}") if found[0] in USED_ATTRIBUTES]
+        for where, count in Counter(where for where, _ in known).items():
+            if count > 1:
+                raise SceneError(f"{name}: has {count} elements {where.rpartition('/')[2]}, must have one")
+        for where, element in known:
+            for key in USED_ATTRIBUTES[where].split():
                 value = element.get(key, "")
-                if allowed := _allowed_instead(element.tag, value):
+                if key != "link" and (allowed := _allowed_instead(element.tag, value)):
                     raise SceneError(f"{name}: {element.tag} {key} = {value} must be {allowed}")
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.curve_looks import DASHES, looks_of, shared_part
+from chain_impact.pictures.curve_looks import DASHES, looks_of, owner_of, shared_part
 from chain_impact.pictures.drawing.distinct_curves import hides, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
@@ -321,8 +321,7 @@ def draw_all(
 
 def whole_name(name: str) -> str:
     """Return the label of a panel with one curve: ``name``, if long (LONGEST) with the quantity in line 2."""
-    quantity = shared_part([name])
-    return name if len(name) <= LONGEST else f"{name.removesuffix(f'.{quantity}')}\n{quantity}"
+    return name if len(name) <= LONGEST else f"{owner_of(name)}\n{shared_part([name])}"
 
 
 def look_of_energy(name: str) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import Differentiated
 from chain_impact.simulation.inputs import Interpolation
@@ -109,7 +110,7 @@ class Estimates:
 
     @cached_property
     def _units(self) -> dict[str, str]:
-        elsewhere = point_wall_pairs(self.scene) or self.scene.slider_stops
+        elsewhere = SceneFacts(self.scene)["contacts"]
         impacts = impact_units(stop=bool(self.scene.chain.stops) and not elsewhere)
         return {**PreparedScene(self.scene).units, **impacts}
 

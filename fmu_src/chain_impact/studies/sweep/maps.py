@@ -109,10 +109,10 @@ def _tables(runs: Runs, quantity: Quantity, over: Sequence[Variation]) -> Any:
 
 def own_maps(runs: Runs, third: Variation) -> list[int]:
     """Return a list with the index of the map of the scene's own value of the third parameter, if any."""
-    own: Any = runs.scene.values.get(third.name)
+    own, choice = number_in_scene(runs, third), runs.scene.values.get(third.name)
     values = third.shown(third.values[axis_of(third).order]).tolist()
-    if third.choices or own is None:
-        return [k for k, value in enumerate(values) if value == own]
+    if own is None:
+        return [k for k, value in enumerate(values) if value == choice]
     return [k for k, value in enumerate(values) if math.isclose(value, own)]
 
 

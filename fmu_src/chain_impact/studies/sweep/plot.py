@@ -103,7 +103,7 @@ def plot_sweep(
     """
     check_picture(runs.design.variations, runs.design.samples, len(runs), runs.scene.name)
     results = results_of(runs, panels)
-    if kind_of(runs.design) == MAPS and len(varying_in(runs.design)) == MOST_VARIED:
+    if have_third(varying_in(runs.design), kind_of(runs.design)):
         if panels and len(results.drawn) > 1:
             raise SceneError(
                 f"{runs.scene.name}: {len(results.drawn)} panels must be 1 if {MOST_VARIED} parameters vary"
@@ -137,7 +137,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     elif kind == HISTOGRAMS:
         draw_samples(_panels(figure, count, across), runs, quantities, varying)
     else:
-        of_third = panels_of_each(runs.design) > 1
+        of_third = have_third(varying, kind)
         panels = _panels(figure, count, across, of_third=of_third)
         draw_maps(figure, panels, runs, quantities, (first, *others))
     if is_narrow(figure):
@@ -155,7 +155,12 @@ def panels_of_each(design: Design) -> int:
     kind, varying = kind_of(design), varying_in(design)
     if kind == HISTOGRAMS:
         return 1 + min(len(varying), MOST_SCATTERS)
-    return count_of(in_order(varying, kind)[-1]) if kind == MAPS and len(varying) == MOST_VARIED else 1
+    return count_of(in_order(varying, kind)[-1]) if have_third(varying, kind) else 1
+
+
+def have_third(varying: Sequence[Variation], kind: str) -> bool:
+    """Return whether a third parameter varies: then the picture has a map of one result for each value."""
+    return kind == MAPS and len(varying) == MOST_VARIED
 
 
 def count_of(variation: Variation) -> int:
@@ -183,12 +188,12 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
     before a number with at most MOST_SPLIT values. Of three parameters in a picture with maps, the one with
     the fewest values comes last.
     """
-    if kind == MAPS and len(varying) == MOST_VARIED:
+    if have_third(varying, kind):
         third = min(reversed(varying), key=count_of)
         return [*in_order([variation for variation in varying if variation is not third], kind), third]
     return sorted(
         varying,
-        key=lambda each: (bool(each.choices), kind == CURVES and len(np.unique(each.values)) <= MOST_SPLIT),
+        key=lambda each: (bool(each.choices), kind == CURVES and count_of(each) <= MOST_SPLIT),
     )
 
 
@@ -222,8 +227,8 @@ def kind_of(design: Design) -> str:
     if len(varying) == MOST_VARIED:
         return MAPS
     if not choices:
-        return CURVES if min(len(np.unique(each.values)) for each in varying) <= MOST_SPLIT else MAPS
-    return CURVES if len(choices) == 1 and len(np.unique(choices[0].values)) <= len(COLOURS) else MAPS
+        return CURVES if min(map(count_of, varying)) <= MOST_SPLIT else MAPS
+    return CURVES if len(choices) == 1 and count_of(choices[0]) <= len(COLOURS) else MAPS
 
 
 def usual_size(runs: Runs, results: Results, width: float | None = None) -> tuple[float, float]:
@@ -238,7 +243,7 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
         rows = math.ceil(count / _dots_across(count, width))
         return width, 0.7 + rows * (0.6 + 0.22 * len(varying_in(runs.design)[0].values))
     usual = ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
-    if panels_of_each(runs.design) > 1 and kind == MAPS:
+    if have_third(varying_in(runs.design), kind):
         return usual, 1.2 + 2.2 * math.ceil(count / maps_across(count, width or usual))
     return usual, 0.6 + 2.7 * math.ceil(count / _across(count, kind, width or usual))
 
@@ -277,7 +282,7 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
         own = number_in_scene(runs, variation)
         marked = " (outside)" if own_value(runs, variation) is None else mark if variation in shown else ""
         told = "" if own is None else f", {number(own)} in the scene{marked}"
-        count = f"{len(np.unique(variation.values))} of {variation.name}"
+        count = f"{count_of(variation)} of {variation.name}"
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
             told = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""
@@ -288,7 +293,7 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
 
 def varying_in(design: Design) -> list[Variation]:
     """Return the variations with more than one different value; without any, the first variation."""
-    varying = [variation for variation in design.variations if len(np.unique(variation.values)) > 1]
+    varying = [variation for variation in design.variations if count_of(variation) > 1]
     return varying or list(design.variations[:1])
 
 

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from chain_impact.recording.text import few, prefixed
-from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
@@ -160,7 +160,7 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     scene = runs.scene
     absent = (
         set()
-        if point_wall_pairs(scene) or scene.slider_stops
+        if SceneFacts(scene)["contacts"]
         else {name for name, peak in PEAKS.items() if not peak.at_stops}
     )
     without_force = {name: np.isnan(runs[name]) for name in runs.names if name in LOADS}  # at rigid walls
