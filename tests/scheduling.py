@@ -36,6 +36,7 @@ WITH = {
         "over_time/test_energies",
         "over_time/test_impacts",
         "test_committed_pictures",
+        "test_overview_layout",
     )
 }
 

@@ -25,6 +25,8 @@ PIXELS = f"async (asked) => (await ({ROWS})(asked)).length"
 """Number of pixels of a chart with a colour of the style sheet."""
 TEXTS = function_of("in_pages", "textsOf")
 """The numbers of typed arrays as texts, which ``bits`` reads: single numbers would take far longer."""
+ON_OTHERS = function_of("drawing", "onOthers")
+"""Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
 SUBTITLE = "document.getElementById('subtitle').textContent"
 TIME_TEXT = "document.getElementById('time').textContent"
 MAP = {"simulation.stop_time": 0.8}

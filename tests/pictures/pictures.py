@@ -1,4 +1,4 @@
-"""Recordings for pictures, and the pictures."""
+"""Recordings for pictures, the pictures, and checks of what is drawn."""
 
 import functools
 import itertools
@@ -10,6 +10,8 @@ from matplotlib.text import Text
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
 from chain_impact.pictures.drawing import figures
 from chain_impact.pictures.drawing.dark_ground import GLARE, luminance
+from chain_impact.pictures.drawing.labels import Ink
+from chain_impact.pictures.drawing.legends import MARK
 from chain_impact.pictures.drawing.style import styled
 from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.recording.recording import Recording
@@ -156,3 +158,40 @@ def check_texts(page):
         assert min(box.x0, box.y0, page.bbox.x1 - box.x1, page.bbox.y1 - box.y1) > -0.5, text
     for (one, box), (other, another) in itertools.combinations(texts, 2):
         assert not box.padded(-0.5).overlaps(another), (one, other)
+
+
+def check_rules(page):
+    """Check the widths of legends, the numbers at all axes, and low heads on a narrow page."""
+    for axes in page.axes:
+        inside = axes.get_window_extent()
+        if legend := axes.get_legend():
+            box = legend.get_window_extent()
+            if box.x0 >= inside.x1:  # beside a slim motion
+                assert box.y0 >= inside.y0 - 0.5
+            else:
+                assert box.width <= inside.width + 0.5
+        for axis in () if axes.get_label() == "time" else (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            ticks = [tick for tick in axis.get_major_ticks() if tick.label1.get_visible()]
+            assert len([tick for tick in ticks if low <= tick.get_loc() <= high]) >= 3 or (
+                axes.get_label() == "friction" and axis is axes.yaxis  # which has names
+            )
+    if page.get_figwidth() < 4.0:
+        every = [legend for axes in page.axes if (legend := axes.get_legend())]
+        legends = [legend for legend in every if legend.get_gid() == MARK]  # others take no height
+        heads = [item.get_window_extent().height for item in (page._suptitle, *legends)]
+        assert sum(heads) <= 0.15 * page.bbox.height
+    check_ink(page)
+
+
+@styled()
+def check_ink(page):
+    """Check that no text in the axes covers a line or a mark; a text with an outline may cover pale lines."""
+    inside = [text for axes in page.axes for text in axes.texts]
+    boxes = [Text.get_window_extent(text) for text in inside]  # without the lines to their marks
+    for text in inside:
+        text.set_visible(False)
+    ink = Ink(page)
+    for text, box in zip(inside, boxes, strict=True):
+        assert ink.take(box.min, box.max, on_pale=bool(text.get_path_effects())), text.get_text()
+        text.set_visible(True)

@@ -1,4 +1,4 @@
-// Functions that tests/pages/test_drawing.py runs in a page.
+// Functions that tests of the drawing run in a page.
 import { LabelSpace } from "../../../fmu_src/chain_impact/pages/browser/drawing/label_positions.js";
 import { ringsOf } from "../../../fmu_src/chain_impact/pages/browser/drawing/rings.js";
 

@@ -1,4 +1,4 @@
-// Functions that tests/pages/test_sliders.py runs in a page.
+// Functions that tests/pages/test_parameter_list.py runs in a page.
 
 /** Return the number of fields in the list of all parameters that lie in the window, where nothing covers them. */
 export const rowsInSight = () => [...document.querySelectorAll(".parameter :is(input, select)")].filter((field) => {

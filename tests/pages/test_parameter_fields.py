@@ -1,0 +1,129 @@
+"""The fields of parameters: their digits, and values that are refused and taken back."""
+
+# Tests: pages/browser/explore/parameters/parameter_fields.js
+
+import pytest
+
+from chain_impact import load_scene
+from tests.pages.in_pages import DESK, PHONE, enter, impacts_of, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+COLOUR = "field => getComputedStyle(field).borderTopColor"
+
+
+CUT = """[...document.querySelectorAll('.main-parameter input[type=text]')]
+  .filter((field) => field.scrollWidth > field.clientWidth).map((field) => field.value)"""
+
+
+@pytest.mark.parametrize("model", ["sphere_on_wall", "arm_at_stop", "ur5e", "bouncing_table"])
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+def test_no_field_cuts_its_number(show, model, viewport):
+    page = show(model, viewport=viewport)
+    for slider in page.locator(".main-parameter input[type=range]").all():
+        slider.press("PageUp")
+    assert page.evaluate(CUT) == []
+
+
+def test_a_field_has_all_digits_while_it_has_the_focus(show):
+    page = show("sphere_on_wall")
+    stiffness = load_scene("sphere_on_wall").values["contact.stiffness"]
+    field = page.get_by_role("textbox", name="contact.stiffness")
+    assert float(field.input_value()) == pytest.approx(stiffness, rel=1e-4)
+    assert float(field.input_value()) != stiffness
+    field.focus()
+    assert float(field.input_value()) == stiffness
+    field.press("Enter")
+    field.blur()
+    assert page.locator("#reset-all").is_hidden()
+
+
+def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):
+    page = show()
+    field = page.get_by_role("textbox", name="contact.stiffness")
+    usual = field.evaluate(COLOUR)
+    enter(page, "contact.stiffness", "-1")
+    told = "Stiffness = -1 must be a finite number > 0 [N/m^exponent]"
+    assert field.evaluate("field => field.validationMessage") == told
+    page.get_by_role("textbox", name="gravity.y").focus()
+    refused = page.get_by_role("alert").filter(has_text="Not taken")
+    shown = told.replace("N/m^exponent", "N/m¹·⁵")
+    assert refused.inner_text().replace("\xa0", " ") == f"Not taken: {shown}."
+    assert field.evaluate(COLOUR) != usual
+    assert page.evaluate("chainImpact.parameters['contact.stiffness']") == "1e8"
+    enter(page, "contact.stiffness", "1e6")
+    assert refused.count() == 0
+    assert field.evaluate(COLOUR) == usual
+    until_told(page, impacts_of({"contact.stiffness": 1e6}))
+
+
+def test_escape_and_reset_bring_back_the_value_that_holds(show):
+    page = show(hash_="#contact.restitution=0.5")
+    field = enter(page, "contact.restitution", "1.5")
+    field.press("Tab")
+    assert field.input_value() == "1.5"
+    reason = page.locator(".main-parameter .refusal").filter(has_text="Not taken")
+    assert reason.is_visible()
+    field.press("Escape")
+    assert field.input_value() == "0.5"
+    assert reason.count() == 0
+    page.get_by_role("button", name="Reset contact.restitution").first.click()
+    enter(page, "contact.restitution", "1.5")
+    page.get_by_role("button", name="Reset contact.restitution").first.click()
+    assert (field.input_value(), reason.count()) == ("0.7", 0)
+
+
+def test_the_reason_of_a_refusal_is_in_sight_on_a_phone(show):
+    page = show("pinned_arm", viewport=PHONE)
+    enter(page, "contact.restitution", "2")
+    reason = page.locator(".main-parameter .refusal").filter(has_text="Not taken")
+    below = page.locator("footer").bounding_box()["y"]
+    until(page, f"{BOTTOM} <= {below}")
+    assert reason.bounding_box()["y"] >= page.locator("#stage").bounding_box()["y"]
+
+
+BOTTOM = """Math.max(...[...document.querySelectorAll(".main-parameter .refusal")]
+  .map((reason) => reason.getBoundingClientRect().bottom))"""
+
+
+def test_an_empty_field_and_a_wrong_word_for_degrees_are_told(show):
+    page = show("pinned_arm")
+    page.locator("#list-of-parameters summary").click()
+    for name, text, told in (
+        ("contact.restitution", "", "Restitution is empty"),
+        ("initial.angle[1]", "45 grad", '"90 deg"'),
+    ):
+        field = page.locator(f"#list-of-parameters input[data-parameter='{name}']")
+        field.fill(text)
+        field.press("Enter")
+        assert told in page.locator(".parameter .refusal:not(:empty)").last.inner_text()
+
+
+def test_the_field_of_a_value_with_which_the_run_fails_tells_why(show):
+    page = show(viewport=PHONE)
+    row = page.locator(".main-parameter").filter(has_text="Restitution")
+    enter(page, "contact.restitution", "0")
+    row.get_by_text("the contact law does not allow this restitution").wait_for()
+    field = row.locator("input[type=text]")
+    assert not field.evaluate("field => field.validity.valid")
+    undo = page.get_by_role("button", name="Undo the change of Restitution")
+    box = undo.bounding_box()
+    assert box["x"] + box["width"] <= PHONE["width"]
+    undo.click()
+    until(page, "document.getElementById('status').hidden")
+    assert field.evaluate("field => field.validity.valid")
+    assert not row.locator(".refusal").is_visible()
+
+
+def test_typing_after_tab_replaces_a_rounded_angle(show):
+    page = show()
+    page.locator("#list-of-parameters summary").click()
+    field = page.locator("#list-of-parameters input[data-parameter='initial.angle[1]']")
+    page.get_by_role("searchbox").fill("initial.angle[1]")
+    for _ in range(20):
+        page.keyboard.press("Tab")
+        if field.evaluate("one => one === document.activeElement"):
+            break
+    page.keyboard.type("25 deg")
+    page.keyboard.press("Enter")
+    until(page, "Math.abs(chainImpact.parameters['initial.angle[1]'] - 25 * Math.PI / 180) < 1e-9")

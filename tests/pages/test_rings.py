@@ -1,0 +1,120 @@
+"""Rings and numbers of impacts, and the places of labels."""
+
+# Tests: pages/browser/drawing/rings.js
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.studies.animate import record_slowly
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, ON_OTHERS, PHONE, go_to
+from tests.pages.javascript import function_of
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+RINGS = function_of("drawing", "ringsAndNumbers")
+"""The middles of the rings, in the order of their impacts, and of their numbers."""
+CROSSED = function_of("drawing", "crossedTexts")
+"""The texts that a ring, a link or an edge of the drawing crosses."""
+DISTANCES = function_of("drawing", "distancesOfNumbers")
+"""The distances of the visible numbers from their points [pixels]."""
+PLACE = function_of("drawing", "placeOfLabel")
+CONTRASTS = function_of("drawing", "contrasts")
+
+
+@pytest.mark.parametrize("model", ["thrown_brick", "four_link_box", "hopper"])
+def test_numbers_and_forces_are_on_no_other_text_and_no_dot(show_recording, model):
+    recording = record_slowly(model)
+    page, numbers = show_recording(recording), set()
+    for impact in recording.impacts[:8]:
+        lasting = np.nan_to_num(impact["end"] - impact["onset"], nan=1e-3)
+        for share in (0.5, 1.5):
+            go_to(page, impact["onset"] + share * lasting)
+            assert page.evaluate(ON_OTHERS) == []
+            numbers |= set(page.locator(".ring-number").all_text_contents())
+    assert {"#1", "#2", "#3"} <= numbers
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])
+@pytest.mark.parametrize("model", ["sliding_rod", "stick_slip_belt", "thrown_brick"])
+def test_no_label_is_on_a_ring_a_link_or_an_edge(show_recording, model, viewport):
+    recording, texts = record_slowly(model), set()
+    page = show_recording(recording, viewport=viewport)
+    stop = recording.time[-1]
+    for time in (*np.linspace(0.1, 0.9, 5) * stop, *(recording.impacts["onset"][:5] + 2e-3)):
+        go_to(page, time)
+        assert page.evaluate(ON_OTHERS) == []
+        assert page.evaluate(CROSSED) == []
+        texts |= set(page.locator(".force-text, .ring-number, .point-number").all_text_contents())
+    assert any(text.endswith("with friction") for text in texts)
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])
+def test_the_number_of_an_impact_is_at_its_own_ring(show_recording, viewport):
+    recording = record_slowly("thrown_brick")
+    page, seen = show_recording(recording, viewport=viewport), set()
+    onsets = recording.impacts["onset"]
+    for time in onsets[1:6] + 2e-3:
+        go_to(page, time)
+        rings, numbers = page.evaluate(RINGS)
+        recent = np.flatnonzero((onsets <= time) & (onsets > time - 0.25)) + 1
+        assert len(rings) == len(recent)
+        for text, middle in numbers:
+            apart = [math.dist(middle, ring) for ring in rings]
+            own = apart[list(recent).index(int(text[1:]))]
+            assert own < min(apart) + 12.0, "rings that are nearer to each other count as one"
+            seen.add(text)
+    assert len(seen) > 1
+
+
+def test_the_last_three_impacts_at_one_position_have_rings(script):
+    found = script.evaluate(function_of("drawing", "rings"), [0.01 * k for k in range(10)])
+    assert [number for number, _ in found] == [2, 8, 9, 10]
+    ages = [0.25**-0.5 * (0.01 * k) ** 0.5 for k in (8, 2, 1, 0)]
+    begun = [radius - 10.0 * age for (_, radius), age in zip(found, ages, strict=True)]
+    assert begun == pytest.approx([10.0, 10.0, 13.5, 17.0])
+
+
+def test_a_label_avoids_the_trace_if_another_place_is_near(script):
+    """The trace goes along y = 50 until the frame 2, and then upwards from its right end."""
+    trace = {"frames": [0, 2, 4], "positions": [[0, 50], [90, 50], [90, 5]]}
+    for box, frame, found in (
+        ([30, 45, 60, 55], 2, True),
+        ([30, 45, 60, 55], 1, False),
+        ([85, 10, 95, 20], 2, False),
+        ([85, 10, 95, 20], 4, True),
+        ([30, 60, 60, 70], 4, False),
+    ):
+        assert (
+            script.evaluate("([trace, ...at]) => traceFinder(trace, 100)(...at)", [trace, box, frame])
+            is found
+        )
+    candidates = [[10, 50], [60, 50], [70, 50]]
+    assert [script.evaluate(PLACE, [left, candidates]) for left in (0, 20, 99)] == [
+        candidates[0],
+        candidates[1],
+        candidates[0],
+    ]
+
+
+def test_numbers_stay_beside_the_points_of_a_body_that_is_small_on_a_phone(show_recording):
+    recording = record_slowly("thrown_brick")
+    page, seen = show_recording(recording, viewport=PHONE), 0
+    for impact in recording.impacts[:4]:
+        go_to(page, impact["onset"] + 1e-3)
+        distances = page.evaluate(DISTANCES)
+        seen += len(distances)
+        assert max(distances, default=0.0) < 32.0
+    assert seen > 4
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_numbers_of_impacts_are_readable(show_recording, recording, scheme):
+    page, seen = show_recording(color_scheme=scheme), 0
+    for later in np.linspace(0.01, 0.3, 8):
+        go_to(page, recording.impacts["onset"][1] + later)
+        contrasts = page.evaluate(CONTRASTS, ".ring-number")
+        seen += len(contrasts)
+        assert min(contrasts, default=21.0) >= 4.5  # WCAG 2.2, 1.4.3
+    assert seen > 1

@@ -1,0 +1,98 @@
+"""The caption of a film, which tells an impact."""
+
+import dataclasses
+import re
+
+import matplotlib.style
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact import record_slowly
+from chain_impact.pictures.film.caption import CAPTION_FRAMES, caption_starts
+from chain_impact.pictures.film.film import FILM_STYLE, Film
+from chain_impact.pictures.film.writing import resolution
+from tests.pictures import pictures as made
+
+
+@pytest.mark.parametrize(("number", "end"), [(1, "max"), (2, "min")])
+def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number, end):
+    recording = record_slowly("cart_pole")
+    impact = recording.impacts[number - 1]
+    figure = Figure((8.0, 4.5), dpi=80)
+    page = Film(figure, recording, np.array([0.0, 0.5 * (impact["onset"] + impact["end"]), 3.0]))
+    figure.draw_without_rendering()
+    list(page.show(0, 1.0))
+    assert page.caption.text.get_text() == ""
+    drawn = list(page.show(1, 1.0))
+    told, hard = page.caption.text.get_text().split("\n")
+    assert told == f"impact {number} of 4: slider hits slider_{end}"
+    force, speed = re.fullmatch(r"peak force ([\d.]+) N, with ([\d.]+) m/s", hard).groups()
+    assert float(force) == pytest.approx(impact["peak_force"], rel=5e-3)
+    assert float(speed) == pytest.approx(impact["impact_speed"], rel=5e-3)
+    (box,) = (text.get_window_extent() for text in drawn if text in page.scene.texts)
+    (_, y), *_ = page.scene.transData.transform(recording.rail.lines(recording.points[:, 0])[0])
+    assert not box.y0 < y < box.y1
+
+
+def test_the_caption_of_an_impact_stays_for_some_frames():
+    recording = made.swing([made.hit(0.5, 1, "y_min", 1.0)], {"y_min": 0.0})
+    recording.impacts["end"] = 0.5
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.linspace(0.0, 2.0, 201))
+    told = []
+    for frame in range(201):
+        list(page.show(frame, 1.0))
+        told.append(bool(page.caption.text.get_text()))
+    frames = np.flatnonzero(told)
+    assert frames.tolist() == list(range(45, 51 + CAPTION_FRAMES))
+
+
+def test_the_caption_tells_an_impact_when_slow_motion_for_it_begins():
+    onsets = [0.5, 0.52, 1.0, 1.5]
+    recording = made.swing(
+        [made.hit(t, 1, "y_min", 1e-3 if t == 1.5 else 1.0) for t in onsets], {"y_min": 0.0}
+    )
+    recording.impacts["end"] = recording.impacts["onset"] + 1e-3
+    shown = [0.46, 0.505, 0.515, 0.94, 0.96, 1.49, 1.501]
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array(shown))
+    told = []
+    for frame in range(len(shown)):
+        list(page.show(frame, 1.0))
+        told.append(page.caption.told)
+    assert told == [1, 1, 2, 2, 3, 3, 4]
+    np.testing.assert_allclose(caption_starts(recording)[[0, 2, 3]], [0.45, 0.95, 1.5])
+
+
+def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
+    recording = record_slowly("hopping_leg")
+    for size in ((960, 540), (640, 360)):
+        with matplotlib.rc_context(FILM_STYLE):
+            dpi = resolution(size)
+            figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
+            page = Film(figure, recording, recording.impacts["onset"])
+            list(page.show(0, 1.0))
+            figure.draw_without_rendering()
+        legend = page.cursors[0].axes.get_legend().get_window_extent()
+        assert legend.y1 < page.caption.text.get_window_extent().y0
+        assert legend.x1 <= figure.bbox.x1
+        least = min(text.get_fontsize() for text in figure.findobj(matplotlib.text.Text) if text.get_text())
+        assert least * dpi / 72.0 > 9.5  # pixels
+
+
+@pytest.mark.parametrize(
+    ("point", "wall", "text"),
+    [
+        ("heel", "ramp", "impact 1 of 10: point 1 (heel) hits ramp"),
+        ("left_heel", "ramp_left", "impact 1 of 10: left_heel hits ramp_left"),
+        ("left_front_foot_collision_sphere", "ramp_on_the_left_side", "left_fr…_sphere hits ramp_on…ft_side"),
+    ],
+)
+def test_the_last_impact_has_the_words_that_have_room(point, wall, text):
+    impacts = [made.hit(1.0 + 0.01 * number, 1, wall, 1.0) for number in range(10)]
+    recording = made.swing(impacts, slopes={wall: (0.0, -1.0, 0.0)})
+    recording = dataclasses.replace(recording, point_names={1: point})
+    figure = Figure((8.0, 4.5), dpi=80)
+    page = Film(figure, recording, np.array([0.0, 1.0]))
+    list(page.show(1, 1.0))
+    assert page.caption.text.get_text() == f"{text}\nwith 1 m/s"
+    assert page.caption.text.get_window_extent().x1 < figure.bbox.x1

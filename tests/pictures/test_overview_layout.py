@@ -1,0 +1,180 @@
+"""The layout of the page with a recording, on pages of any width."""
+
+# Tests: pictures/drawing/sizes.py
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.drawing.figures import FIGURE_SIZE
+from chain_impact.pictures.overview_layout import broadness, is_beside, is_over_time
+from chain_impact.pictures.words.impact_numbers import MOST_LISTED
+from tests.pictures.pictures import WIDTHS, check_rules, check_texts, drawn, recorded, swing
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("name", ["four_link_box", "rod_drop", "pinned_arm"])
+def test_the_motion_fills_its_panel(name):
+    """The motion is nearly as high as the panels beside it, or as wide as two fifths of the page."""
+    page, motion, clock, energy, _ = drawn(recorded(name))
+    box = motion.get_window_extent()
+    height = energy.get_window_extent().y1 - clock.get_window_extent().y0
+    assert box.width > 0.4 * page.bbox.width or box.height > 0.85 * height
+
+
+@pytest.mark.parametrize(("model", "is_low"), [("elastic_floor", True), ("four_link_box", False)])
+def test_the_panel_of_few_impacts_is_lower_than_that_of_energies(model, is_low):
+    panels = {axes.get_label(): axes for axes in drawn(recorded(model))[1:]}
+    heights = [panels[name].get_position().height for name in ("impacts", "energy")]
+    assert (heights[0] < 0.8 * heights[1]) == is_low
+
+
+@pytest.mark.full("takes long")
+def test_a_broad_motion_has_the_whole_width():
+    page, *_ = drawn(recorded("clattering_rod"))
+    motion, _, energy, _ = page.axes
+    assert motion.get_window_extent().width > 0.8 * page.bbox.width
+    assert energy.get_window_extent().y1 < motion.get_window_extent().y0
+    _, _, *over_time = drawn(swing())
+    assert [axes.get_label() for axes in over_time] == ["time", "energy"]
+
+
+# a page of 120 mm has the panels of one of 84 mm with more room; one of 190 mm is nearly the usual page
+BUSY = ["sliding_rod", "four_link_box", "thrown_brick", "hopper"]
+# motions that are slim, broad, low and over time, without impacts, with many rows, and at moving walls
+OTHERS = ["sphere_on_wall", "clattering_rod", "bouncing_table", "golf_ball", "shaken_pendulum", "kneed_leg"]
+OTHERS += ["cart_pole", "steel_bar", "stick_slip_belt", "ur5e"]
+SIZES = [*itertools.product(BUSY, WIDTHS[::2]), *((model, WIDTHS[0]) for model in OTHERS)]
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize(("model", "width"), SIZES)
+def test_texts_fit_a_page_of_any_width(model, width):
+    """84 and 190 mm, the widths of journals: the layout is made for the width, not scaled."""
+    height = {"thrown_brick": 6.75, "bouncing_table": 6.75, "sphere_on_wall": 7.25}.get(model, 6.5)  # needed
+    page = recorded(model).plot(size=(width, height))
+    assert tuple(page.get_size_inches()) == (width, height)
+    motion, *others = (axes.get_position(original=True) for axes in page.axes)
+    is_timed = is_over_time(recorded(model), "motion")
+    beside = not is_timed and is_beside(broadness(recorded(model)), width)
+    assert all((other.x0 >= motion.x1) == beside for other in others)
+    check_texts(page)
+    check_rules(page)
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("model", ["arm_at_stop", "rod_drop", "hopper", "stick_slip_belt"])
+def test_a_slim_motion_leaves_no_empty_half_on_a_page_of_120_mm(model):
+    page = recorded(model).plot(size=(WIDTHS[1], None))
+    check_texts(page)
+    motion, *others = (axes.get_position() for axes in page.axes)
+    assert motion.x1 < min(other.x0 for other in others)
+    assert max(other.x1 for other in others) > 0.95
+    assert max(other.y1 for other in others) - min(other.y0 for other in others) > 0.7 * motion.height
+
+
+@pytest.mark.full("takes long")
+def test_a_page_that_is_too_low_is_refused_with_a_height_that_suffices():
+    result, panels = recorded("sliding_rod"), ["energy", "friction"]
+    with pytest.raises(ValueError, match=r"^size = \(6, 2\) must be at least [\d.]+ high") as refused:
+        result.plot(size=(6.0, 2.0), panels=panels)
+    least = float(re.search(r"at least ([\d.]+)", str(refused.value))[1])
+    check_texts(result.plot(size=(6.0, least), panels=panels))
+
+
+@pytest.mark.full("takes long")
+def test_a_page_without_a_height_is_as_high_as_its_contents_need():
+    result, panels = recorded("sliding_rod"), ["energy", "friction"]
+    width, height = result.plot(size=(6.0, None), panels=panels).get_size_inches()
+    assert width == 6.0
+    assert 2.0 < height < FIGURE_SIZE[1]
+
+
+@pytest.mark.full("takes long")
+def test_the_legend_of_a_slim_motion_is_beside_it_on_a_narrow_page():
+    page = recorded("controlled_arm").plot(size=(84 / 25.4, None), panels=["motion", "energy"])
+    page.draw_without_rendering()
+    axes = next(panel for panel in page.axes if panel.get_label() == "motion")
+    legend, motion = axes.get_legend().get_window_extent(), axes.get_window_extent()
+    assert motion.x1 <= legend.x0 < legend.x1 <= page.bbox.x1
+    assert legend.y0 >= motion.y0
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (
+            {"panels": ["speed"]},
+            "must be of motion, impact, energy, impacts, friction",
+        ),
+        ({"kind": "speed"}, "'speed' is not a panel"),
+        ({"kind": "energy", "panels": "motion"}, "one of them must be left out"),
+        ({"panels": ["energy", "motion"], "ax": Figure().add_subplot()}, "1 axes for 2 panels"),
+        ({"ax": Figure().add_subplot(), "size": (4.0, 4.0)}, "ax: axes that are there have their size"),
+        ({"size": (1.0, 5.0)}, "must be width and height in inches, each at least 2"),
+        ({"size": (120, 80)}, r"in inches, each at least 2 and at most 60: 120 mm are 4\.72 inches"),
+        ({"size": 5.0}, "must be width and height in inches"),
+        ({"size": (float("nan"), 3.0)}, "must be width and height in inches"),
+    ],
+)
+def test_a_page_that_cannot_be_is_refused(options, expected):
+    with pytest.raises(ValueError, match=expected):
+        recorded("rod_drop").plot(**options)
+
+
+@pytest.mark.full("takes long")
+def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
+    page = recorded("sliding_rod").plot(size=(4.7, 9.0))
+    page.draw_without_rendering()
+    assert np.ptp([axes.bbox.x0 for axes in page.axes]) < 1.0
+
+
+PANELS = ("motion", "panel of impacts")
+
+
+def missing_count(told):
+    """Return how many impacts a text such as 1, 3, 16–30 or 31 of all 81 names."""
+    return int(told.partition(" of ")[0]) if " of " in told else len(expanded(told)) if told else 0
+
+
+def expanded(listed):
+    """Return the numbers in a list such as 1, 3, 16–30."""
+    ranges = [[int(end) for end in part.split("–")] for part in listed.split(",")]
+    return {number for ends in ranges for number in range(ends[0], ends[-1] + 1)}
+
+
+@pytest.mark.full("takes long")
+def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
+    page = recorded("rod_drop").plot(size=(WIDTHS[0], None))
+    motion, speeds = (
+        next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
+    )
+    foot = next(text.get_text() for text in page.texts if "without room" in text.get_text())
+    parts = [part.strip() for part in foot.partition(":")[2].replace("\n", " ").split("·")]
+    in_motion, in_speeds = (
+        next((part.removesuffix(end) for part in parts if part.endswith(end)), "")
+        for end in (f" in the {panel}" for panel in PANELS)
+    )
+    beside = [text.get_text().replace("\n", " ").partition(" + ") for text in motion.texts]
+    assert any(rest.endswith(" more") for _, _, rest in beside)
+    count = sum(len(expanded(listed)) + int(rest.removesuffix(" more") or 0) for listed, _, rest in beside)
+    impacts = len(recorded("rod_drop").impacts)
+    assert missing_count(in_motion) + count == impacts
+    numbered = {number for text in speeds.texts for number in expanded(text.get_text().partition(":")[0])}
+    assert missing_count(in_speeds) + len(numbered) == impacts
+    assert in_speeds.endswith(f" of all {impacts}")
+    assert all(told.count(",") < MOST_LISTED for told in (in_motion, in_speeds))
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize("model", ["kneed_leg", "hopping_leg"])
+def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model):
+    page = recorded(model).plot(size=(WIDTHS[1], None))
+    page.draw_without_rendering()
+    low, high = page.axes[0].get_xlim()
+    ticks = [tick for tick in page.axes[0].get_xticklabels() if low <= tick.get_position()[0] <= high]
+    numbers = [tick.get_window_extent() for tick in ticks]
+    assert all(one.x1 + 0.3 * one.height < other.x0 for one, other in itertools.pairwise(numbers))

@@ -1,0 +1,24 @@
+"""Pictures of sweeps of the four-link box, for the tests of their parts."""
+
+from matplotlib.figure import Figure
+
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.scene.scene import load_scene
+from chain_impact.studies.sweep.plot import fill, usual_size
+from chain_impact.studies.sweep.quantities import results_of
+
+SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
+TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact", "ye")][:10]
+
+
+def drawn(found):
+    results = results_of(found)
+    page = Figure(figsize=usual_size(found, results), layout="constrained")
+    fill(page, found, results)
+    page.draw_without_rendering()
+    return page
+
+
+def labels_of(page):
+    """Return the labels of the vertical axes, without how little their values differ."""
+    return [axes.get_ylabel().partition(", varies")[0] for axes in page.axes]

@@ -1,0 +1,110 @@
+"""Curves of a sweep: their values, axes, colours and names."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.recording.text import number
+from chain_impact.studies.sweep.curves import COLOURS
+from chain_impact.studies.sweep.quantities import results_of
+from chain_impact.studies.sweep.sweep import sweep
+from tests.pictures.pictures import contrast, lab
+from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
+
+
+def test_lines_are_the_columns():
+    found = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
+    page = drawn(found)
+    quantities = results_of(found).every
+    assert labels_of(page) == [quantity.label for quantity in quantities]
+    for axes, quantity in zip(page.axes, quantities, strict=True):
+        steps = {line.get_drawstyle() == "steps-mid" for line in axes.lines[:2]}
+        assert steps == {quantity.is_count}  # there are no 1.5 impacts
+        for line, law in zip(axes.lines, ("flores", "hertz"), strict=False):
+            rows = found.table[found["contact.model"] == law][::-1]
+            values = np.where(rows["status"] == "ok", quantity.factor * rows[quantity.column], np.nan)
+            assert np.array_equal(line.get_xdata(), rows["contact.restitution"])
+            assert np.array_equal(line.get_ydata(), values, equal_nan=True)
+        assert axes.lines[2].get_xdata().tolist() == [0.0]  # the cross: flores with e = 0
+    assert "1 failed (×: restitution not allowed)" in page.get_suptitle()
+    labels = [text.get_text() for text in page.legends[0].get_texts()]
+    assert labels == ["contact.model:", "flores", "hertz"]
+
+
+def test_axes_are_logarithmic_where_values_are_or_spread_far():
+    assert drawn(sweep(SCENE, {"solver.tolerance": "1e-9,1e-6,1e-4"})).axes[0].get_xscale() == "log"
+    assert drawn(sweep(SCENE, {"solver.tolerance": "1e-6,2e-5,1e-4"})).axes[0].get_xscale() == "log"
+    assert drawn(sweep(SCENE, {"solver.tolerance": "1e-6,2e-6,9e-5"})).axes[0].get_xscale() == "linear"
+
+
+@pytest.mark.full("takes long")
+def test_a_force_over_a_logarithmic_stiffness_is_logarithmic():
+    axes, penetration, *_ = drawn(sweep(SCENE, {"contact.stiffness": "1e4,1e6,1e8"})).axes
+    assert axes.get_xlabel() == "contact.stiffness [N/m$^{1.5}$]"
+    assert (axes.get_xscale(), axes.get_yscale(), penetration.get_yscale()) == ("log",) * 3
+    assert {"2", "5", "10", "20"} <= {
+        text.get_text() for text in axes.get_yticklabels(minor=True) + axes.get_yticklabels()
+    }
+    vary = {"contact.stiffness": "1e6,1e8", "contact.exponent": "1.2,1.5"}
+    (label,) = {panel.get_xlabel() for panel in drawn(sweep(SCENE, vary)).axes} - {""}
+    assert label == "contact.stiffness [N/m$^{exponent}$]"
+
+
+def test_a_law_of_which_every_run_failed_is_named_so():
+    page = drawn(sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": "hertz,kelvin_voigt"}))
+    labels = [text.get_text() for text in page.legends[0].get_texts()]
+    assert labels == ["contact.model:", "hertz", "kelvin_voigt (failed)"]
+
+
+def test_the_colours_differ_and_can_be_seen_on_white():
+    assert all(contrast("white", colour) >= 3.0 for colour in COLOURS)
+    for one, other in itertools.combinations(COLOURS, 2):
+        assert np.linalg.norm(lab(one) - lab(other)) > 25.0
+
+
+@pytest.mark.full("takes long")
+def test_ten_laws_have_ten_looks_and_more_laws_a_map():
+    assert len(set(COLOURS)) == len(COLOURS) == 10
+    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})
+    lines = [line for line in drawn(found).axes[0].lines if line.get_label()[:1] != "_"]
+    assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == len(lines) == 10
+    more = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": list(CONTACT_LAWS)})
+    assert drawn(more).axes[0].collections  # a map
+
+
+def test_two_numbers_of_which_one_has_few_values_are_lines():
+    found = sweep(SCENE, {"contact.stiffness": "1e7,1e8", "contact.restitution": "0.4:0.8:4"})
+    page = drawn(found)
+    lines = {line.get_label(): line.get_xydata() for line in page.axes[0].lines}
+    for value in (1e7, 1e8):
+        rows = found["contact.stiffness"] == value
+        expected = np.stack([found["contact.restitution"], 1e-3 * found["peak_force"]], axis=1)[rows]
+        np.testing.assert_allclose(lines[number(value)], expected)
+
+
+def test_samples_of_one_number_are_points():
+    found = sweep(SCENE, {"contact.restitution": "0.3:0.9"}, samples=5)
+    line, _ = drawn(found).axes[0].lines  # and the line at the scene's own value
+    assert line.get_linestyle() == "None"
+    assert np.array_equal(line.get_xdata(), np.sort(found["contact.restitution"]))
+
+
+def test_laws_with_equal_results_share_a_line_and_merging_lines_are_dashed():
+    vary = {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,zhang_sharf,ye"}
+    (legend,) = drawn(sweep(SCENE, vary)).legends
+    assert [text.get_text() for text in legend.get_texts()][1:] == ["flores = ye", "zhang_sharf"]
+    close = drawn(sweep(SCENE, {"contact.stiffness": "1e8,1.0000001e8", "contact.restitution": "0.3:0.7:5"}))
+    whole, dashed = (line.get_linestyle() for line in close.axes[0].lines[:2])
+    assert (whole, dashed) == ("-", "--")
+
+
+def test_repeated_values_are_drawn_once_and_close_ones_named_apart():
+    vary = {"contact.stiffness": "1e8,1.0000001e8,1e8", "contact.restitution": "0.3:0.7:5"}
+    page = drawn(sweep(SCENE, vary))
+    (legend,) = page.legends
+    assert [text.get_text() for text in legend.get_texts()][1:] == ["1e8", "1.0000001e8"]
+    twice = {"contact.stiffness": "1e7,1e8,1e7,1e9,2e9", "contact.restitution": "0.3:0.7:5"}
+    mesh = drawn(sweep(SCENE, twice)).axes[0].collections[0]
+    assert mesh.get_array().shape == (5, 4)

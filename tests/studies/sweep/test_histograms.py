@@ -1,0 +1,86 @@
+"""Histograms of samples, the dots beside them, and the correlation of ranks."""
+
+import matplotlib.style
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from chain_impact.studies.sweep.histograms import edges_of, rank_correlation
+from chain_impact.studies.sweep.sweep import sweep
+from tests.pictures.pictures import contrast
+from tests.studies.sweep.drawn_sweeps import SCENE, drawn
+
+
+def test_samples_of_several_parameters_are_histograms():
+    """Each bar has the number of runs in it, and the legend the median."""
+    vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
+    found = sweep(SCENE, vary, samples=20)
+    page = drawn(found)
+    panel, *dots = page.axes  # by default of the loads
+    order = ["contact.stiffness [N/m$^{1.5}$]", "contact.restitution", "initial.vx [m/s]"]
+    assert dots[0].get_xlabel() == order[0]
+    assert sorted(axes.get_xlabel() for axes in dots) == sorted(order)
+    line, mark = dots[0].lines
+    np.testing.assert_array_equal(
+        line.get_xydata().T, [found["contact.stiffness"], 1e-3 * found["peak_force"]]
+    )
+    assert mark.get_xdata() == [SCENE.values["contact.stiffness"]] * 2
+    assert "peak force follows contact.stiffness most (rank correlation 1.00)" in page.texts[1].get_text()
+    force = 1e-3 * found["peak_force"][~found.failed]
+    bars = edges_of(force, logarithmic=False, whole=False)
+    assert [bar.get_x() for bar in panel.patches] == pytest.approx(bars[:-1])
+    assert [bar.get_height() for bar in panel.patches] == np.histogram(force, bars)[0].tolist()
+    told = [text.get_text() for text in panel.get_legend().get_texts()]
+    assert told[0] == f"median {np.median(force):.3g} kN"
+    assert told[1].startswith("90 % of the runs: ")
+    counts, *_ = found.plot(panels="impact.count").axes
+    assert {bar.get_x() % 1.0 for bar in counts.patches} == {0.5}
+
+
+def test_the_parameter_without_dots_is_named():
+    vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
+    page = sweep(SCENE, vary | {"link[2].mass": "0.5:2"}, samples=10).plot()
+    drawn_over = {axes.get_xlabel().partition(" [")[0] for axes in page.axes[1:]}
+    told = page.texts[1].get_text().replace("\n", " ").split("; ")
+    without = {text.partition(" ")[0] for text in told if text.endswith(", no panel")}
+    assert len(drawn_over) == 3
+    assert without == {*vary, "link[2].mass"} - drawn_over
+
+
+@pytest.mark.parametrize("style", ["default", "dark_background"])
+def test_the_lines_in_a_histogram_stand_out_from_bars_and_ground(style):
+    vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log"}
+    with matplotlib.style.context(style):
+        page = sweep(SCENE, vary, samples=10).plot()
+    panel = page.axes[0]
+    bar, ground = np.array(panel.patches[0].get_facecolor()), np.array(to_rgb(page.get_facecolor()))
+    seen = bar[3] * bar[:3] + (1.0 - bar[3]) * ground
+    for line in panel.lines:
+        assert min(contrast(line.get_color(), below) for below in (seen, ground)) >= 4.5
+
+
+def test_ranks_correlate_whatever_the_scale():
+    at = np.random.default_rng(0).permutation(np.linspace(0.0, 9.0, 40))
+    assert rank_correlation(at, np.exp(at)) == pytest.approx(1.0)
+    assert rank_correlation(at, -(at**3)) == pytest.approx(-1.0)
+    assert rank_correlation(at, np.ones(40)) == 0.0
+    # equal values share the mean of their ranks: (1.5, 1.5, 3, 4) and (1, 2.5, 2.5, 4)
+    assert rank_correlation(np.array([1, 1, 2, 3.0]), np.array([1, 2, 2, 3.0])) == pytest.approx(3.75 / 4.5)
+    assert rank_correlation(at, np.where(at > 1.0, at, np.nan)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("least", "most", "logarithmic"), [(2.0, 2.0, False), (1e-3, 1e6, True), (-1.0, 4.0, False)]
+)
+def test_bars_hold_all_values(least, most, logarithmic):
+    values = np.linspace(least, most, 300)
+    edges = edges_of(values, logarithmic=logarithmic, whole=False)
+    assert np.histogram(values, edges)[0].sum() >= 299  # round-off may leave an end out
+    assert 2 <= len(edges) <= 61
+
+
+@pytest.mark.parametrize("value", [0.0, -3.0, 1e8])
+def test_values_that_differ_by_round_off_share_one_bar(value):
+    values = value * (1.0 + 1e-16 * np.arange(100.0))
+    edges = edges_of(values, logarithmic=False, whole=False)
+    assert np.histogram(values, edges)[0].tolist() == [100]

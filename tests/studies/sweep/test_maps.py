@@ -1,0 +1,154 @@
+"""Maps of a sweep: their cells, axes, colours, lines and marks."""
+
+import matplotlib.style
+import numpy as np
+import pytest
+
+from chain_impact.recording.text import number
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene
+from chain_impact.studies.sweep.maps import FAILED_COLOUR, beyond_ends
+from chain_impact.studies.sweep.sweep import sweep
+from tests.studies.sweep.drawn_sweeps import SCENE, drawn
+
+
+def test_maps_are_the_columns_with_ordered_axes():
+    vary = {"contact.stiffness": "1e9,5e8,1e8,1e7", "contact.restitution": "0.4,0.0,0.8,0.6"}
+    found = sweep(SCENE, vary)
+    panel = drawn(found).axes[0]
+    (mesh,) = panel.collections
+    shown = mesh.get_array()
+    assert panel.get_xscale() == "log"
+    force = 1e-3 * found["peak_force"].reshape(4, 4)
+    # restitutions upward in ascending order, stiffnesses to the right
+    assert np.array_equal(shown[[1, 2, 3]], force[::-1][:, [0, 3, 2]].T)
+    assert shown.mask[0].all()
+    assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize(("width", "across"), [(4.7, 1), (7.5, 1), (10.8, 3)])
+def test_three_maps_leave_no_gap(width, across):
+    vary = {"contact.restitution": "0.5:0.8:4", "contact.stiffness": "1e6:1e8:4:log"}
+    page = sweep(SCENE, vary).plot(
+        panels=["peak_force", "impact.count", "max_penetration"], size=(width, None)
+    )
+    lefts = {round(axes.get_position().x0, 2) for axes in page.axes if axes.get_xlabel()}
+    assert len(lefts) == across
+
+
+@pytest.mark.full("takes long")
+def test_colours_suit_wide_ranges_and_counts():
+    """The peak force grows by three decades with the stiffness; the number of impacts is whole."""
+    vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.5,0.6,0.8"}
+    page = sweep(SCENE, vary).plot(panels=["peak_force", "impact.count"])
+    force, impacts = (axes.collections[0] for axes in page.axes if axes.get_xlabel())
+    assert [type(one.norm).__name__ for one in (force, impacts)] == ["LogNorm", "BoundaryNorm"]
+    counts = np.unique(impacts.get_array())
+    assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
+
+
+@pytest.mark.parametrize("points", [4, 8], ids=["values in cells", "values at lines"])
+def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
+    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.stiffness": f"1e6:1e9:{points}:log"})
+    numbers, inks = [], []
+    for style in ("default", "dark_background"):
+        with matplotlib.style.context(style):
+            page = found.plot(panels=["peak_force"])
+            page.draw_without_rendering()
+        axis = page.axes[1].yaxis
+        numbers.append([text.get_text() for text in axis.get_ticklabels(which="both")])
+        inks.append([text.get_color() for text in page.axes[0].texts])
+    assert numbers[0] == numbers[1]
+    assert inks[0] == inks[1] != []
+    assert "20" in numbers[0]
+
+
+def test_words_tell_which_values_lie_beyond_the_colours():
+    assert beyond_ends((-500.0, 1.0), (0.0, 1.0)) == ", down to -500"
+    assert beyond_ends((-500.0, 300.0), (0.0, 1.0)) == ", down to -500, up to 300"
+    assert beyond_ends((0.0, 1.0), (0.0, 1.0)) == ""
+
+
+def test_three_parameters_have_a_map_for_each_value_of_one():
+    laws = ["flores", "zhang_sharf"]
+    vary = {"contact.restitution": "0.3:0.9:4", "contact.model": laws, "contact.stiffness": "1e7:1e9:5:log"}
+    found = sweep(SCENE, vary)
+    page = found.plot()
+    *maps, bar = page.axes
+    assert [axes.get_title() for axes in maps] == [f"contact.model = {law}" for law in laws]
+    assert bar.get_ylabel() == "peak force [kN]"
+    meshes = [axes.collections[0] for axes in maps]
+    assert meshes[0].norm is meshes[1].norm
+    force = 1e-3 * found["peak_force"].reshape(4, 2, 5)
+    for k, mesh in enumerate(meshes):
+        np.testing.assert_array_equal(mesh.get_array(), force[:, k].T)  # stiffnesses upward
+    marks = [[line for line in axes.lines if line.get_marker() == "P"] for axes in maps]
+    assert list(map(len, marks)) == [0, 1]  # the scene has the second law
+    assert page.texts[1].get_text().count("in the scene (+)") == 2
+    narrow = found.plot(panels="impact.count", size=(84 / 25.4, None))
+    assert len({round(axes.get_position().y0, 3) for axes in narrow.axes[:2]}) == 1
+    assert narrow.axes[-1].get_xlabel() == "impacts"
+    with pytest.raises(SceneError, match="2 panels must be 1 if 3 parameters vary"):
+        found.plot(panels=["impact.count", "peak_force"])
+
+
+def test_maps_are_three_in_a_row_and_each_column_has_a_label():
+    vary = {"contact.restitution": "0.3:0.6:6", "contact.stiffness": "1e7:1e8:6"}
+    vary["link[2].length"] = "0.8:1.2:5"
+    page = sweep(SCENE.with_values({"simulation.stop_time": 0.1}), vary).plot(size=(120 / 25.4, None))
+    maps = page.axes[:5]
+    assert len({round(axes.get_position().y1, 3) for axes in maps[:3]}) == 1
+    named = [axes.get_xlabel() != "" for axes in maps]
+    assert named == [False, False, True, True, True]  # the third is above an empty place
+    assert page.get_figheight() < 220 / 25.4
+    told = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert "link[2].length 0.8 to 1.2 m, 0.5 in the scene (outside)" in told
+
+
+def test_a_picture_has_at_most_nine_maps(tmp_path, monkeypatch):
+    monkeypatch.setattr("chain_impact.studies.sweep.plot.MOST_MAPS", 1)
+    vary = {"contact.restitution": "0.5,0.6", "contact.stiffness": "1e7,1e8", "initial.vx": "1,2,3"}
+    with pytest.raises(SceneError, match=r"each has 2 values or more: .* one must have <= 1$"):
+        sweep(SCENE, vary).plot(tmp_path / "out.png")
+
+
+@pytest.mark.parametrize("count", [2, 4])
+def test_the_value_of_the_scene_is_marked(count):
+    found = sweep(SCENE, {"contact.stiffness": f"1e7:1e9:{count}:log", "contact.restitution": "0.4:0.8:4"})
+    page = drawn(found)
+    own = SCENE.values["contact.restitution" if count == 2 else "contact.stiffness"]
+    (mark,) = (line for line in page.axes[0].lines if {*line.get_xdata()} == {own})
+    assert (mark.get_marker() == "P") == (count == 4)  # without a map, a line from the foot to the top
+    assert ([*mark.get_ydata()] == [0.0, 1.0]) == (count == 2)
+    told = " ".join(text.get_text().replace("\n", " ") for text in page.texts)
+    assert f"{number(own)} in the scene ({'dashed line' if count == 2 else '+'})" in told
+
+
+def test_a_fine_map_has_lines_with_their_values():
+    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:8:log", "contact.restitution": "0.4:0.8:4"})
+    panel = drawn(found).axes[0]
+    values = [float(text.get_text()) for text in panel.texts]
+    assert [line.levels.tolist() for line in panel.collections[1:]] == [[value] for value in values] != []
+
+
+def test_a_coarse_map_has_the_values_of_its_cells_and_ends_at_limits():
+    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:4:log", "contact.restitution": "0.2:0.98:4"})
+    axes = drawn(found).axes[0]
+    told = sorted(float(text.get_text()) for text in axes.texts)
+    assert told == pytest.approx(sorted(1e-3 * found["peak_force"]), rel=5e-3)
+    ends = axes.get_xlim() if "restitution" in axes.get_xlabel() else axes.get_ylim()
+    assert ends[1] == 1.0
+
+
+def test_only_the_map_of_the_own_value_is_marked_and_empty_maps_are_named():
+    scene = load_scene("bouncing_ball").with_values({"simulation.stop_time": 0.6})
+    two = {"initial.y": [0.8, 1.0, 1.1, 1.2], "contact.restitution": [0.8, 0.9, 0.95, 1.0]}
+    found = sweep(scene, two | {"solver.tolerance": [1e-10, 1e-9, 1e-8]})
+    page = found.plot(panels=["impact.count"])
+    crosses = [sum(line.get_marker() == "P" for line in axes.lines) for axes in page.axes[:3]]
+    assert crosses == [0, 0, 1]
+    assert "1e-8" in page.axes[2].get_title()
+    page = found.plot(panels=["peak_force"])  # a rigid wall has impulses
+    assert "solver.tolerance" in page.axes[0].get_title()
+    assert any("peak force" in text.get_text() for text in page.axes[0].texts)
