@@ -13,7 +13,7 @@ from quickjs import JSException
 
 from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.asked_inputs import with_inputs
-from chain_impact.scene.files.models import scene_path
+from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.variables.owners import OWNER_KINDS
 from chain_impact.variables.prepared import PreparedScene
@@ -55,7 +55,7 @@ def assert_as_python(found, scene):
 @pytest.mark.parametrize("model", model_names())
 def test_the_file_of_every_model_makes_the_record_of_its_scene(script, model):
     """The record has the right counts of links, angles in degrees and of joints, normals and defaults."""
-    text = scene_path(model).read_text(encoding="utf-8")
+    text = scene_file_path(model).read_text(encoding="utf-8")
     scene = load_scene(model)
     assert_as_python(made(script, scene, text), scene)
 

@@ -10,7 +10,7 @@ import pytest
 import tomlkit
 
 from chain_impact import load_scene, simulate
-from chain_impact.scene.files.models import scene_path
+from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import scene_to_dict
 from tests.pages.in_pages import TEXTS, bits, until, until_told
 from tests.pages.javascript import function_of
@@ -132,7 +132,7 @@ def test_changes_stay_changes_and_pins_are_of_the_scene_before_an_edit(show, tmp
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Back to the scene of this page").click()
     until(page, "document.querySelectorAll('.pin-text')[1].textContent === 'as in the scene'")
-    page.evaluate(DROP, ["box.toml", scene_path("four_link_box").read_text(encoding="utf-8")])
+    page.evaluate(DROP, ["box.toml", scene_file_path("four_link_box").read_text(encoding="utf-8")])
     until_told(page, "4 links")
     assert page.locator(".pin-text").nth(1).inner_text() == "as in the scene", (
         "the same file is the same scene"
@@ -223,7 +223,7 @@ DROP = function_of("edit_dialog", "dropInPage")
 
 def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, address):
     page = show()
-    text = scene_path("sliding_rod").read_text(encoding="utf-8")
+    text = scene_file_path("sliding_rod").read_text(encoding="utf-8")
     page.evaluate(DROP, ["sliding_rod.toml", text])
     scene = load_scene("sliding_rod")
     until_told(page, f"{len(simulate(scene).impacts)} impact")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
-from chain_impact.scene.files.models import scene_path
+from chain_impact.scene.files.models import scene_file_path
 from tests.tiers import FIREFOX, needs_browser
 
 pytestmark = needs_browser
@@ -136,7 +136,7 @@ def test_a_link_is_added_in_firefox_and_a_file_opens_where_it_is_dropped(firefox
     for button in ("edit-open", "add-link"):
         firefox.find(f"#{button}").click()
     firefox.wait("document.getElementById('subtitle').textContent.startsWith('2 links')")
-    text = scene_path("ramp").read_text(encoding="utf-8")
+    text = scene_file_path("ramp").read_text(encoding="utf-8")
     firefox.answer(
         f"""
       const data = new DataTransfer();

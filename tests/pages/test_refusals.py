@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from chain_impact import SceneError, load_scene, model_names
-from chain_impact.scene.files.models import scene_path
-from chain_impact.scene.rules.refusals import RULES, SENTENCES, SIGNAL_RULES
+from chain_impact.scene.files.models import scene_file_path
+from chain_impact.scene.rules.refusals import REFUSALS, SENTENCES, SIGNAL_REFUSALS
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.prepared import PreparedScene
@@ -31,7 +31,7 @@ TEXTS = ("y_min", "ramp", "slider_min", "joint_min", "two words", "joint[1].torq
 VALUES = {"float": NUMBERS, "int": (0, 1, 2, 3, -1), "bool": (True, False), "table": ({},)}
 WRONG = (0, -1.0, True, "", "free", [], [0.5], {}, "deg", None)
 FILES = [WRITTEN, *BODIES.values()]
-FILES += [scene_path(model).read_text(encoding="utf-8") for model in model_names()]
+FILES += [scene_file_path(model).read_text(encoding="utf-8") for model in model_names()]
 CASES = 60
 
 
@@ -99,7 +99,7 @@ RULED = {
 
 
 def test_each_rule_has_a_case():
-    assert set(RULED) == {rule.fault for rule in (*RULES, *SIGNAL_RULES)}
+    assert set(RULED) == {rule.fault for rule in (*REFUSALS, *SIGNAL_REFUSALS)}
 
 
 @pytest.mark.parametrize("fault", RULED)

@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.facts import FACTS, LISTS
-from chain_impact.scene.rules.refusals import RULES, SIGNAL_RULES
+from chain_impact.scene.rules.refusals import REFUSALS, SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import holds, names_in, number_in, tree
-from chain_impact.variables.owners import COUNTS_OF, OWNER_KINDS, RECORD
+from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS
 from tests.pages.javascript import function_of
 from tests.scene.rule_cases import CASES, VALUES
 
 EVALUATED = function_of("rules", "evaluated")
 ALL_RULES = [
-    *(text for rule in (*RULES, *SIGNAL_RULES) for text in (rule.condition, rule.least) if text),
+    *(text for rule in (*REFUSALS, *SIGNAL_REFUSALS) for text in (rule.condition, rule.least) if text),
     *(fact.rule for fact in FACTS.values()),
     *(text for row in LISTS.values() for text in (row.over or "1", row.has, *row.values.values())),
     *(text for row in OWNER_KINDS.values() for text in (row.over, row.has, *row.numbers.values())),
     *(text for row in OWNER_KINDS.values() for text in row.conditions.values()),
-    *COUNTS_OF.values(),
-    *(text for row in RECORD.values() for text in (row.number, row.over, row.at)),
+    *COUNT_RULES.values(),
+    *(text for row in RECORD_NUMBERS.values() for text in (row.number, row.over, row.at)),
 ]
 NUMBERS = (None, 0, 1, 2, -1, 0.5, False, True)
 TRIALS = 10

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SceneWarning, load_scene, simulate
-from chain_impact.scene.files.models import scene_path
+from chain_impact.scene.files.models import scene_file_path
 
 TIMES = np.linspace(0.0, 0.05, 40)
 
@@ -73,7 +73,7 @@ frequency = 0.5
 
 
 def test_a_velocity_that_a_signal_gives_is_known(tmp_path):
-    text = scene_path("pinned_arm").read_text().replace("joint_torques = true", "joint_targets = true")
+    text = scene_file_path("pinned_arm").read_text().replace("joint_torques = true", "joint_targets = true")
     assert "joint_targets" in text
     (tmp_path / "servo.toml").write_text(text + SIGNAL)
     with warnings.catch_warnings():

@@ -55,7 +55,7 @@ def expected(kind):
     least = -LARGEST if kind.minimum is None else 0.0
     if kind.above is not None or (kind.minimum or 0.0) > 0.0:
         least = SMALLEST
-    return least, math.inf if kind.if_missing == math.inf else LARGEST
+    return least, math.inf if kind.number_for_none == math.inf else LARGEST
 
 
 @pytest.mark.parametrize("name", KINDS)

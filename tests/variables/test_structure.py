@@ -17,7 +17,7 @@ from chain_impact.scene.rules.rule_language import names_in, tree
 from chain_impact.scene.scene import scene_keys
 from chain_impact.scene.words.names import INPUTS_OF
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
-from chain_impact.variables.owners import COUNTS_OF, OWN_CONDITIONS, OWNER_KINDS, RECORD
+from chain_impact.variables.owners import COUNT_RULES, OWN_CONDITIONS, OWNER_KINDS, RECORD_NUMBERS
 from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.row_text import rows_block
 from chain_impact.variables.structure import structure_of
@@ -62,14 +62,14 @@ def test_names_in_the_tables_are_known():
         assert are_known(known, rule), name
         assert meaning
         known |= {name}
-    assert COUNTS_OF.keys() == {*COUNTS}
-    assert names_of(*COUNTS_OF.values()) <= known
+    assert COUNT_RULES.keys() == {*COUNTS}
+    assert names_of(*COUNT_RULES.values()) <= known
     known |= {*COUNTS}
     for kind, row in OWNER_KINDS.items():
         rules = [row.has, row.over, *row.numbers.values(), *row.conditions.values()]
         assert are_known(known | row.conditions.keys(), *rules), kind
         assert row.conditions.keys() <= OWN_CONDITIONS.keys(), kind
-    for name, row in RECORD.items():
+    for name, row in RECORD_NUMBERS.items():
         assert are_known(known, row.number, row.over, row.at), name
 
 
@@ -77,7 +77,7 @@ def test_the_conditions_of_variables_are_known():
     known = FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS} | OWN_CONDITIONS.keys()
     kinds = [kind for table in (PARAMETERS, INPUTS, OUTPUTS) for of_owner in table for kind in of_owner.kinds]
     for kind in kinds:
-        conditions = {*kind.when, kind.tunable, kind.given_if} - {""}
+        conditions = {*kind.when, kind.tunable, kind.given_path_when} - {""}
         assert conditions <= known | members_of(OWNER_KINDS[kind.owner_kind].over), kind.name
 
 

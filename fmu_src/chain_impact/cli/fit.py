@@ -23,7 +23,7 @@ from chain_impact.cli.options import (
     write_picture,
 )
 from chain_impact.cli.progress import progress, say
-from chain_impact.scene.files.models import scene_path
+from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.inputs import INTERPOLATIONS
 from chain_impact.simulation.record_scene import with_settings
@@ -113,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
             progress=advance,
         )
     if options.scene:
-        result.save(options.scene, scene_path(options.source))
+        result.save(options.scene, scene_file_path(options.source))
         say(f"scene    {options.scene}")
     # the result is printed before `write_picture` draws, because drawing fails if --size is too small
     say(repr(result))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
 from chain_impact.cli.progress import say
 from chain_impact.scene.asked_inputs import with_inputs
-from chain_impact.scene.files.models import model_names, scene_path
+from chain_impact.scene.files.models import model_names, scene_file_path
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.words.similar_names import nearest, nearest_file
 from chain_impact.simulation.record_scene import with_settings
@@ -371,8 +371,8 @@ def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
     Verbs call this before any work, which would be lost if the output could not be written. ``inputs`` are
     names of models, scenes and other files; None among ``outputs`` is no output.
     """
-    # `scene_path` returns the file of a scene, and any other path, such as that of an FMU, unchanged
-    read = [path for path in map(scene_path, inputs) if path.is_file()]
+    # `scene_file_path` returns the file of a scene, and any other path, such as that of an FMU, unchanged
+    read = [path for path in map(scene_file_path, inputs) if path.is_file()]
     for path in filter(None, outputs):
         if not path.parent.is_dir():
             raise FileNotFoundError(ENOENT, "No such folder", str(path))

@@ -12,7 +12,7 @@ from chain_impact.cli.options import UsageError, Verbs, add_verb
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.fmu.findings import Finding, finding_lines
 from chain_impact.fmu.validate import TIMEOUT, Validation, validation
-from chain_impact.scene.files.models import scene_path
+from chain_impact.scene.files.models import scene_file_path
 
 
 def add(verbs: Verbs) -> None:
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_scene(path: Path) -> None:
-    scene = scene_path(path)
+    scene = scene_file_path(path)
     if scene != path or scene.suffix == ".toml":
         raise UsageError(
             f"{path} is a scene, must be an FMU: chain-impact info {path} checks a scene, "

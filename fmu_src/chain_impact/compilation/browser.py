@@ -57,7 +57,7 @@ def compile_kernel(module: str, compiled: Path) -> None:
     """
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(compilers.complete(module, compilers.GENERAL, compilers.NO_REGISTERS))
-    compilers.run_zig(["cc", "-c", *TARGET, *compilers.FLAGS, "-o", str(compiled), str(kernel)], compiled)
+    compilers.run_zig(["cc", "-c", *TARGET, *compilers.C_FLAGS, "-o", str(compiled), str(kernel)], compiled)
 
 
 def link(compiled: Path, output: Path, law: Path | None = None) -> None:
@@ -74,7 +74,7 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
     """
     linker = ["-Wl,--no-entry", f"-Wl,-z,stack-size={STACK}", *(f"-Wl,--export={name}" for name in EXPORTS)]
     inputs = [compiled, *compilers.write_beside(output, law), *([_write_imports(output)] if law else [])]
-    arguments = ["cc", *TARGET, *compilers.FLAGS, "-o", str(output), *map(str, inputs), *linker]
+    arguments = ["cc", *TARGET, *compilers.C_FLAGS, "-o", str(output), *map(str, inputs), *linker]
     try:
         compilers.run_zig(arguments, output)
     except BuildError as error:

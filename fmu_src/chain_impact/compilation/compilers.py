@@ -34,7 +34,7 @@ of the first part, without derivatives; DERIVATIVES means a library of both part
 # No fused multiply-add: ARM's instruction rounds once, the two instructions of x86 round twice, so results
 # would differ in their bits. No loop strength reduction: without it linking takes less time, and kernels are
 # no slower.
-FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
+C_FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
 # A limit for inlining of about twice LLVM's usual limit makes steps of four links up to 4 % faster. The part
 # DERIVATIVES keeps the usual limit: with the larger limit it would be no faster, and would take longer to
 # compile.
@@ -293,8 +293,8 @@ def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) 
 def _zig(
     platform: str, output: Path, *inputs: Path, flags: Iterable[str], libraries: Iterable[str] = ()
 ) -> None:
-    """Run zig's C compiler for a platform, with FLAGS and ``flags``, to make ``output`` of ``inputs``."""
-    options = ["cc", "-target", PLATFORMS[platform].target, f"-mcpu={PLATFORMS[platform].cpu}", *FLAGS]
+    """Run zig's C compiler for a platform, with C_FLAGS and ``flags``, to make ``output`` of ``inputs``."""
+    options = ["cc", "-target", PLATFORMS[platform].target, f"-mcpu={PLATFORMS[platform].cpu}", *C_FLAGS]
     options += ["-fvisibility=hidden", *flags]
     paths = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", output, *inputs))
     run_zig([*options, *paths, *libraries], output)

@@ -19,7 +19,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.response import COMPLEX_RULES
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
-from chain_impact.kernel.tangent.rules import RULES
+from chain_impact.kernel.tangent.rules import DUAL_RULES
 
 # error_model="numpy": a division by zero gives inf or NaN, not an exception, so the compiled kernel needs
 # nothing from Python; the step control rejects a step with inf or NaN. Strict IEEE arithmetic (no fastmath)
@@ -43,7 +43,7 @@ EXTERNAL: dict[Any, types.Type] = {
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
     **{hook: types.ExternalFunction(hook.__name__, kind) for hook, kind in HOOK_SIGNATURES.items()},
 }
-_RULES: dict[Any, Any] = RULES
+_DUAL: dict[Any, Any] = DUAL_RULES
 _COMPLEX: dict[Any, Any] = COMPLEX_RULES
 # functions of the kernel whose Python code numba does not compile: dual_numbers.py and built_in.py have their
 # code
@@ -62,8 +62,8 @@ def compiled(function: FunctionType) -> Any:
 class Function(types.Dispatcher):
     """numba's type for a function of the kernel or of a law.
 
-    For dual or complex arguments, a call goes to the function that RULES or COMPLEX_RULES has in place of
-    this function, if there is one.
+    For dual or complex arguments, a call goes to the function that DUAL_RULES or COMPLEX_RULES has in place
+    of this function, if there is one.
     """
 
     def __init__(self, function: FunctionType) -> None:
@@ -73,19 +73,19 @@ class Function(types.Dispatcher):
     def _dispatcher_for(self, arguments: Any) -> types.Dispatcher:
         """Return the type of the function that is called for arguments of these types.
 
-        It is the replacement in ``COMPLEX_RULES`` if an argument is a complex number, or in ``RULES`` if an
-        argument carries derivatives; without a replacement, it is the function itself.
+        It is the replacement in ``COMPLEX_RULES`` if an argument is a complex number, or in ``DUAL_RULES`` if
+        an argument carries derivatives; without a replacement, it is the function itself.
         """
-        rules = _RULES if any(carries_derivatives(argument) for argument in arguments) else {}
+        rules = _DUAL if any(carries_derivatives(argument) for argument in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules
         return types.Dispatcher(compiled(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
         """Return the signature of the function for arguments of these types.
 
-        If a function in ``_RULES`` gets a dual number, all real arguments of the call become dual numbers.
+        If a function in ``_DUAL`` gets a dual number, all real arguments of the call become dual numbers.
         """
-        if self._function in _RULES and DUAL in args:
+        if self._function in _DUAL and DUAL in args:
             args = tuple(DUAL if argument == float64 else argument for argument in args)
         return self._dispatcher_for(args).get_call_type(context, args, kws)
 

@@ -36,9 +36,9 @@ from chain_impact.scene.words.names import (
 )
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_result_size
-from chain_impact.variables.parameters import EXPERIMENT
+from chain_impact.variables.parameters import SIMULATION_KINDS
 
-TIMES = tuple(kind.name for kind in EXPERIMENT)
+TIMES = tuple(kind.name for kind in SIMULATION_KINDS)
 """Names of the values of an FMU's default experiment that can be set like parameters: stop time, step
 size."""
 

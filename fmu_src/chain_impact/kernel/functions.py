@@ -24,7 +24,7 @@ def inlined(function):
 
 
 def has_dual_rule(function):
-    """Mark a function that RULES in tangent/rules.py replaces if an argument carries derivatives.
+    """Mark a function that DUAL_RULES in tangent/rules.py replaces if an argument carries derivatives.
 
     Such an argument is a dual number or a tangent instance.
     """

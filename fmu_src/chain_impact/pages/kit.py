@@ -37,8 +37,8 @@ from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
-from chain_impact.variables.owners import COUNTS_OF, OWNER_KINDS, RECORD, Owner
-from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
+from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
+from chain_impact.variables.parameters import PARAMETERS, SIMULATION_KINDS
 from chain_impact.variables.signal_filling import input_at
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 from chain_impact.variables.words import GENERAL, LOSSES
@@ -55,15 +55,15 @@ COUNTED = {
 """Kind of owner of variables → what its number counts, if the removal of a link or point can change this
 number."""
 PATHS: dict[str, DataPath] = {
-    **{name: written.path for name, written in RECORD.items()},
+    **{name: written.path for name, written in RECORD_NUMBERS.items()},
     **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1, 1).names or ()},
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }
 """Name → path in the record, for the values that the page sets by these names, not as named parameters.
 
-They are counts and facts of the scene (RECORD in variables/owners.py), and the data of signals and of their
-knots.
+They are counts and facts of the scene (RECORD_NUMBERS in variables/owners.py), and the data of signals and of
+their knots.
 """
 
 
@@ -82,7 +82,7 @@ def kit(scene: Scene) -> dict[str, Any]:
             for name, row in LISTS.items()
             if row.over
         },
-        "counts": _trees(COUNTS_OF),
+        "counts": _trees(COUNT_RULES),
         "owners": {
             kind: {
                 "over": tree(row.over),
@@ -92,9 +92,9 @@ def kit(scene: Scene) -> dict[str, Any]:
             }
             for kind, row in OWNER_KINDS.items()
         },
-        "record": {
+        "recordNumbers": {
             name: {"number": tree(row.number), "over": tree(row.over), "at": tree(row.at)}
-            for name, row in RECORD.items()
+            for name, row in RECORD_NUMBERS.items()
         },
         "lawFile": scene.contact.law_file,
         "laws": scene.law_names,
@@ -102,8 +102,8 @@ def kit(scene: Scene) -> dict[str, Any]:
         "inputs": [_group(block, partial(_input_row, choices)) for block in inputs],
         "motions": [_group(block, _driven_row) for block in INPUTS if block not in inputs],
         "times": [
-            _setting_row(choices, kind) | {"high": LONGEST_TIME, "word": None, "given": None}
-            for kind in EXPERIMENT
+            _setting_row(choices, kind) | {"high": LONGEST_TIME, "word": None, "givenWord": None}
+            for kind in SIMULATION_KINDS
         ],
         "outputs": [_group(block, _output_row) for block in OUTPUTS],
         "tables": tables_of(scene),
@@ -120,15 +120,15 @@ def _trees(rules: Mapping[str, str]) -> dict[str, Tree]:
 
 
 def _keys(table: Any) -> dict[str, Any]:
-    """Return name of a key → rule of the key, for the keys of a table of the scene file.
+    """Return name of a key → its data, for the keys of a table of the scene file.
 
     ``table`` is the table's dataclass.
     """
     return {entry.name: _key(entry.type, entry.metadata) for entry in keys(table)}
 
 
-def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rule by which the page checks a key of a scene file, from its type and its metadata.
+def _key(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the data by which the page checks a key of a scene file, from its type and its metadata.
 
     The key stands for a table, a list of tables, tables by name, a list of values, or a value; ``kind`` in
     the result tells which.
@@ -139,41 +139,47 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         return {
             "kind": kinds.get(get_origin(kind), "table"),
             "keys": _keys(inner),
-            **({"entries": rule["entries"], "isNeeded": True} if rule.get("entries") else {}),
-            "meaning": rule.get("description", ""),
+            **({"entries": metadata["entries"], "isNeeded": True} if metadata.get("entries") else {}),
+            "meaning": metadata.get("description", ""),
         }
     item, *others = get_args(kind) or (kind,)
-    value = _value(item, rule)
+    value = _value(item, metadata)
     if others:
-        length = "links" if rule["per_link"] else None if ... in others else 1 + len(others)
+        length = "links" if metadata["per_link"] else None if ... in others else 1 + len(others)
         value = {
             "kind": "list",
-            "meaning": rule["description"],
+            "meaning": metadata["description"],
             "length": length,
             "each": value,
-            "orTrue": rule["or_true"],
-            "orOne": rule["or_one"],
+            "orTrue": metadata["or_true"],
+            "orOne": metadata["or_one"],
         }
-    default = rule["default"]
+    default = metadata["default"]
     if isinstance(default, Derived):
         # a default that follows from other values has no number here: the page or the kernel derives it
         or_key = {"orKey": default.or_key} if default.or_key else {}
         return value | or_key | ({} if default.with_stops is None else {"ofStops": default.with_stops})
-    meaning = {"isNeeded": True, "meaning": rule["description"]}
+    meaning = {"isNeeded": True, "meaning": metadata["description"]}
     return value | (meaning if default is MISSING else {"default": default})
 
 
-def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
+def _value(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the data by which the page checks and labels a value, such as limits, choices and unit."""
     limits = {
-        name: rule[name] for name in ("minimum", "above", "maximum", "choices") if rule[name] is not None
+        name: metadata[name]
+        for name in ("minimum", "above", "maximum", "choices")
+        if metadata[name] is not None
     }
-    pattern = {"pattern": f"^(?:{rule['pattern'][0]})$"} if rule["pattern"] else {}
-    if rule["unit_by"]:
+    pattern = {"pattern": f"^(?:{metadata['pattern'][0]})$"} if metadata["pattern"] else {}
+    if metadata["unit_by"]:
         limits["hasUnitOfInput"] = True
-    if rule["label"]:
-        limits["label"] = rule["label"]
-    return limits | pattern | {"kind": kind.__name__, "unit": rule["unit"], "allowed": allowed(kind, rule)}
+    if metadata["label"]:
+        limits["label"] = metadata["label"]
+    return (
+        limits
+        | pattern
+        | {"kind": kind.__name__, "unit": metadata["unit"], "allowed": allowed(kind, metadata)}
+    )
 
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
@@ -226,7 +232,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
     table = kind.name.rpartition(".")[0]
     return _name_and_condition(kind) | {
         "unit": kind.unit,
-        "path": kind.path or (),
+        "path": kind.scene_path or (),
         "type": variable.type,
         "low": row.low,
         "high": row.high,
@@ -238,11 +244,12 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
             **_rule(rule, table),
             "ofBox": rule.of_box and _rule(rule.of_box, table),
         },
-        "ifNotGiven": kind.if_not_given,
-        "missing": json.dumps(kind.if_missing),  # JSON in a text, because JSON itself has no infinite numbers
+        "valueIfNotInFile": kind.value_if_not_in_file,
+        # JSON in a text, because JSON itself has no infinite numbers
+        "numberForNone": json.dumps(kind.number_for_none),
         "word": word_terms(kind.record_path) if kind.record_path else None,
-        "given": kind.given and word_terms(kind.given),
-        "givenIf": kind.given_if or ALWAYS,
+        "givenWord": kind.given_path and word_terms(kind.given_path),
+        "givenWordWhen": kind.given_path_when or ALWAYS,
     }
 
 

@@ -33,7 +33,13 @@ from chain_impact.scene.display import bodies
 from chain_impact.scene.keys import chain_tables
 from chain_impact.scene.keys.signal_tables import FORMS, SHAPES
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
-from chain_impact.scene.rules.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULES, Rule
+from chain_impact.scene.rules.refusals import (
+    LAW_FACTS,
+    REFUSALS,
+    SENTENCES,
+    SIGNAL_REFUSALS,
+    RefusalRule,
+)
 from chain_impact.scene.rules.rule_language import tree
 from chain_impact.scene.signal_inputs import TARGET_RATE
 from chain_impact.scene.signal_polynomials import NUMBERS
@@ -85,7 +91,10 @@ def shared() -> dict[str, Any]:
             name: {"unit": peak.fmi_unit, "atStops": peak.at_stops} for name, peak in indices.PEAKS.items()
         },
         "refusals": SENTENCES,
-        "rules": {"FILE": [*map(_parsed, RULES)], "SIGNAL": [*map(_parsed, SIGNAL_RULES)]},
+        "refusalRules": {
+            "FILE": [*map(_parsed, REFUSALS)],
+            "SIGNAL": [*map(_parsed, SIGNAL_REFUSALS)],
+        },
         "laws": {
             name: {key: getattr(law, key) for key in LAW_FACTS} | {"lossless": law.formula == "0"}
             for name, law in CONTACT_LAWS.items()
@@ -128,7 +137,7 @@ def declaration() -> str:
     return f"const SHARED = {json.dumps(shared(), separators=(',', ':'))};"
 
 
-def _parsed(rule: Rule) -> dict[str, Any]:
+def _parsed(rule: RefusalRule) -> dict[str, Any]:
     """Return the data of a rule that refuses a value, with its condition and least value as syntax trees."""
     least = tree(rule.least) if rule.least else None
     return {**rule._asdict(), "condition": tree(rule.condition), "least": least, "bound": rule.least}

@@ -29,7 +29,7 @@ from chain_impact.scene.keys.tables import (
     Stops,
     Wall,
 )
-from chain_impact.scene.rules.key_rules import NO_KEY, quantity
+from chain_impact.scene.rules.key_rules import NO_KEY, scene_key
 from chain_impact.scene.signal_polynomials import value_at_start
 from chain_impact.scene.words.names import STOPS, DataPath, point_label
 
@@ -42,20 +42,20 @@ PARALLEL = 1e-12
 class Contents:
     """The keys and tables of a scene file, and properties that follow from these alone."""
 
-    name: str = quantity("", "model name", pattern=MODEL_NAME)
-    description: str = quantity("", "what the scene shows", "", pattern=XML_TEXT)
-    author: str = quantity("", "who has made the model, for its FMU", "", pattern=XML_TEXT)
-    copyright: str = quantity("", "copyright of the model, for its FMU", "", pattern=XML_TEXT)
-    license: str = quantity("", "license of the model, for its FMU", "", pattern=XML_TEXT)
-    version: str = quantity("", "version of the model, for its FMU", "", pattern=XML_TEXT)
-    gravity: tuple[float, float] = quantity("m/s2", "acceleration of gravity", (0.0, -9.81))
+    name: str = scene_key("", "model name", pattern=MODEL_NAME)
+    description: str = scene_key("", "what the scene shows", "", pattern=XML_TEXT)
+    author: str = scene_key("", "who has made the model, for its FMU", "", pattern=XML_TEXT)
+    copyright: str = scene_key("", "copyright of the model, for its FMU", "", pattern=XML_TEXT)
+    license: str = scene_key("", "license of the model, for its FMU", "", pattern=XML_TEXT)
+    version: str = scene_key("", "version of the model, for its FMU", "", pattern=XML_TEXT)
+    gravity: tuple[float, float] = scene_key("m/s2", "acceleration of gravity", (0.0, -9.81))
     chain: ChainTable
     box: Box
-    walls: tuple[Wall, ...] = quantity("", "walls at any angle, beside the box or in place of it", ())
+    walls: tuple[Wall, ...] = scene_key("", "walls at any angle, beside the box or in place of it", ())
     contact: Contact
     stops: Stops
     inputs: Inputs
-    signals: Mapping[str, Signal] = quantity("", "what drives inputs, by the names of signals", {})
+    signals: Mapping[str, Signal] = scene_key("", "what drives inputs, by the names of signals", {})
     initial: Initial
     outputs: Outputs
     solver: Solver

@@ -42,14 +42,14 @@ _TABLES: dict[DataPath, Any] = {
 @functools.cache
 def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
     """Return path or name → (path, metadata of the key), for each value with the rule ``alone``."""
-    rule_of: dict[DataPath, Mapping[str, Any]] = {}
+    metadata_of: dict[DataPath, Mapping[str, Any]] = {}
     for path, table in _TABLES.items():
-        rule_of |= {(*path, name): rule for name, rule in _alone(table).items()}
-    for name, rule in _alone(Initial).items():
-        length = LINKS if rule["per_link"] else len(AXES)
-        rule_of |= {("initial", name, k): rule for k in range(length)}
-    named = {name_of(path): (path, rule) for path, rule in rule_of.items()}
-    return named | {path: (path, rule) for path, rule in rule_of.items()}
+        metadata_of |= {(*path, name): metadata for name, metadata in _alone(table).items()}
+    for name, metadata in _alone(Initial).items():
+        length = LINKS if metadata["per_link"] else len(AXES)
+        metadata_of |= {("initial", name, k): metadata for k in range(length)}
+    named = {name_of(path): (path, metadata) for path, metadata in metadata_of.items()}
+    return named | {path: (path, metadata) for path, metadata in metadata_of.items()}
 
 
 def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
@@ -74,24 +74,24 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath,
     return changed if not moved or _is_valid_start(changed) else None
 
 
-def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
-    """Return the scene with the value ``given`` at a path; ``rule`` is the metadata of the key.
+def _with_number(scene: AnyScene, path: DataPath, metadata: Mapping[str, Any], given: Any) -> AnyScene | None:
+    """Return the scene with the value ``given`` at a path; ``metadata`` is the metadata of the key.
 
     The result is None if ``with_values`` must read the whole scene again: if the path is empty (``_numbers``
     lacks the name) or leads nowhere; if the new value is not allowed; if the present value is derived; or if
     values other than the derived inertia of a link must change or be checked, too.
     """
-    value = _value(given, rule) if path else None
-    if value is None or not keeps(value, rule):
+    value = _value(given, metadata) if path else None
+    if value is None or not keeps(value, metadata):
         return None
     # if one entry of a derived list changes, all entries become given values: only ``with_values`` does this
     is_derived = path in scene.derived_paths or path[:-1] in scene.derived_paths
     return None if is_derived else _with_value(scene, path, value)
 
 
-def _value(given: Any, rule: Mapping[str, Any]) -> Any:
-    """Return ``given`` as a finite float or, if the rule has choices, as a text; None if it is neither."""
-    if rule["choices"]:
+def _value(given: Any, metadata: Mapping[str, Any]) -> Any:
+    """Return ``given`` as a finite float or, if the key has choices, as a text; None if it is neither."""
+    if metadata["choices"]:
         return given if isinstance(given, str) else None
     if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST_NUMBER:
         return None
@@ -140,7 +140,7 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
     change: dict[str, Any] = {key: value}
     link = _replaced(links[i], **change)
     if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_paths:
-        rule = _rules_of_links()["inertia"]["default"]
+        rule = _metadata_of_links()["inertia"]["default"]
         link = _replaced(
             link, inertia=rule.value({key: getattr(link, key) for key in ("mass", "length", "height")})
         )
@@ -169,7 +169,7 @@ def _slots(table: type) -> list[tuple[str, Callable[..., Any], Callable[..., Non
 
 
 @functools.cache
-def _rules_of_links() -> dict[str, Mapping[str, Any]]:
+def _metadata_of_links() -> dict[str, Mapping[str, Any]]:
     return {entry.name: entry.metadata for entry in keys(Link)}
 
 

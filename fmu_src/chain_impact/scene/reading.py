@@ -226,71 +226,70 @@ class Reader:
         scope = dict(tables)
         for entry in entries.values():
             where = (*path, entry.name)
-            rule = extended(entry.metadata, scope)
+            metadata = extended(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
                 # a missing table without a default is read as an empty table, so that its keys get defaults
-                value = rule.get("default", {})
+                value = metadata.get("default", {})
             if isinstance(value, Derived):
                 value = value.value(scope)
                 if value not in (None, MISSING):
                     self.derived.append(where)
             if value is MISSING:
-                meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
+                meaning = "" if metadata["description"] == entry.name else f" ({metadata['description']})"
                 raise refusal(where, "missing", meaning=meaning)
             # None is the value of a key that this scene does not have, such as the position of a missing wall
-            read = None if value is None else self._value(entry.type, rule, value, where, scope)
+            read = None if value is None else self._value(entry.type, metadata, value, where, scope)
             values[entry.name] = scope[entry.name] = read
         return table(**values)
 
     def _value(
-        self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
+        self, kind: Any, metadata: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
     ) -> Any:
-        """Return `value` as the type `kind` if it keeps the metadata `rule`; else raise a SceneError."""
+        """Return `value` as the type `kind` if it keeps `metadata`; else raise a SceneError."""
         kind = without_none(kind)
         if is_dataclass(kind):
             return self._table(kind, value, path, tables)
         origin = _origin(kind)
         if origin is tuple:
-            return self._list(kind, rule, value, path, tables)
+            return self._list(kind, metadata, value, path, tables)
         if origin is Mapping:
             return self._tables(kind, value, path, tables)
-        result = _convert(kind, in_radians(value, rule["unit"]))
-        if result is None or not keeps(result, rule):
-            needed = allowed(kind, rule) + or_degrees(rule["unit"])
-            meant = (
-                nearest_choice(value, rule["choices"]) if kind is str else meant_number(value, rule["unit"])
-            )
+        result = _convert(kind, in_radians(value, metadata["unit"]))
+        if result is None or not keeps(result, metadata):
+            choices, unit = metadata["choices"], metadata["unit"]
+            needed = allowed(kind, metadata) + or_degrees(unit)
+            meant = nearest_choice(value, choices) if kind is str else meant_number(value, unit)
             raise refusal(path, "not_allowed", value=value_text(value), allowed=needed + meant)
         return result
 
     def _list(
-        self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
+        self, kind: Any, metadata: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
     ) -> Any:
         item, *others = get_args(kind)
-        if rule["or_true"] and isinstance(value, bool):
+        if metadata["or_true"] and isinstance(value, bool):
             return ("*",) if value else ()
-        if rule["or_one"] and isinstance(value, str):
+        if metadata["or_one"] and isinstance(value, str):
             value = [value]
         length = (
-            len(tables["chain"].links) if rule["per_link"] else None if ... in others else 1 + len(others)
+            len(tables["chain"].links) if metadata["per_link"] else None if ... in others else 1 + len(others)
         )
         if isinstance(value, Mapping) and is_dataclass(item):
             raise refusal(path, "one_table", name=path_text(path), others=self._moved(item, value))
         if isinstance(value, list | tuple) and length not in (None, len(value)):
             found = f"{len(value)} value{'s' * (len(value) != 1)}"
-            each = ", one for each link" if rule["per_link"] else ""
-            raise refusal(path, "length", found=found, needed=f"{length}{each} ({rule['description']})")
+            each = ", one for each link" if metadata["per_link"] else ""
+            raise refusal(path, "length", found=found, needed=f"{length}{each} ({metadata['description']})")
         if not isinstance(value, list | tuple):
-            expected = "" if length is None else f", expected length {length} ({rule['description']})"
-            names = " of names, or true for all" if rule["or_true"] else ""
+            expected = "" if length is None else f", expected length {length} ({metadata['description']})"
+            names = " of names, or true for all" if metadata["or_true"] else ""
             listed = isinstance(value, str) and length is not None and _VALUES_TYPED.fullmatch(value)
             expected += f"; write [{value}]" if listed and ":" not in value else ""
             raise refusal(path, "no_list", value=value_text(value), names=names, expected=expected)
-        least, most = rule["entries"] or (0, math.inf)
+        least, most = metadata["entries"] or (0, math.inf)
         if not least <= len(value) <= most:
             raise refusal(path, "entries", count=len(value), least=least, most=most)
-        return tuple(self._value(item, rule, entry, (*path, i), tables) for i, entry in enumerate(value))
+        return tuple(self._value(item, metadata, entry, (*path, i), tables) for i, entry in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Return name → entry as a dataclass object, for a table whose keys are names that users give.

@@ -25,7 +25,7 @@ from chain_impact.scene.display import drawing, scene_text
 from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
 from chain_impact.scene.files.lines import fault_hint, line_of
-from chain_impact.scene.files.models import scene_path, unreadable
+from chain_impact.scene.files.models import scene_file_path, unreadable
 from chain_impact.scene.files.text_file import text_of
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, value_text
@@ -127,7 +127,7 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
     when the file cannot be read or is not a valid scene.
     """
     try:
-        path = scene_path(source)
+        path = scene_file_path(source)
         text = text_of(path)
     except (OSError, TypeError, ValueError) as error:
         raise SceneError(unreadable(source, error)) from None

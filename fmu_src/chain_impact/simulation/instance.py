@@ -25,7 +25,7 @@ from chain_impact.simulation.inputs import InputCourse
 from chain_impact.variables.indices import HEAD, WORD, log_words
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.parameters import FOLLOWING
+from chain_impact.variables.parameters import DERIVED_DURING_RUN
 from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared_scene
 from chain_impact.variables.variable import Variable
 
@@ -189,7 +189,7 @@ class Instance:
         tried = self._memory.copy()
         status = self._kernel.observe_now(tried.ctypes.data)
         self.record["fault"], self.record["output"] = tried[0]["fault"], tried[0]["output"]
-        for part, field in FOLLOWING:
+        for part, field in DERIVED_DURING_RUN:
             self.record[part][field] = tried[0][part][field]
         if self.record["tangents"]:
             self._memory[0][BEHIND]["output"] = tried[0][BEHIND]["output"]

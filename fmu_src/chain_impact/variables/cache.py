@@ -66,10 +66,10 @@ def _decisive(table: type, path: DataPath) -> list[str]:
     are those of parameters that each scene with this table has.
     """
     numbers = {
-        kind.path[-1]
+        kind.scene_path[-1]
         for _, kinds in PARAMETERS
         for kind in kinds
-        if kind.path and kind.path[:-1] == path and not (kind.hint or kind.if_missing)
+        if kind.scene_path and kind.scene_path[:-1] == path and not (kind.hint or kind.number_for_none)
     }
     return [key.name for key in keys(table) if key.name not in numbers]
 

@@ -28,17 +28,20 @@ from chain_impact.variables.cache import MOST_CACHED, Common, changed_numbers
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.owners import OWNER_KINDS, RECORD, values_of
+from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.signal_filling import fill_signals
 from chain_impact.variables.structure import Structure
 
-_GIVEN_IF = {
-    kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
+_GIVEN_PATH_WHEN = {
+    kind.given_path_when: attrgetter(kind.given_path_when)
+    for _, kinds in PARAMETERS
+    for kind in kinds
+    if kind.given_path_when
 }
-"""Each condition ``Kind.given_if`` → function that tells whether a scene meets the condition. If the scene
-does, the record has two fields for a parameter with this condition: one for the value in use, one for the
-given value."""
+"""Each condition ``Kind.given_path_when`` → function that tells whether a scene meets the condition. If the
+scene does, the record has two fields for a parameter with this condition: one for the value in use, one for
+the given value."""
 
 
 def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray:
@@ -74,7 +77,7 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
     These are counts and other numbers that are no parameters, the signals, and the materials of single walls.
     """
     value_of = values_of(structure.known, structure.lists, scene)
-    for path, rule, over, at in RECORD.values():
+    for path, rule, over, at in RECORD_NUMBERS.values():
         *parts, key = (step for step in path if step != AT)
         part = d
         for name in parts:
@@ -97,8 +100,8 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
     readers: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
     for of, kinds in PARAMETERS:
         for kind in kinds:
-            if kind.path and of not in ("material", *OF_SIGNALS):
-                readers.setdefault(str(kind.path[0]), []).append((kind, _reader(kind)))
+            if kind.scene_path and of not in ("material", *OF_SIGNALS):
+                readers.setdefault(str(kind.scene_path[0]), []).append((kind, _reader(kind)))
     return readers
 
 
@@ -108,18 +111,18 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     If the scene's record has two fields for the parameter, the list has first all owners' values in use, then
     all owners' given values. A given value is the number DERIVED where the scene derives the value.
     """
-    path = kind.path or ()
+    path = kind.scene_path or ()
     if AT not in path and ENTRY_AT not in path:
         return _reader_of_one(kind, path)
     members, part, paths = _members(path)
-    given_if = attrgetter(kind.given_if)
+    has_given = attrgetter(kind.given_path_when)
 
     def read(scene: Scene) -> list[Any]:
         parts = [part(member) for member in members(scene)]
-        values = [kind.if_missing if value is None else value for value in parts]
+        values = [kind.number_for_none if value is None else value for value in parts]
         if kind.choices:
             values = [_choice(kind, name) for name in parts]
-        if not kind.given or (kind.given_if and not given_if(scene)):
+        if not kind.given_path or (kind.given_path_when and not has_given(scene)):
             return values
         return values + (_given(scene, paths(scene), values) if scene.derived_paths else values)
 
@@ -131,15 +134,15 @@ def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
 
     This function is twice as fast as the general one.
     """
-    part, given_if = _getter(path), attrgetter(kind.given_if)
+    part, has_given = _getter(path), attrgetter(kind.given_path_when)
 
     def read(scene: Scene) -> list[Any]:
         value = part(scene)
         if kind.choices:
             value = _choice(kind, value)
         elif value is None:
-            value = kind.if_missing
-        if not kind.given or (kind.given_if and not given_if(scene)):
+            value = kind.number_for_none
+        if not kind.given_path or (kind.given_path_when and not has_given(scene)):
             return [value]
         return [value, DERIVED if path in scene.derived_paths else value]
 
@@ -207,7 +210,7 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
     """
     # the record has room for the entries of ``walls`` only if points may touch walls
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
-    met = tuple(name for name, holds in _GIVEN_IF.items() if holds(scene))
+    met = tuple(name for name, holds in _GIVEN_PATH_WHEN.items() if holds(scene))
     indices, readers = _words_of(table, sizes, lines, slides, met)
     words[indices] = [number for read in readers for number in read(scene)]
 
@@ -220,13 +223,13 @@ def _words_of(
 
     The functions, one after the other, return the numbers in the order of the indices. ``lines`` is the
     number of entries of ``walls`` in the record, ``slides`` whether there is a slider, and ``met`` are the
-    conditions of ``_GIVEN_IF`` that the scene meets.
+    conditions of ``_GIVEN_PATH_WHEN`` that the scene meets.
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}
     layout, kinds, words, there = layout_of(*sizes), _tables()[table], [], []
     indices_of = {of: _indices(of, known) for of in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
-        given = kind.given if not kind.given_if or kind.given_if in met else None
+        given = kind.given_path if not kind.given_path_when or kind.given_path_when in met else None
         indices = indices_of[kind.owner_kind]
         for path in filter(None, (kind.record_path, given)):
             words += [word_index(layout, filled(path, index)) for index in indices]

@@ -60,17 +60,18 @@ class Kind:
         minimum: the smallest allowed value, a number or the name of a number of the scene; None for none.
         above: the limit that the value must exceed; None for none.
         maximum: the largest allowed value, a number or the name of a number of the scene; None for none.
-        path: path of a parameter in the scene, a template; None for inputs and outputs.
-        given: path in the record, a template, of the given value of a parameter, if the record has this value
-            beside the value in use; else None.
-        given_if: condition under which the record has the path ``given``; "" if it always has this path.
+        scene_path: path of a parameter in the scene, a template; None for inputs and outputs.
+        given_path: path in the record, a template, of the given value of a parameter, if the record has this
+            value beside the value in use; else None.
+        given_path_when: condition under which the record has ``given_path``; "" if it always has this path.
         derived: the rule by which the scene may derive the value; None for none.
         tunable: condition under which a parameter can be set during a run; "" if it never can.
-        if_given: whether a scene that derives the value, because the file does not give it, lacks the
+        only_if_in_file: whether a scene that derives the value, because the file does not give it, lacks the
             parameter.
-        if_not_given: the value of a parameter that a scene has although the file does not give it, such as
-            one of two coefficients of friction; None if a scene without the value lacks the parameter.
-        if_missing: the number in the record for a value that the scene does not have.
+        value_if_not_in_file: the value of a parameter that a scene has although the file does not give it,
+            such as one of two coefficients of friction; None if a scene without the value lacks the
+            parameter.
+        number_for_none: the number in the record for a value that the scene does not have.
         choices: name of the list of choices of an enumeration; "" for any other variable.
         smooth: whether there are derivatives with respect to the variable.
         hint: a sentence that tells users how to get the parameter into a scene; "" for none.
@@ -94,14 +95,14 @@ class Kind:
     minimum: float | str | None = None
     above: float | None = None
     maximum: float | str | None = None
-    path: DataPath | None = None
-    given: DataPath | None = None
-    given_if: str = ""
+    scene_path: DataPath | None = None
+    given_path: DataPath | None = None
+    given_path_when: str = ""
     derived: Derived | None = None
     tunable: str = ""
-    if_given: bool = False
-    if_not_given: float | None = None
-    if_missing: float = 0.0
+    only_if_in_file: bool = False
+    value_if_not_in_file: float | None = None
+    number_for_none: float = 0.0
     choices: str = ""
     smooth: bool = True
     hint: str = ""

@@ -36,18 +36,22 @@ _METHODS = tuple(
 def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
     """Yield the parameters of the FMU, in the order of their value references.
 
-    A parameter is left out if the scene has no value for it or, for a kind with ``if_given``, if the scene
-    derives its value.
+    A parameter is left out if the scene has no value for it or, for a kind with ``only_if_in_file``, if the
+    scene derives its value.
     """
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, words in _owned_kinds(PARAMETERS, structure):
-        path = filled(kind.path or (), owner.values)
+        path = filled(kind.scene_path or (), owner.values)
         value = value_at(scene, path)
-        if value is not None and not (kind.if_given and path in derived):
+        if value is not None and not (kind.only_if_in_file and path in derived):
             rule = (
                 rule_at(kind.derived, path, scene.chain.links) if kind.derived and path in derived else None
             )
-            given = kind.given if not kind.given_if or owner.conditions[kind.given_if] else None
+            given = (
+                kind.given_path
+                if not kind.given_path_when or owner.conditions[kind.given_path_when]
+                else None
+            )
             yield Variable.of(
                 kind,
                 owner,

@@ -22,7 +22,7 @@ from chain_impact.scene.rules.rule_language import ValueOf, holds, members_in, n
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import AT, DataPath
 
-FLAGS = [
+REQUEST_KEYS = [
     f"{name}.{entry.name}"
     for name, table in (("inputs", Inputs), ("outputs", Outputs))
     for entry in fields(table)
@@ -40,7 +40,7 @@ OWN_CONDITIONS = {
 }
 """Name of a condition that single owners meet, not the scene → its meaning. No such condition has the name of
 a fact."""
-COUNTS_OF = {
+COUNT_RULES = {
     "links": "links",
     "candidates": "candidates",
     "elements": "friction*links + friction*candidates + friction*slider",
@@ -130,7 +130,7 @@ OWNER_KINDS = {
 """Kind of owner → the rules that find the owners of this kind."""
 
 
-class Written(NamedTuple):
+class RecordNumber(NamedTuple):
     """One or several numbers in the record that are no parameters but follow from a rule.
 
     Attributes:
@@ -146,31 +146,31 @@ class Written(NamedTuple):
     at: str = "order"
 
 
-RECORD = {
-    **{name: Written((name,), name) for name in COUNTS},
-    "skewed": Written(("skewed",), "skewed"),
-    "slides": Written(("slides",), "slider"),
-    "has_base_joint": Written(("chain", "has_base_joint"), "has_base_joint"),
-    "has_inputs": Written(("chain", "has_inputs"), "has_inputs"),
-    "has_servos": Written(("chain", "has_servos"), "inputs.joint_targets"),
-    "base_moves": Written(("chain", "base_moves"), "inputs.base_motion"),
-    "interpolates": Written(("motion", "interpolates"), ALWAYS),
-    "requested": Written(("latest", "requested"), "outputs.impacts"),
-    "impulses": Written(("quadrature", "computed"), "impulses"),
-    "site_link": Written(("site", "link", AT), "link", "sites"),
-    "site_corner": Written(("site", "corner", AT), "corner", "sites"),
-    "candidate_point": Written(("candidate", AT, "point"), "n", "candidates"),
-    "candidate_wall": Written(("candidate", AT, "wall"), "wall", "candidates"),
-    "candidate_stop": Written(("candidate", AT, "stop"), "stop", "candidates"),
-    "regularized": Written(("step", "regularized"), f"{NO_CONTACT}"),
+RECORD_NUMBERS = {
+    **{name: RecordNumber((name,), name) for name in COUNTS},
+    "skewed": RecordNumber(("skewed",), "skewed"),
+    "slides": RecordNumber(("slides",), "slider"),
+    "has_base_joint": RecordNumber(("chain", "has_base_joint"), "has_base_joint"),
+    "has_inputs": RecordNumber(("chain", "has_inputs"), "has_inputs"),
+    "has_servos": RecordNumber(("chain", "has_servos"), "inputs.joint_targets"),
+    "base_moves": RecordNumber(("chain", "base_moves"), "inputs.base_motion"),
+    "interpolates": RecordNumber(("motion", "interpolates"), ALWAYS),
+    "requested": RecordNumber(("latest", "requested"), "outputs.impacts"),
+    "impulses": RecordNumber(("quadrature", "computed"), "impulses"),
+    "site_link": RecordNumber(("site", "link", AT), "link", "sites"),
+    "site_corner": RecordNumber(("site", "corner", AT), "corner", "sites"),
+    "candidate_point": RecordNumber(("candidate", AT, "point"), "n", "candidates"),
+    "candidate_wall": RecordNumber(("candidate", AT, "wall"), "wall", "candidates"),
+    "candidate_stop": RecordNumber(("candidate", AT, "stop"), "stop", "candidates"),
+    "regularized": RecordNumber(("step", "regularized"), f"{NO_CONTACT}"),
     # a moving wall has two channels (prescribed motions): its displacement, and its motion as a belt
-    "belt": Written(("motion", "belt", AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
-    "candidate_channel": Written(
+    "belt": RecordNumber(("motion", "belt", AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
+    "candidate_channel": RecordNumber(
         ("shift", AT, "channel"), f"sum(moving_walls, (number == wall)*({_CHANNEL} + 1)) + -1", "candidates"
     ),
-    "stop_law": Written(("stops", "law"), "sum(laws, (name == stops.model)*(order + 1))"),
+    "stop_law": RecordNumber(("stops", "law"), "sum(laws, (name == stops.model)*(order + 1))"),
     **{
-        f"wall_{key}": Written(("walls", key, AT), "-1", f"{len(WALLS)} + candidates")
+        f"wall_{key}": RecordNumber(("walls", key, AT), "-1", f"{len(WALLS)} + candidates")
         for key in ("restitution", "friction", "static_friction")
     },
 }
@@ -197,7 +197,8 @@ def values_of(
     """Return the function from a name in a rule to its value, for the rules of the tables in this file.
 
     ``lists`` has the values of lists, ``known`` those of all other names without a dot. A name with a dot is
-    a key of the scene's file: any key if ``scene`` is given; else it must be one of FLAGS, in ``known``.
+    a key of the scene's file: any key if ``scene`` is given; else it must be one of REQUEST_KEYS, in
+    ``known``.
     """
 
     def value_of(name: str) -> Any:
@@ -209,10 +210,10 @@ def values_of(
 
 
 def known_of(facts: SceneFacts) -> dict[str, int]:
-    """Return name → number for FLAGS, FACTS, COUNTS_OF, and the length of each list in LISTS."""
-    counts = {name: number_in(rule, facts.value_of) for name, rule in COUNTS_OF.items()}
+    """Return name → number for REQUEST_KEYS, FACTS, COUNT_RULES, and the length of each list in LISTS."""
+    counts = {name: number_in(rule, facts.value_of) for name, rule in COUNT_RULES.items()}
     lengths = {name: len(facts[name]) for name in LISTS}
-    return {name: facts[name] for name in (*FLAGS, *FACTS)} | lengths | counts
+    return {name: facts[name] for name in (*REQUEST_KEYS, *FACTS)} | lengths | counts
 
 
 def owners_of(

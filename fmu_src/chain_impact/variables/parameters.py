@@ -37,28 +37,36 @@ the name (x, y) of an axis."""
 
 
 @cache
-def _rules(table: type) -> dict[str, Mapping[str, Any]]:
+def _metadata(table: type) -> dict[str, Mapping[str, Any]]:
     """Return key → metadata for a table of the scene, without keys that only files have (``file_only``)."""
     return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(
-    rule: Mapping[str, Any], *, path: DataPath, record_path: DataPath, text: str = "{}", **other: Any
+    metadata: Mapping[str, Any],
+    *,
+    scene_path: DataPath,
+    record_path: DataPath,
+    text: str = "{}",
+    **other: Any,
 ) -> Kind:
-    """Return the kind of parameters for the values at ``path`` in the scene, a template.
+    """Return the kind of parameters for the values at ``scene_path`` in the scene, a template.
 
-    Unit and range are those in ``rule``, the metadata of the key. In ``text``, ``{}`` stands for the
-    description in ``rule``. ``other`` are further attributes of ``Kind``.
+    Unit and range are those in ``metadata`` of the key. In ``text``, ``{}`` stands for the
+    description in ``metadata``. ``other`` are further attributes of ``Kind``.
     """
-    default, limits = rule["default"], {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
+    default, limits = (
+        metadata["default"],
+        {limit: metadata[limit] for limit in ("minimum", "above", "maximum")},
+    )
     return Kind(
-        name=name_of(path),
-        unit=rule["unit"],
-        text=text.replace("{}", rule["description"]),
+        name=name_of(scene_path),
+        unit=metadata["unit"],
+        text=text.replace("{}", metadata["description"]),
         causality="parameter",
         record_path=record_path,
-        path=path,
-        derived=default if isinstance(default, Derived) and "given" in other else None,
+        scene_path=scene_path,
+        derived=default if isinstance(default, Derived) and "given_path" in other else None,
         **limits,
         **other,
     )
@@ -67,7 +75,7 @@ def _parameter(
 def _of_table(
     table: type,
     *,
-    path: DataPath,
+    scene_path: DataPath,
     record_path: DataPath,
     names: Sequence[str] = (),
     text: str = "{}",
@@ -75,36 +83,42 @@ def _of_table(
 ) -> list[Kind]:
     """Return the kinds of parameters for the keys ``names`` of a table, by default for all keys.
 
-    In ``path`` and ``record_path``, KEY stands for the key. ``special`` is key → further attributes of the
-    kind, which replace the common ones.
+    In ``scene_path`` and ``record_path``, KEY stands for the key. ``special`` is key → further attributes of
+    the kind, which replace the common ones.
     """
     kinds = []
-    for key in names or _rules(table):
+    for key in names or _metadata(table):
         in_scene, in_record = (
-            tuple(key if step == KEY else step for step in steps) for steps in (path, record_path)
+            tuple(key if step == KEY else step for step in steps) for steps in (scene_path, record_path)
         )
         more = {"record_path": in_record, **special.get(key, {})}
-        kinds.append(_parameter(_rules(table)[key], path=in_scene, text=text, **more))
+        kinds.append(_parameter(_metadata(table)[key], scene_path=in_scene, text=text, **more))
     return kinds
 
 
-def _vector(table: type, *, path: DataPath, record_path: DataPath, text: str, **other: Any) -> list[Kind]:
-    """Return the kinds of parameters for the components x and y of a vector; ``path`` ends with its key.
+def _vector(
+    table: type, *, scene_path: DataPath, record_path: DataPath, text: str, **other: Any
+) -> list[Kind]:
+    """Return the kinds of parameters for the components x and y of a vector.
 
-    In ``record_path``, INDEX and AXIS stand for the component.
+    ``scene_path`` ends with the key. In ``record_path``, INDEX and AXIS stand for the component.
     """
-    kinds, rule = [], _rules(table)[str(path[-1])]
+    kinds, metadata = [], _metadata(table)[str(scene_path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
         in_record = tuple(steps.get(step, step) for step in record_path)
-        kinds.append(_parameter(rule, path=(*path, j), record_path=in_record, text=text, axis=axis, **other))
+        kinds.append(
+            _parameter(
+                metadata, scene_path=(*scene_path, j), record_path=in_record, text=text, axis=axis, **other
+            )
+        )
     return kinds
 
 
 _COEFFICIENT: dict[str, Any] = {
     "tunable": ALWAYS,
     "when": ("contact_friction",),
-    "if_not_given": 0.0,
+    "value_if_not_in_file": 0.0,
     "hint": HAS_FRICTION,
 }
 """The attributes that both coefficients of friction of [contact], sliding and static, have in common."""
@@ -113,20 +127,23 @@ PARAMETERS = (
     block(
         "one",
         *_vector(
-            Contents, path=("gravity",), record_path=("chain", "gravity", INDEX), text="{axis} of the {}"
+            Contents,
+            scene_path=("gravity",),
+            record_path=("chain", "gravity", INDEX),
+            text="{axis} of the {}",
         ),
     ),
     block(
         "link",
         *_of_table(
             Link,
-            path=("chain", "links", AT, KEY),
+            scene_path=("chain", "links", AT, KEY),
             record_path=("chain", KEY, AT),
-            names=[key for key in _rules(Link) if key not in ("points", "shape")],
-            height={"if_missing": 0.0, "hint": HAS_ONE},
-            center_of_mass_offset={"if_given": True, "hint": HAS_ONE},
-            center_of_mass={"given": ("chain", "given_center_of_mass", AT)},
-            inertia={"given": ("chain", "given_inertia", AT)},
+            names=[key for key in _metadata(Link) if key not in ("points", "shape")],
+            height={"number_for_none": 0.0, "hint": HAS_ONE},
+            center_of_mass_offset={"only_if_in_file": True, "hint": HAS_ONE},
+            center_of_mass={"given_path": ("chain", "given_center_of_mass", AT)},
+            inertia={"given_path": ("chain", "given_inertia", AT)},
             joint_damping={"record_path": ("given", "drive_damping", AT), "tunable": "has_target"},
             joint_stiffness={"record_path": ("given", "drive_stiffness", AT), "tunable": "has_target"},
             joint_rest_angle={
@@ -139,14 +156,14 @@ PARAMETERS = (
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },
-            joint_armature={"if_given": True, "hint": HAS_ONE},
+            joint_armature={"only_if_in_file": True, "hint": HAS_ONE},
             joint_torque_limit={
                 "record_path": ("drive", "limit", AT),
-                "if_missing": math.inf,
+                "number_for_none": math.inf,
                 "hint": HAS_ONE,
             },
-            joint_min={"record_path": ("drive", "min", AT), "if_missing": -math.inf},
-            joint_max={"record_path": ("drive", "max", AT), "if_missing": math.inf},
+            joint_min={"record_path": ("drive", "min", AT), "number_for_none": -math.inf},
+            joint_max={"record_path": ("drive", "max", AT), "number_for_none": math.inf},
         ),
         heading=LINK,
     ),
@@ -154,10 +171,10 @@ PARAMETERS = (
         "site",
         *_of_table(
             Site,
-            path=("chain", "links", LINK_AT, "points", ENTRY_AT, KEY),
+            scene_path=("chain", "links", LINK_AT, "points", ENTRY_AT, KEY),
             record_path=("site", KEY, AT),
             names=("x", "y", "radius"),
-            radius={"given": ("site", "given_radius", AT)},
+            radius={"given_path": ("site", "given_radius", AT)},
         ),
         heading=SITE,
         when=("in_file",),
@@ -166,7 +183,7 @@ PARAMETERS = (
         "slider",
         *_of_table(
             Slider,
-            path=("chain", "slider", KEY),
+            scene_path=("chain", "slider", KEY),
             record_path=("drive", KEY, AT),
             angle={"record_path": ("slider", "angle")},
             mass={"record_path": ("slider", "mass")},
@@ -178,13 +195,13 @@ PARAMETERS = (
                 "hint": HAS_TARGET.replace("angle", "position"),
             },
             friction={"when": ("may_have_friction",), "hint": HAS_FRICTION},
-            min={"if_missing": -math.inf},
-            max={"if_missing": math.inf},
-            force_limit={"record_path": ("drive", "limit", AT), "if_missing": math.inf, "hint": HAS_ONE},
+            min={"number_for_none": -math.inf},
+            max={"number_for_none": math.inf},
+            force_limit={"record_path": ("drive", "limit", AT), "number_for_none": math.inf, "hint": HAS_ONE},
         ),
         _parameter(
-            _rules(Initial)["slider_velocity"],
-            path=("initial", "slider_velocity"),
+            _metadata(Initial)["slider_velocity"],
+            scene_path=("initial", "slider_velocity"),
             record_path=("initial", "slider_velocity"),
             text="initial {}",
         ),
@@ -197,7 +214,7 @@ PARAMETERS = (
             for w, wall in enumerate(WALLS)
             for kind in _of_table(
                 Box,
-                path=("box", KEY),
+                scene_path=("box", KEY),
                 record_path=("chain", "wall", w),
                 names=(wall,),
                 text="position of the {}",
@@ -206,8 +223,10 @@ PARAMETERS = (
     ),
     block(
         "line",
-        *_vector(Wall, path=("walls", AT, "point"), record_path=("walls", AXIS, AT), text="{axis} of {}"),
-        *_of_table(Wall, path=("walls", AT, KEY), record_path=("walls", KEY, AT), names=("angle",)),
+        *_vector(
+            Wall, scene_path=("walls", AT, "point"), record_path=("walls", AXIS, AT), text="{axis} of {}"
+        ),
+        *_of_table(Wall, scene_path=("walls", AT, KEY), record_path=("walls", KEY, AT), names=("angle",)),
         heading=LINE,
         when=("contacts",),
     ),
@@ -215,7 +234,7 @@ PARAMETERS = (
         "one",
         *_of_table(
             Contact,
-            path=("contact", KEY),
+            scene_path=("contact", KEY),
             record_path=("given", "law"),
             names=("model",),
             model={"when": ("law",), "tunable": ALWAYS, "choices": LAWS, "smooth": False},
@@ -225,7 +244,7 @@ PARAMETERS = (
         "one",
         *_of_table(
             Contact,
-            path=("contact", KEY),
+            scene_path=("contact", KEY),
             record_path=("contact", KEY),
             names=("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"),
             stiffness={"record_path": ("given", "stiffness"), "tunable": ALWAYS},
@@ -234,7 +253,7 @@ PARAMETERS = (
         ),
         *_of_table(
             Contact,
-            path=("contact", KEY),
+            scene_path=("contact", KEY),
             record_path=("given", KEY),
             names=("friction", "static_friction"),
             friction=_COEFFICIENT,
@@ -246,13 +265,13 @@ PARAMETERS = (
         "material",
         *_of_table(
             Material,
-            path=("contact", "wall", "{name}", KEY),
+            scene_path=("contact", "wall", "{name}", KEY),
             record_path=("walls", KEY, AT),
             # −1 in the record means that the value of [contact] applies to this wall; a static friction of −1
             # beside a sliding friction of the wall means that both are equal
-            restitution={"if_missing": -1.0},
-            friction={"if_missing": -1.0, "hint": HAS_FRICTION},
-            static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
+            restitution={"number_for_none": -1.0},
+            friction={"number_for_none": -1.0, "hint": HAS_FRICTION},
+            static_friction={"number_for_none": -1.0, "hint": HAS_FRICTION},
         ),
         heading=WALL,
         when=("contacts",),
@@ -262,12 +281,12 @@ PARAMETERS = (
         "one",
         *_of_table(
             Stops,
-            path=("stops", KEY),
+            scene_path=("stops", KEY),
             record_path=("stops", KEY),
             names=("stiffness", "exponent", "restitution", "minimum_impact_speed"),
             stiffness={"record_path": ("given", "stop_stiffness"), "tunable": ALWAYS},
-            exponent={"given": ("stops", "given_exponent")},
-            restitution={"given": ("given", "stop_restitution"), "tunable": ALWAYS},
+            exponent={"given_path": ("stops", "given_exponent")},
+            restitution={"given_path": ("given", "stop_restitution"), "tunable": ALWAYS},
             minimum_impact_speed={"smooth": False},
         ),
         when=("stops",),
@@ -277,11 +296,11 @@ PARAMETERS = (
         # if inputs move the base, a new initial position is also written to the inputs for the base's
         # position
         *(
-            replace(kind, given=(MOTION, "position", j), given_if="inputs.base_motion")
+            replace(kind, given_path=(MOTION, "position", j), given_path_when="inputs.base_motion")
             for j, kind in enumerate(
                 _vector(
                     Initial,
-                    path=("initial", "position"),
+                    scene_path=("initial", "position"),
                     record_path=("initial", "position", INDEX),
                     text="initial {axis} of the {}",
                 )
@@ -290,7 +309,7 @@ PARAMETERS = (
         # only for a free base: inputs may move a pinned base, and a slider has initial.slider_velocity
         *_vector(
             Initial,
-            path=("initial", "velocity"),
+            scene_path=("initial", "velocity"),
             record_path=("initial", "velocity", INDEX),
             text="initial {axis} of the {}",
             when=("free",),
@@ -300,10 +319,10 @@ PARAMETERS = (
         block(
             "link",
             _parameter(
-                _rules(Initial)[key],
-                path=("initial", key, AT),
+                _metadata(Initial)[key],
+                scene_path=("initial", key, AT),
                 record_path=("initial", name, AT),
-                text="initial " + _rules(Initial)[key]["description"].replace("each link", "link {n}"),
+                text="initial " + _metadata(Initial)[key]["description"].replace("each link", "link {n}"),
             ),
         )
         for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity"))
@@ -312,13 +331,13 @@ PARAMETERS = (
         "signal",
         *_of_table(
             Signal,
-            path=("signals", "{name}", KEY),
+            scene_path=("signals", "{name}", KEY),
             record_path=("signal", KEY, AT),
             names=("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
         ),
         *_of_table(
             Signal,
-            path=("signals", "{name}", KEY),
+            scene_path=("signals", "{name}", KEY),
             record_path=("signal", KEY, AT),
             names=("start", "rise", "initial", "final", "duration"),
         ),
@@ -327,29 +346,31 @@ PARAMETERS = (
     block(
         "step",
         _parameter(
-            _rules(Signal)["times"],
-            path=("signals", "{name}", "times", ENTRY_AT),
+            _metadata(Signal)["times"],
+            scene_path=("signals", "{name}", "times", ENTRY_AT),
             record_path=("knot", "given_time", AT),
         ),
         _parameter(
-            _rules(Signal)["values"],
-            path=("signals", "{name}", "values", ENTRY_AT),
+            _metadata(Signal)["values"],
+            scene_path=("signals", "{name}", "values", ENTRY_AT),
             record_path=("knot", "given_value", AT),
         ),
         heading=SIGNAL,
     ),
     block(
         "one",
-        *_of_table(Solver, path=("solver", KEY), record_path=("solver", KEY), method={"choices": METHODS}),
+        *_of_table(
+            Solver, scene_path=("solver", KEY), record_path=("solver", KEY), method={"choices": METHODS}
+        ),
         smooth=False,
     ),
 )
 """The kinds of all parameters that scenes can have, in blocks."""
-FOLLOWING = tuple(
-    kind.record_path[:2] for _, kinds in PARAMETERS for kind in kinds if kind.given and kind.tunable
+DERIVED_DURING_RUN = tuple(
+    kind.record_path[:2] for _, kinds in PARAMETERS for kind in kinds if kind.given_path and kind.tunable
 )
 """The fields of the record with values in use that follow from other values during a run, as long as the user
 does not give them: part of the record and field."""
-EXPERIMENT = _of_table(Simulation, path=("simulation", KEY), record_path=())
+SIMULATION_KINDS = _of_table(Simulation, scene_path=("simulation", KEY), record_path=())
 """The kinds for the keys of [simulation], which are no parameters: the record does not have their values. Of
 these keys, a sweep can vary the stop time only."""

@@ -92,7 +92,7 @@ def program(law: Path, platform: str, folder: Path) -> Path:
     source, made = folder / "functions.c", folder / f"functions-{platform}.exe"
     source.write_text(PROGRAM, encoding="utf-8")
     target = PLATFORMS[platform]
-    zig(folder, "-target", target.target, f"-mcpu={target.cpu}", *compilers.FLAGS, source, law, "-o", made)
+    zig(folder, "-target", target.target, f"-mcpu={target.cpu}", *compilers.C_FLAGS, source, law, "-o", made)
     return made
 
 

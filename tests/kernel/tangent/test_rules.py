@@ -18,13 +18,13 @@ from chain_impact.kernel.ode import dense
 from chain_impact.kernel.tangent import rules
 from tests.kernel.tangent.dual import Dual
 
-RULES = {"has_dual_rule": rules.RULES, "has_complex_rule": response.COMPLEX_RULES}
+RULES = {"has_dual_rule": rules.DUAL_RULES, "has_complex_rule": response.COMPLEX_RULES}
 DEPTH, EXPONENT = [0.3, -1.0, 2.0], [0.7, 0.2, 0.0]  # slopes
 
 
-@pytest.mark.parametrize("function", rules.RULES, ids=lambda function: function.__name__)
+@pytest.mark.parametrize("function", rules.DUAL_RULES, ids=lambda function: function.__name__)
 def test_a_rule_is_called_as_the_function_that_it_stands_for(function):
-    rule = rules.RULES[function]
+    rule = rules.DUAL_RULES[function]
     assert rule.__name__ == function.__name__
     assert len(inspect.signature(rule).parameters) == len(inspect.signature(function).parameters)
 

@@ -20,7 +20,7 @@ from chain_impact.pictures.film.scale_bar import draw_scale_bar
 from chain_impact.pictures.film.writing import MOST_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
-from chain_impact.scene.files.models import scene_path
+from chain_impact.scene.files.models import scene_file_path
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.pictures import pictures as made
 from tests.tiers import needs_interop
@@ -96,7 +96,7 @@ def test_a_stretched_axis_keeps_the_number_at_its_end():
 
 
 def test_walls_may_have_the_names_of_stops_that_the_chain_does_not_have():
-    text = scene_path("ramp").read_text(encoding="utf-8")
+    text = scene_file_path("ramp").read_text(encoding="utf-8")
     renamed = text.replace('name = "ramp"', 'name = "joint_min"').replace(
         'name = "stop"', 'name = "slider_min"'
     )

@@ -8,7 +8,14 @@ from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.signal_tables import Signal
 from chain_impact.scene.keys.tables import Contact, Initial, Material, Simulation, Solver, Stops
 from chain_impact.scene.rules.key_rules import keys
-from chain_impact.scene.rules.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULES, STOP_KEYS, Rule
+from chain_impact.scene.rules.refusals import (
+    LAW_FACTS,
+    REFUSALS,
+    SENTENCES,
+    SIGNAL_REFUSALS,
+    STOP_KEYS,
+    RefusalRule,
+)
 from chain_impact.scene.rules.rule_language import holds, names_in, number_in, tree
 from chain_impact.scene.scene import scene_keys
 from tests.scene.rule_cases import CASES, VALUES
@@ -41,10 +48,10 @@ def test_an_unknown_name_is_an_error():
         holds("a and strange", VALUES.__getitem__)
 
 
-@pytest.mark.parametrize("rule", [*RULES, *SIGNAL_RULES], ids=lambda rule: f"{rule.fault}, {rule.key}")
-def test_the_rules_of_a_file_name_keys_and_facts(rule: Rule):
+@pytest.mark.parametrize("rule", [*REFUSALS, *SIGNAL_REFUSALS], ids=lambda rule: f"{rule.fault}, {rule.key}")
+def test_the_rules_of_a_file_name_keys_and_facts(rule: RefusalRule):
     facts = {"moves", "order", "steps_differ", "starts_fast"} | {entry.name for entry in keys(Signal)}
-    names = facts if rule in SIGNAL_RULES else NAMES[rule.of]
+    names = facts if rule in SIGNAL_REFUSALS else NAMES[rule.of]
     assert {rule.key, *names_in(tree(rule.condition))} <= names
     assert {*names_in(tree(rule.least or "0"))} <= names
     assert rule.fault in SENTENCES
@@ -64,5 +71,5 @@ def test_no_rule_names_a_key_that_changes_without_the_rules():
         ("solver", Solver),
     ):
         alone |= {f"{name}.{entry.name}" for entry in keys(table) if entry.metadata["alone"]}
-    named = {name for rule in RULES for name in (rule.key, *names_in(tree(rule.condition)))}
+    named = {name for rule in REFUSALS for name in (rule.key, *names_in(tree(rule.condition)))}
     assert named & alone == {"restitution", "initial.velocity"}

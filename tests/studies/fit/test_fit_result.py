@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Fit, fit, load_scene
-from chain_impact.scene.scene import scene_path
+from chain_impact.scene.scene import scene_file_path
 from tests.helpers.tools.measurements import NOISE, TIP, motion, scene
 
 
@@ -34,7 +34,7 @@ def test_without_freedom_there_is_no_reduced_chi_squared():
 
 
 def test_the_fitted_scene_as_a_file(found, tmp_path):
-    found.save(tmp_path / "like.toml", scene_path("four_link_box"))
+    found.save(tmp_path / "like.toml", scene_file_path("four_link_box"))
     found.save(tmp_path / "plain.toml")
     assert load_scene(tmp_path / "like.toml") == load_scene(tmp_path / "plain.toml") == found.scene
     assert "# Four equal rods" in (tmp_path / "like.toml").read_text(encoding="utf-8")

@@ -5,7 +5,7 @@ import shutil
 import pytest
 
 from chain_impact import SceneError, load_scene, model_names, with_law
-from chain_impact.scene.scene import parse_scene, scene_path
+from chain_impact.scene.scene import parse_scene, scene_file_path
 from chain_impact.studies.fit.scene_file import updated, write_scene
 
 TEXT = """# first line
@@ -31,14 +31,14 @@ angles = [0.0]
 
 @pytest.mark.parametrize("name", model_names())
 def test_unchanged_values_stay_as_they_are_written(name):
-    path = scene_path(name)
+    path = scene_file_path(name)
     text = path.read_text(encoding="utf-8")
     assert updated(text, load_scene(name), str(path)) == text
 
 
 @pytest.mark.parametrize("name", model_names())
 def test_the_text_holds_the_scene(name):
-    path, scene = scene_path(name), load_scene(name)
+    path, scene = scene_file_path(name), load_scene(name)
     changed = scene.with_values(
         {
             "link[1].mass": 1.2345,

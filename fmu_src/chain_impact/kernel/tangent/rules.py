@@ -1,6 +1,6 @@
 """Functions with their own rules of differentiation, where dual numbers would give wrong derivatives or none.
 
-Each replacement in RULES has the name of the function that it replaces, and is called in place of that
+Each replacement in DUAL_RULES has the name of the function that it replaces, and is called in place of that
 function if an argument carries derivatives. The value of a result is the same up to round-off, except that
 the results of ``has_effect``, ``iterated_enough`` and ``contact_resistance`` also depend on derivatives.
 """
@@ -230,7 +230,7 @@ def time_of_peak(_t, time, place):
     return time
 
 
-RULES = {
+DUAL_RULES = {
     holding.contact_resistance: contact_resistance,
     constraints.iterated_enough: iterated_enough,
     force_formula.power_of_depth: power_of_depth,

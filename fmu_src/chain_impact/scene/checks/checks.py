@@ -19,7 +19,7 @@ from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.tables import Contact, Material, Stops
 from chain_impact.scene.reading import SceneError, no_wall, refusal, refused, value_text
-from chain_impact.scene.rules.refusals import LAW_FACTS, RULES
+from chain_impact.scene.rules.refusals import LAW_FACTS, REFUSALS
 from chain_impact.scene.rules.rule_language import ValueOf, holds, number_in, of_members, value_at
 from chain_impact.scene.words.angles import radians_hint, turns_hint
 from chain_impact.scene.words.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
@@ -81,7 +81,7 @@ def check_together(scene: Contents) -> None:
         if point not in movable or contact.points.count(point) > 1:
             words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
             raise refusal(("contact", "points"), "points", point=value_text(point), **words)
-    check_rules(scene)
+    check_refusal_rules(scene)
     check_moved_walls(scene)
     check_reach(scene)
     stops = (*STOPS * bool(scene.chain.stops), *SLIDER_STOPS * (scene.chain.slider is not None))
@@ -96,8 +96,8 @@ def check_together(scene: Contents) -> None:
             raise refusal(("chain", "links", i, "points"), "point_names", name=value_text(twice[0]))
 
 
-def check_rules(scene: Contents) -> None:
-    """Raise the error of the first rule of ``RULES`` whose condition is true in the scene."""
+def check_refusal_rules(scene: Contents) -> None:
+    """Raise the error of the first rule of ``REFUSALS`` whose condition is true in the scene."""
     whole = partial(value_at, scene)
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
         "": [((), whole)],
@@ -106,7 +106,7 @@ def check_rules(scene: Contents) -> None:
         ],
         "law": [(path, table.get) for path, table in _of_laws(scene).items()],
     }
-    for rule in RULES:
+    for rule in REFUSALS:
         for path, value_of in tables[rule.of]:
             if holds(rule.condition, value_of):
                 value = value_of(rule.key)
@@ -121,8 +121,8 @@ def check_rules(scene: Contents) -> None:
 def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
     """Return path → values of [contact], each table [contact.wall.<name>], and [stops] if a joint has a stop.
 
-    The values are by their names in ``RULES``: a key of the table, or a property of the contact law that the
-    table belongs to, such as "law.id".
+    The values are by their names in ``REFUSALS``: a key of the table, or a property of the contact law
+    that the table belongs to, such as "law.id".
     """
     contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}

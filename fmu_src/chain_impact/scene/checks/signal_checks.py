@@ -9,7 +9,7 @@ from chain_impact.scene.asked_inputs import how_asked, inputs_of
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
 from chain_impact.scene.reading import SceneError, refusal, refused, value_text
-from chain_impact.scene.rules.refusals import SIGNAL_RULES
+from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import holds
 from chain_impact.scene.signal_inputs import driven_alone, family
 from chain_impact.scene.signal_polynomials import CLOSED, is_closed, is_motion, joined_by
@@ -131,7 +131,7 @@ def _quoted(text: str) -> str:
 
 
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
-    """Refuse a signal with which a position or velocity of the base or a wall would jump (SIGNAL_RULES).
+    """Refuse a signal with which a position or velocity of the base or a wall would jump (SIGNAL_REFUSALS).
 
     A periodic table of accelerations is refused, too (``check_table``), and so is a sine whose frequency is 0
     and stays 0 if the input is integrated over time: the integral of the sine would divide by zero.
@@ -144,7 +144,7 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
         "steps_differ": len(set(signal.values or ())) > 1,
         "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * speed,
     }
-    for rule in SIGNAL_RULES:
+    for rule in SIGNAL_REFUSALS:
         if holds(rule.condition, lambda key: facts[key] if key in facts else getattr(signal, key)):
             value = getattr(signal, rule.key)
             raise refusal(("signals", name, rule.key), rule.fault, input=driven, value=value)

@@ -19,7 +19,7 @@ def model_names() -> list[str]:
     return sorted(file.parent.name for file in models_folder().glob(f"*/{SCENE_FILE}"))
 
 
-def scene_path(source: str | os.PathLike[str]) -> Path:
+def scene_file_path(source: str | os.PathLike[str]) -> Path:
     """Return the path that `load_scene` reads for ``source``; the file need not exist.
 
     The path is that of the scene file in the folder ``source``; if there is none and ``source`` is no file,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from chain_impact.scene.keys.default_rules import CONTACT_RADIUS, MIDDLE, OFF, ROD, SLIDER_TABLE
 from chain_impact.scene.reading import refusal
-from chain_impact.scene.rules.key_rules import IDENTIFIER, quantity
+from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
 from chain_impact.scene.words.names import SLIDER_STOPS, STOPS
 
 MAX_LINKS = 1000
@@ -17,10 +17,10 @@ OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
 class Site:
     """A point of a link beside the link's two ends, such as a heel or a corner; it may touch walls."""
 
-    x: float = quantity("m", "position along the link, from the joint nearer to the base", label="Along")
-    y: float = quantity("m", "position to the left of the link's line", 0.0, label="Left")
-    radius: float | None = quantity("m", "radius of the point", CONTACT_RADIUS, minimum=0.0, label="Radius")
-    name: str = quantity("", "name in lists and pictures", "", pattern=OPTIONAL_NAME, label="Name")
+    x: float = scene_key("m", "position along the link, from the joint nearer to the base", label="Along")
+    y: float = scene_key("m", "position to the left of the link's line", 0.0, label="Left")
+    radius: float | None = scene_key("m", "radius of the point", CONTACT_RADIUS, minimum=0.0, label="Radius")
+    name: str = scene_key("", "name in lists and pictures", "", pattern=OPTIONAL_NAME, label="Name")
 
     @property
     def is_at_joint(self) -> bool:
@@ -32,53 +32,53 @@ class Site:
 class Link:
     """One rigid link and its proximal joint; an entry of a file with a ``count`` is that many such links."""
 
-    count: int | None = quantity(
+    count: int | None = scene_key(
         "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
     )
-    length: float = quantity("m", "length", above=0.0, label="Length")
-    mass: float = quantity("kg", "mass", above=0.0, alone=True, label="Mass")
-    shape: str | None = quantity(
+    length: float = scene_key("m", "length", above=0.0, label="Length")
+    mass: float = scene_key("kg", "mass", above=0.0, alone=True, label="Mass")
+    shape: str | None = scene_key(
         "", "box: a rectangle, with a point at each corner and its inertia", None, choices=("box",)
     )
-    height: float | None = quantity(
+    height: float | None = scene_key(
         "m", "height of the box, across the link", None, above=0.0, label="Height"
     )
-    center_of_mass: float = quantity(
+    center_of_mass: float = scene_key(
         "m",
         "centre of mass, from the joint nearer to the base, behind which it may lie",
         MIDDLE,
         label="Centre of mass along",
     )
-    center_of_mass_offset: float = quantity(
+    center_of_mass_offset: float = scene_key(
         "m",
         "distance of the centre of mass from the link's line, to its left",
         OFF,
         label="Centre of mass left",
     )
-    inertia: float = quantity(
+    inertia: float = scene_key(
         "kg.m2", "inertia about the centre of mass", ROD, minimum=0.0, alone=True, label="Inertia"
     )
-    points: tuple[Site, ...] = quantity("", "points of the link, beside its ends, that may touch", ())
-    joint_damping: float = quantity(
+    points: tuple[Site, ...] = scene_key("", "points of the link, beside its ends, that may touch", ())
+    joint_damping: float = scene_key(
         "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0, alone=True
     )
-    joint_stiffness: float = quantity(
+    joint_stiffness: float = scene_key(
         "N.m/rad", "stiffness of the joint nearer to the base", 0.0, minimum=0.0, alone=True
     )
-    joint_rest_angle: float = quantity("rad", "angle of the joint at which its spring is slack", 0.0)
-    joint_friction: float = quantity(
+    joint_rest_angle: float = scene_key("rad", "angle of the joint at which its spring is slack", 0.0)
+    joint_friction: float = scene_key(
         "N.m", "moment of dry friction in the joint nearer to the base", OFF, minimum=0.0
     )
-    joint_armature: float = quantity(
+    joint_armature: float = scene_key(
         "kg.m2", "inertia of the rotor of the joint's drive, reflected through its gear", OFF, minimum=0.0
     )
-    joint_torque_limit: float | None = quantity(
+    joint_torque_limit: float | None = scene_key(
         "N.m", "limit of the torque of motor, spring and damper together", None, minimum=0.0
     )
-    joint_min: float | None = quantity(
+    joint_min: float | None = scene_key(
         "rad", "stop at the least angle of the joint nearer to the base", None, label="Stop from"
     )
-    joint_max: float | None = quantity(
+    joint_max: float | None = scene_key(
         "rad", "stop at the largest angle of the joint nearer to the base", None, label="Stop to"
     )
 
@@ -95,21 +95,21 @@ class Slider:
     Positions of the carriage count from this initial position, positive in the direction ``angle``.
     """
 
-    angle: float = quantity("rad", "direction of the line, from +x", 0.0, label="Slider: angle")
-    mass: float = quantity("kg", "mass of the carriage", 1.0, minimum=0.0, label="Mass")
-    damping: float = quantity("N.s/m", "viscous damping along the line", 0.0, minimum=0.0, label="Damping")
-    stiffness: float = quantity(
+    angle: float = scene_key("rad", "direction of the line, from +x", 0.0, label="Slider: angle")
+    mass: float = scene_key("kg", "mass of the carriage", 1.0, minimum=0.0, label="Mass")
+    damping: float = scene_key("N.s/m", "viscous damping along the line", 0.0, minimum=0.0, label="Damping")
+    stiffness: float = scene_key(
         "N/m", "stiffness of a spring along the line", 0.0, minimum=0.0, label="Stiffness"
     )
-    rest_position: float = quantity(
+    rest_position: float = scene_key(
         "m", "position on the line at which the spring is slack", 0.0, label="Rest position"
     )
-    friction: float = quantity(
+    friction: float = scene_key(
         "N", "force of dry friction along the line", OFF, minimum=0.0, label="Friction"
     )
-    min: float | None = quantity("m", "stop at the least position of the carriage", None, label="Stop from")
-    max: float | None = quantity("m", "stop at the largest position of the carriage", None, label="Stop to")
-    force_limit: float | None = quantity(
+    min: float | None = scene_key("m", "stop at the least position of the carriage", None, label="Stop from")
+    max: float | None = scene_key("m", "stop at the largest position of the carriage", None, label="Stop to")
+    force_limit: float | None = scene_key(
         "N", "limit of the force of motor, spring and damper together", None, minimum=0.0, label="Force limit"
     )
 
@@ -123,14 +123,14 @@ class Slider:
 class ChainTable:
     """The table [chain]: the kind of base, its slider, and the links from base to tip."""
 
-    base: str = quantity(
+    base: str = scene_key(
         "",
         "base point: free to move, pinned, or on a slider",
         "free",
         choices=("free", "pinned", "slider"),
     )
-    slider: Slider | None = quantity("", "carriage and line of a base on a slider", SLIDER_TABLE)  # noqa: RUF009
-    links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
+    slider: Slider | None = scene_key("", "carriage and line of a base on a slider", SLIDER_TABLE)  # noqa: RUF009
+    links: tuple[Link, ...] = scene_key("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
         """Replace each link that has a `count` by this number of equal links without a `count`.

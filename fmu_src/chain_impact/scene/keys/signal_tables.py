@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.chain.signals import RAMP_KNOTS, SINE_KNOTS
-from chain_impact.scene.rules.key_rules import NO_KEY, quantity
+from chain_impact.scene.rules.key_rules import NO_KEY, scene_key
 from chain_impact.scene.words.names import INPUTS_OF, is_like
 from chain_impact.scene.words.similar_names import nearest
 
@@ -73,7 +73,7 @@ def _unit_of_values(tables: Mapping[str, Any]) -> str:
 
 def _value(description: str) -> Any:
     """Return the dataclass field for a key whose numbers have the unit of the driven input."""
-    return quantity("1", description, None, unit_by=_unit_of_values)
+    return scene_key("1", description, None, unit_by=_unit_of_values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,39 +97,39 @@ class Samples:
 class Signal:
     """A signal, which drives inputs over time; keys that the signal's form does not have are None."""
 
-    input: tuple[str, ...] = quantity(
+    input: tuple[str, ...] = scene_key(
         "", "the input that it drives, or a list of them", pattern=INPUT, or_one=True
     )
-    form: str = quantity("", "form", choices=tuple(FORMS))
+    form: str = scene_key("", "form", choices=tuple(FORMS))
     value: float | None = _value("value of a constant")
     mean: float | None = _value("mean of a sine; default 0")
     amplitude: float | None = _value("amplitude of a sine")
-    frequency: float | None = quantity("Hz", "frequency of a sine at its start", None, minimum=0.0)
-    frequency_rate: float | None = quantity("Hz/s", "rate at which the frequency grows; default 0", None)
-    phase: float | None = quantity("rad", "phase of a sine at its start; default 0", None)
+    frequency: float | None = scene_key("Hz", "frequency of a sine at its start", None, minimum=0.0)
+    frequency_rate: float | None = scene_key("Hz/s", "rate at which the frequency grows; default 0", None)
+    phase: float | None = scene_key("rad", "phase of a sine at its start; default 0", None)
     initial: float | None = _value("value before a ramp; default 0")
     final: float | None = _value("value after a ramp")
-    start: float | None = quantity("s", "start of a sine or a ramp; default 0", None)
-    rise: float | None = quantity(
+    start: float | None = scene_key("s", "start of a sine or a ramp; default 0", None)
+    rise: float | None = scene_key(
         "s", "time in which the amplitude of a sine grows from 0; default 0", None, minimum=0.0
     )
-    duration: float | None = quantity("s", "duration of a ramp", None, above=0.0)
-    shape: str | None = quantity(
+    duration: float | None = scene_key("s", "duration of a ramp", None, above=0.0)
+    shape: str | None = scene_key(
         "",
         "smooth: without a jump of the acceleration; linear; trapezoid: of the speed; default smooth",
         None,
         choices=SHAPES,
     )
-    times: tuple[float, ...] | None = quantity("s", "times of steps", None)
+    times: tuple[float, ...] | None = scene_key("s", "times of steps", None)
     values: tuple[float, ...] | None = _value(
         "value from each of the times on; before the first, the first one"
     )
-    file: str | None = quantity("", "table with time and a column for each input", None, pattern=TABLE_FILE)
-    interpolation: str | None = quantity(
+    file: str | None = scene_key("", "table with time and a column for each input", None, pattern=TABLE_FILE)
+    interpolation: str | None = scene_key(
         "",
         "of a table; default: spline for the motion of base and walls, else hold",
         None,
         choices=("hold", "linear", "spline"),
     )
-    period: float | None = quantity("s", "time after which a table repeats", None, above=0.0)
+    period: float | None = scene_key("s", "time after which a table repeats", None, above=0.0)
     samples: Samples | None = field(default=None, metadata=NO_KEY)

@@ -98,7 +98,7 @@ def keys(table: Any) -> tuple[Field[Any], ...]:
     return tuple(entry for entry in fields(table) if entry.metadata.get("key", True))
 
 
-def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpack[KeyRules]) -> Any:
+def scene_key(unit: str, description: str, default: Any = MISSING, **rules: Unpack[KeyRules]) -> Any:
     """Return a dataclass field with the metadata of one key of the scene file.
 
     The metadata are `unit` ("1" for a pure number, "" for a count or for what is no number), `description`,
@@ -113,13 +113,13 @@ def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpac
     return field(default=MISSING if isinstance(simple, Derived) else simple, metadata=metadata)
 
 
-def simple_default(rule: Mapping[str, Any]) -> Any:
-    """Return the default in the metadata ``rule`` of a key.
+def simple_default(metadata: Mapping[str, Any]) -> Any:
+    """Return the default in the ``metadata`` of a key.
 
     The result is the number ``off`` for a `Derived` that has ``off``; any other default is returned
     unchanged.
     """
-    default = rule["default"]
+    default = metadata["default"]
     return default if not isinstance(default, Derived) or default.off is None else default.off
 
 
@@ -129,43 +129,45 @@ def without_none(kind: Any) -> Any:
     return get_args(kind)[0] if NoneType in get_args(kind) else kind
 
 
-def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
-    """Return whether a number or text keeps those rules of ``_KEEPS`` that the metadata `rule` have."""
+def keeps(value: Any, metadata: Mapping[str, Any]) -> bool:
+    """Return whether a number or text keeps those rules of ``_KEEPS`` that the `metadata` have."""
     for name, keep in _KEEPS.items():
-        bound = rule[name]
+        bound = metadata[name]
         if bound is not None and not keep(value, bound):
             return False
     return True
 
 
-def extended(rule: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the metadata `rule` of a key with the unit or the further choice that other keys decide.
+def extended(metadata: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the `metadata` of a key with the unit or the further choice that other keys decide.
 
     See ``unit_by`` and ``extended_by`` in ``KeyRules``; other metadata are returned unchanged.
 
     Args:
-        rule: the metadata.
+        metadata: the metadata of the key.
         tables: key → value or table, for all that have been read before.
     """
-    if unit_by := rule.get("unit_by"):
-        return {**rule, "unit": unit_by(tables)}
-    extended_by = rule.get("extended_by")
+    if unit_by := metadata.get("unit_by"):
+        return {**metadata, "unit": unit_by(tables)}
+    extended_by = metadata.get("extended_by")
     if not extended_by:
-        return rule
+        return metadata
     table, _, key = extended_by.rpartition(".")
     file = getattr(tables[table], key) if table else tables.get(key)
-    return {**rule, "choices": (*rule["choices"], Path(file).stem)} if file else rule
+    return {**metadata, "choices": (*metadata["choices"], Path(file).stem)} if file else metadata
 
 
-def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
-    """Return words for the values of type `kind` that the metadata `rule` allow: "true or false"."""
-    if rule["choices"] is not None:
-        return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
+def allowed(kind: Any, metadata: Mapping[str, Any]) -> str:
+    """Return words for the values of type `kind` that the `metadata` allow: "true or false"."""
+    if metadata["choices"] is not None:
+        return "one of " + ", ".join(f'"{choice}"' for choice in metadata["choices"])
     if kind is str:
-        return str(rule["pattern"][1])
+        return str(metadata["pattern"][1])
     if kind is bool:
         return "true or false"
     signs = {"minimum": ">=", "above": ">", "maximum": "<="}
-    bounds = " and ".join(f"{signs[limit]} {rule[limit]:g}" for limit in signs if rule[limit] is not None)
+    bounds = " and ".join(
+        f"{signs[limit]} {metadata[limit]:g}" for limit in signs if metadata[limit] is not None
+    )
     words = " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds)))
-    return words + in_brackets(rule["unit"])
+    return words + in_brackets(metadata["unit"])

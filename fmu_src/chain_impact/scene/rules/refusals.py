@@ -75,7 +75,7 @@ SENTENCES = {
 """Name of a fault → the sentence on this fault, with words in braces."""
 
 
-class Rule(NamedTuple):
+class RefusalRule(NamedTuple):
     """A rule that refuses a value which contradicts other values.
 
     Attributes:
@@ -103,36 +103,40 @@ class Rule(NamedTuple):
 
 
 STOP_KEYS = ("model", "stiffness", "exponent", "restitution", "minimum_impact_speed")
-RULES = (
-    Rule(
+REFUSALS = (
+    RefusalRule(
         "law_restitution",
         "restitution",
         "restitution == 0 and law.allows_zero == 0",
         of="law",
         in_kernel=True,
     ),
-    Rule("law_exponent", "exponent", "exponent != law.exponent", "law.exponent", of="law", in_kernel=True),
-    Rule("velocity_pinned", "initial.velocity", "chain.base == 'pinned' and initial.velocity"),
-    Rule("velocity_slider", "initial.velocity", "chain.base == 'slider' and initial.velocity"),
-    Rule("no_slider", "chain.slider", "chain.base != 'slider' and chain.slider"),
-    Rule(
+    RefusalRule(
+        "law_exponent", "exponent", "exponent != law.exponent", "law.exponent", of="law", in_kernel=True
+    ),
+    RefusalRule("velocity_pinned", "initial.velocity", "chain.base == 'pinned' and initial.velocity"),
+    RefusalRule("velocity_slider", "initial.velocity", "chain.base == 'slider' and initial.velocity"),
+    RefusalRule("no_slider", "chain.slider", "chain.base != 'slider' and chain.slider"),
+    RefusalRule(
         "no_slider_velocity",
         "initial.slider_velocity",
         "chain.base != 'slider' and initial.slider_velocity",
     ),
-    Rule("no_slider_force", "inputs.slider_force", "chain.base != 'slider' and inputs.slider_force"),
-    Rule("slider_stops", "chain.slider.max", "chain.slider.min >= chain.slider.max", "chain.slider.min"),
-    Rule("slider_min", "chain.slider.min", "chain.slider.min > 0"),
-    Rule("slider_max", "chain.slider.max", "chain.slider.max < 0"),
-    Rule("base_motion", "inputs.base_motion", "chain.base != 'pinned' and inputs.base_motion"),
-    Rule(
+    RefusalRule("no_slider_force", "inputs.slider_force", "chain.base != 'slider' and inputs.slider_force"),
+    RefusalRule(
+        "slider_stops", "chain.slider.max", "chain.slider.min >= chain.slider.max", "chain.slider.min"
+    ),
+    RefusalRule("slider_min", "chain.slider.min", "chain.slider.min > 0"),
+    RefusalRule("slider_max", "chain.slider.max", "chain.slider.max < 0"),
+    RefusalRule("base_motion", "inputs.base_motion", "chain.base != 'pinned' and inputs.base_motion"),
+    RefusalRule(
         "box_width", "box.x_max", "box.x_max <= box.x_min + 2*contact.radius", "box.x_min + 2*contact.radius"
     ),
-    Rule(
+    RefusalRule(
         "box_width", "box.y_max", "box.y_max <= box.y_min + 2*contact.radius", "box.y_min + 2*contact.radius"
     ),
-    Rule("joint_range", "joint_max", "joint_max <= joint_min", "joint_min", "link"),
-    Rule(
+    RefusalRule("joint_range", "joint_max", "joint_max <= joint_min", "joint_min", "link"),
+    RefusalRule(
         "static_friction",
         "static_friction",
         "static_friction > 0 and static_friction < friction",
@@ -140,15 +144,15 @@ RULES = (
         "law",
     ),
     *(
-        Rule("rigid_friction", key, f"law.impulsive and {key} > 0", of="law", in_kernel=True)
+        RefusalRule("rigid_friction", key, f"law.impulsive and {key} > 0", of="law", in_kernel=True)
         for key in ("friction", "static_friction")
     ),
     *(
-        Rule("no_joint", key, f"chain.base == 'free' and order == 0 and given({key})", of="link")
+        RefusalRule("no_joint", key, f"chain.base == 'free' and order == 0 and given({key})", of="link")
         for key in ("joint_min", "joint_max")
     ),
     *(
-        Rule(
+        RefusalRule(
             "no_stops",
             f"stops.{key}",
             f"given(stops.{key}) and not any(chain.links, given(joint_min) or given(joint_max))",
@@ -159,13 +163,13 @@ RULES = (
 """Rules of a file, in the order in which they are checked."""
 LAW_FACTS = ("id", "allows_zero", "exponent", "impulsive")
 """The properties of a contact law that rules may name."""
-SIGNAL_RULES = (
-    Rule(
+SIGNAL_REFUSALS = (
+    RefusalRule(
         "no_frequency", "frequency", "form == 'sine' and order > 0 and not frequency and not frequency_rate"
     ),
-    Rule("steps_jump", "form", "moves and form == 'steps' and order < 2 and steps_differ"),
-    Rule("ramp_jumps", "shape", "moves and form == 'ramp' and order == 0 and shape == 'linear'"),
-    Rule(
+    RefusalRule("steps_jump", "form", "moves and form == 'steps' and order < 2 and steps_differ"),
+    RefusalRule("ramp_jumps", "shape", "moves and form == 'ramp' and order == 0 and shape == 'linear'"),
+    RefusalRule(
         "sine_jumps",
         "start",
         "moves and form == 'sine' and order == 0 and start > 0 and not rise and starts_fast",

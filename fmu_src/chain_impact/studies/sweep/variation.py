@@ -16,12 +16,12 @@ from chain_impact.scene.words.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.words.names import fmu_name, parameter_hint
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.owners import Owner
-from chain_impact.variables.parameters import EXPERIMENT
+from chain_impact.variables.parameters import SIMULATION_KINDS
 from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
-STOP_TIME_VARIABLE = Variable.of(EXPERIMENT[0], Owner(), {}, variability="fixed")
+STOP_TIME_VARIABLE = Variable.of(SIMULATION_KINDS[0], Owner(), {}, variability="fixed")
 LOG = "log"
 MOST_VALUES = 10**7  # the largest number of values that a text such as 0.1:0.9:9 may ask for
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")

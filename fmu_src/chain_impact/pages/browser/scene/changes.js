@@ -107,7 +107,7 @@ export class Changes {
   #check(values) {
     const nameAt = (path) => this.names.get(pathText(path));
     const valueAt = (path) => (nameAt(path) ? this.valueOf(nameAt(path), values) : inFile(this.scene.file, path));
-    const rules = SHARED.rules.FILE.filter((rule) => !rule.in_kernel);
+    const rules = SHARED.refusalRules.FILE.filter((rule) => !rule.in_kernel);
     keepFileRules(this.scene.file, { textAt: (path) => nameAt(path) ?? pathText(path), rules, valueAt });
   }
 

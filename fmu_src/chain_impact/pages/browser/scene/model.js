@@ -15,13 +15,13 @@ import { drivenRows, withOutputs } from "./signals.js";
  */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];
-  for (const { name, path, owner, rule, items, has, ifNotGiven = null } of rows) {
+  for (const { name, path, owner, rule, items, has, valueIfNotInFile = null } of rows) {
     const indices = { "{at}": owner.at, "{name}": owner.name, "{link}": owner.link, "{entry}": owner.entry };
     const steps = path.map((step) => indices[step] ?? step);
     const given = inFile(file, steps);
     const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
     if (number !== undefined) values.set(name, { number, steps });
-    else if (has && ifNotGiven !== null) values.set(name, { number: ifNotGiven, steps });
+    else if (has && valueIfNotInFile !== null) values.set(name, { number: valueIfNotInFile, steps });
     else if (rule && (has || owner.corner)) {
       const ownRule = (rule.ofBox && file.chain.links[owner.at]?.height && rule.ofBox) || rule;
       const terms = ownRule.terms.map((term) => term.map((factor) => filled(factor, owner)));
@@ -59,10 +59,11 @@ function parametersOf(rows, others, values, { known }, byName) {
   const shown = rows.filter(({ name, has }) => has && values.has(name));
   const names = new Set(shown.map(({ name }) => name));
   return [...shown, ...others].map((parameter) => {
-    const { name, owner, given, givenIf, word, rule, number, ownerKind, path, has, when, ifNotGiven, missing, ...row } = parameter;
+    const { name, owner, givenWord, givenWordWhen, word, rule, number, ...other } = parameter;
+    const { ownerKind, path, has, when, valueIfNotInFile, numberForNone, ...row } = other;
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
-    const index = word ? wordIndex(given && known[givenIf] ? given : word, known, owner.at) : -1;
+    const index = word ? wordIndex(givenWord && known[givenWordWhen] ? givenWord : word, known, owner.at) : -1;
     // in a row for signals the unit "1" stands for the unit of the input that the signal drives
     const unit = row.unit === "1" && owner.input ? byName.get(owner.input).unit : row.unit;
     return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, owner), start, derived: follows };

@@ -40,16 +40,16 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
   };
   const put = (name, value, index = 0) => write(kit.fields[name].word, value, kit.fields[name].real, index);
   const valueOf = valuesOfScene(file, lists, known);
-  for (const [name, { number, over, at }] of Object.entries(kit.record)) {
+  for (const [name, { number, over, at }] of Object.entries(kit.recordNumbers)) {
     valuesOfMembers(over, valueOf).forEach((ofMember) => put(name, numberIn(number, ofMember), numberIn(at, ofMember)));
   }
   putSignals(driven, kit.tables, (input) => actingOf(byName.get(input)), put);
-  for (const { name, ownerKind, word, given, givenIf, type, owner, missing } of rows) {
-    const value = values.get(name) ?? (ownerKind === "link" || ownerKind === "slider" ? { number: Number(missing) } : null);
+  for (const { name, ownerKind, word, givenWord, givenWordWhen, type, owner, numberForNone } of rows) {
+    const value = values.get(name) ?? (ownerKind === "link" || ownerKind === "slider" ? { number: Number(numberForNone) } : null);
     if (!value || (ownerKind === "line" && !mayTouch)) continue;
     if (ownerKind === "line" && owner.at >= known.candidates) throw new RangeError(`walls: the record has room for ${known.candidates}`);
     write(word, value.number, type === "real", owner.at);
-    if (given && known[givenIf]) write(given, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
+    if (givenWord && known[givenWordWhen]) write(givenWord, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
   }
   return bytes;
 }

@@ -41,7 +41,7 @@ export function keepRules(rules, valueOf, nameOf, words = {}) {
  * Refuse the first value of a scene file that a rule forbids together with the file's other values. `valueAt` returns the value at a path
  * of the file; `textAt` returns the name of a path, which the refusal begins with.
  */
-export function keepFileRules(file, { textAt = pathText, rules = SHARED.rules.FILE, valueAt = (path) => inFile(file, path) } = {}) {
+export function keepFileRules(file, { textAt = pathText, rules = SHARED.refusalRules.FILE, valueAt = (path) => inFile(file, path) } = {}) {
   const whole = (key) => valueAt(key.split("."));
   const tables = {
     "": [[[], whole]],

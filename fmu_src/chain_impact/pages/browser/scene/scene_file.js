@@ -1,4 +1,4 @@
-// Completes and checks the contents of a scene file, by the rules of single keys in `kit.py` and by rules that compare values. The kernel
+// Completes and checks the contents of a scene file, by the data of single keys in `kit.py` and by rules that compare values. The kernel
 // refuses further values that are valid alone, but not together.
 
 import { unitText } from "../base/format.js";
@@ -10,7 +10,7 @@ import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
-/** Return whether a value has the type, the range and the form that the rule of its key demands. */
+/** Return whether a value has the type, the range and the form that its key demands. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
   const is = {
     float: Number.isFinite,
@@ -39,39 +39,39 @@ class ContentsReader {
     const unknown = Object.keys(data).find((key) => !Object.hasOwn(keys, key));
     if (unknown !== undefined) refuse(inner(unknown), "unknown", { keys: Object.keys(keys).join(", ") });
     const contents = {};
-    for (const [key, rule] of Object.entries(keys)) {
-      const given = data[key] ?? (rule.isNeeded ? undefined : { table: {}, named: {}, tables: [] }[rule.kind] ?? rule.default);
-      const isReplaced = rule.orKey && (data[rule.orKey] ?? undefined) !== undefined;
-      if (given === undefined && (rule.isNeeded || (rule.orKey && !isReplaced))) refuseMissing(inner(key), key, rule);
-      if (given !== undefined && given !== null) contents[key] = this.value(given, this.#inUnitOf(contents.input, rule), inner(key));
-      if (key === "links" && rule.kind === "tables") contents.links = this.#repeated(contents.links);
+    for (const [key, keyData] of Object.entries(keys)) {
+      const given = data[key] ?? (keyData.isNeeded ? undefined : { table: {}, named: {}, tables: [] }[keyData.kind] ?? keyData.default);
+      const isReplaced = keyData.orKey && (data[keyData.orKey] ?? undefined) !== undefined;
+      if (given === undefined && (keyData.isNeeded || (keyData.orKey && !isReplaced))) refuseMissing(inner(key), key, keyData);
+      if (given !== undefined && given !== null) contents[key] = this.value(given, this.#inUnitOf(contents.input, keyData), inner(key));
+      if (key === "links" && keyData.kind === "tables") contents.links = this.#repeated(contents.links);
     }
     return contents;
   }
 
-  value(given, rule, path) {
-    if (rule.kind === "table") return this.table(given, rule.keys, path);
-    if (rule.kind === "tables" || rule.kind === "list") return this.#list(given, rule, path);
-    if (rule.kind === "named") {
+  value(given, keyData, path) {
+    if (keyData.kind === "table") return this.table(given, keyData.keys, path);
+    if (keyData.kind === "tables" || keyData.kind === "list") return this.#list(given, keyData, path);
+    if (keyData.kind === "named") {
       if (!isTable(given)) refuse(path, "no_tables", { value: shown(given) });
-      return Object.fromEntries(Object.entries(given).map(([name, table]) => [name, this.table(table, rule.keys, `${path}.${name}`)]));
+      return Object.fromEntries(Object.entries(given).map(([name, table]) => [name, this.table(table, keyData.keys, `${path}.${name}`)]));
     }
-    const value = inRadians(given, rule.unit);
-    const known = rule.choices?.includes(this.laws[0]) ? { ...rule, choices: this.laws } : rule;
-    if (!keeps(value, known)) refuse(path, "not_allowed", { value: shown(given), allowed: rule.allowed + orDegrees(rule.unit) });
+    const value = inRadians(given, keyData.unit);
+    const known = keyData.choices?.includes(this.laws[0]) ? { ...keyData, choices: this.laws } : keyData;
+    if (!keeps(value, known)) refuse(path, "not_allowed", { value: shown(given), allowed: keyData.allowed + orDegrees(keyData.unit) });
     return value;
   }
 
   /**
-   * Return the rule of a key. If the key's values have the unit of the inputs that a signal drives, the rule gets the unit of the first of
+   * Return the data of a key. If the key's values have the unit of the inputs that a signal drives, the data get the unit of the first of
    * these inputs (`names`).
    */
-  #inUnitOf(names, rule) {
-    if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
-    if (!rule.hasUnitOfInput) return rule;
+  #inUnitOf(names, keyData) {
+    if (keyData.each) return { ...keyData, each: this.#inUnitOf(names, keyData.each) };
+    if (!keyData.hasUnitOfInput) return keyData;
     const unit = this.units.get(names[0]?.replace(/\[\d+\]/, "[{n}]").replace(/^wall\.\w+/, "wall.{name}"));
     const text = unitText(unit ?? "1");
-    return { ...rule, unit, allowed: text ? `${rule.allowed} [${text}]` : rule.allowed };
+    return { ...keyData, unit, allowed: text ? `${keyData.allowed} [${text}]` : keyData.allowed };
   }
 
   #list(value, { kind, keys, entries, each, length, orTrue, orOne, meaning }, path) {

@@ -60,7 +60,7 @@ function checkMotion(what, input, signal, order, moves) {
     steps_differ: new Set(signal.values).size > 1,
     starts_fast: Math.abs(speed * Math.cos(signal.phase)) > SIGNALS.AT_REST * speed,
   };
-  keepRules(SHARED.rules.SIGNAL, (key) => facts[key] ?? signal[key], (key) => `${what}.${key}`, { input });
+  keepRules(SHARED.refusalRules.SIGNAL, (key) => facts[key] ?? signal[key], (key) => `${what}.${key}`, { input });
 }
 
 /**
