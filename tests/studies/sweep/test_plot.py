@@ -1,5 +1,7 @@
 """The picture of a sweep: every kind fits its page, and what cannot be drawn is refused."""
 
+# Tests: studies/sweep/layout.py
+
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -60,6 +62,14 @@ def test_a_page_that_is_too_low_is_refused():
     found = sweep(SCENE, {"contact.restitution": "0.4,0.8"})
     with pytest.raises(ValueError, match=r"^size = \(3.3, 2\) must be at least [\d.]+ high"):
         found.plot(size=(3.3, 2.0))
+
+
+def test_names_of_rows_are_apart_by_default():
+    page = sweep(SCENE, {"contact.model": TEN[:3]}).plot(panels=["peak_force", "impact.count"])
+    page.draw_without_rendering()
+    first, second, third = (label.get_window_extent() for label in page.axes[0].get_yticklabels())
+    assert first.y0 > second.y1
+    assert second.y0 > third.y1
 
 
 def test_a_choice_without_a_value_has_a_word_in_its_row():

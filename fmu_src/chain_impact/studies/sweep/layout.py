@@ -1,0 +1,138 @@
+"""The layout of the picture of a sweep: its kind, the order of the parameters, its panels and its size.
+
+Without samples, one varied number gives a line in each panel, and one choice gives dots. Two numbers give a
+map or, if a number has at most MOST_SPLIT values, a line for each value of this number. A number and a
+choice, such as the contact law, give a line for each choice or, if the choices are more than COLOURS, a map
+with a row for each choice. Two choices give a map. Three parameters give maps of one result, one for each
+value of the parameter with the fewest values. Samples of one number are points; samples of a choice or of
+several parameters give a histogram of each result, and dots of the result over ``drawn_parameters``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from chain_impact.pictures.drawing.style import WIDE
+from chain_impact.studies.sweep.curves import COLOURS
+from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.histograms import MOST_SCATTERS
+from chain_impact.studies.sweep.variation import Variation
+
+# [inch] NAMES_WIDTH: the width for the names of a parameter's choices, left of panels with dots; DOTS_WIDTH:
+# the least width of a panel with dots
+NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
+# two varied numbers are drawn as curves, not as a map, if at least one of the numbers has at most MOST_SPLIT
+# values
+MOST_SPLIT = 3
+# without samples, the largest number of varied parameters that a picture can show
+MOST_VARIED = 3
+# three panels without dots stand in one row of a figure that is wide enough (``columns``)
+IN_ONE_ROW = 3
+ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
+# [inch] the least width of a figure with three maps in a row: THREE_MAPS for maps of three results, each with
+# its own colours; THREE_SMALL for maps of one result, which share numbers and colours
+THREE_MAPS, THREE_SMALL = 9.0, 4.0
+# [inch] default heights of a row: ROW_HEIGHT of panels, MAP_HEIGHT of maps of one result
+ROW_HEIGHT, MAP_HEIGHT = 2.7, 2.2
+DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
+
+
+def varying_in(design: Design) -> list[Variation]:
+    """Return the variations with more than one different value; without any, the first variation."""
+    varying = [variation for variation in design.variations if count_of(variation) > 1]
+    return varying or list(design.variations[:1])
+
+
+def kind_of(design: Design) -> str:
+    """Return the kind of picture for a design: DOTS, CURVES, MAPS or HISTOGRAMS."""
+    varying = varying_in(design)
+    choices = [variation for variation in varying if variation.choices]
+    if design.samples is not None:
+        return HISTOGRAMS if len(varying) > 1 or choices else CURVES
+    if len(varying) == 1:
+        return DOTS if choices else CURVES
+    if len(varying) == MOST_VARIED:
+        return MAPS
+    if not choices:
+        return CURVES if min(map(count_of, varying)) <= MOST_SPLIT else MAPS
+    return CURVES if len(choices) == 1 and count_of(choices[0]) <= len(COLOURS) else MAPS
+
+
+def panels_of_each(design: Design) -> int:
+    """Return the number of panels of each quantity: 1 except in two cases.
+
+    In a picture with histograms, each quantity has a panel with a histogram, and a panel with dots for each
+    of ``drawn_parameters``. If three parameters vary without samples, each value of the third has a map.
+    """
+    kind, varying = kind_of(design), varying_in(design)
+    if kind == HISTOGRAMS:
+        return 1 + min(len(varying), MOST_SCATTERS)
+    return count_of(in_order(varying, kind)[-1]) if have_third(varying, kind) else 1
+
+
+def have_third(varying: Sequence[Variation], kind: str) -> bool:
+    """Return whether a third parameter varies: then the picture has a map of one result for each value."""
+    return kind == MAPS and len(varying) == MOST_VARIED
+
+
+def count_of(variation: Variation) -> int:
+    """Return the number of different values of a variation."""
+    return len(np.unique(variation.values))
+
+
+def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
+    """Return the parameters sorted, the parameter of the horizontal axis first.
+
+    A number comes before a choice. In a picture with curves, a number with more than MOST_SPLIT values comes
+    before a number with at most MOST_SPLIT values. Of three parameters in a picture with maps, the one with
+    the fewest values comes last.
+    """
+    if have_third(varying, kind):
+        third = min(reversed(varying), key=count_of)
+        return [*in_order([variation for variation in varying if variation is not third], kind), third]
+    return sorted(
+        varying,
+        key=lambda each: (bool(each.choices), kind == CURVES and count_of(each) <= MOST_SPLIT),
+    )
+
+
+def columns(design: Design, count: int, width: float) -> int:
+    """Return the number of panels in a row of a figure with ``count`` panels and a width [inches].
+
+    - Maps of one result: 3, but 2 if there are 2 or 4 maps, or if the figure is narrower than THREE_SMALL.
+    - Other panels in a figure that is too narrow for two columns (WIDE): 1.
+    - Panels with dots: as few as the least possible number of rows allows.
+    - Other panels: 3 of 3, but 1 of 3 maps in a figure narrower than THREE_MAPS; at most 2 of another count.
+    """
+    kind = kind_of(design)
+    if have_third(varying_in(design), kind):
+        return 2 if width < THREE_SMALL or count in (2, 4) else 3
+    if width < WIDE:
+        return 1
+    if kind == DOTS:
+        most = max(1, int((width - NAMES_WIDTH) / DOTS_WIDTH))
+        return math.ceil(count / math.ceil(count / most))
+    if count == IN_ONE_ROW:
+        return 1 if kind == MAPS and width < THREE_MAPS else IN_ONE_ROW
+    return min(count, 2)
+
+
+def usual_size(design: Design, quantities: int, width: float | None = None) -> tuple[float, float]:
+    """Return the default width and height [inches] of the figure of a number of quantities.
+
+    ``width``: the width that the user gives, or None. If it is given, only the returned height is used: the
+    default height of a figure with this width.
+    """
+    count, kind, varying = quantities * panels_of_each(design), kind_of(design), varying_in(design)
+    dots = width or NAMES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
+    usual = dots if kind == DOTS else ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
+    rows = math.ceil(count / columns(design, count, width := width or usual))
+    if kind == DOTS:
+        return usual, 0.7 + rows * (0.6 + 0.22 * len(varying[0].values))
+    if have_third(varying, kind):
+        return usual, 1.2 + rows * MAP_HEIGHT
+    # in one narrow column, rows have half of the height
+    return usual, 0.6 + rows * ROW_HEIGHT if width >= WIDE else 0.6 + ROW_HEIGHT * max(1.0, 0.5 * rows)
