@@ -175,17 +175,17 @@ export class ComparedMotions {
 
 /**
  * Return words for the parameters in which a motion with the changes `changed` differs from another motion or, if it differs in none, for
- * all its changes; "" for a motion without changes. `all`: the changes of all motions; `unchanged`: texts of the motion's other
+ * all its changes; "" for a motion without changes. `all`: the changes of all motions; `unchangedText`: the texts of the motion's other
  * parameters. Parameters with more different values in the changed motions come first, because the end of a long text may be cut off.
  */
-function differingText({ changed, unchanged }, all) {
+function differingText({ changed, unchangedText }, all) {
   if (!changed.size) return "";
   const names = [...new Set(all.flatMap((one) => [...one.keys()]))];
   const valuesOf = (name) => new Set(all.filter(({ size }) => size).map((one) => one.get(name))).size;
   const differing = names.filter((name) => all.some((one) => one.get(name) !== changed.get(name)))
     .sort((one, other) => valuesOf(other) - valuesOf(one));
   const textOf = (name) => {
-    const text = changed.get(name) ?? unchanged.get(name);
+    const text = changed.get(name) ?? unchangedText(name);
     return text ? `${name} = ${text}` : `${name} as in the scene`; // a parameter that this motion's scene lacks has no text
   };
   return (differing.length ? differing : [...changed.keys()]).map(textOf).join(", ");

@@ -3,6 +3,7 @@
 import { find, make } from "../base/dom.js";
 import { readable, textWithUnit } from "../base/format.js";
 import { ALL_DIGITS, DEGREE_DIGITS } from "../scene/angles.js";
+import { changesOf } from "../scene/changes.js";
 import { withBoxWalls } from "../scene/words.js";
 import { stopText } from "./console.js";
 import { markFailing, presentlyShown } from "./parameters/parameter_fields.js";
@@ -103,10 +104,9 @@ export class Simulation {
 
   /** Simulate the present scene with each of several changes; return those with a motion, with `parts` and `about` as `show` gets them. */
   async motionsOf(all) {
-    const { engine, choice: { names: curves }, changes } = this;
-    const { scene } = changes;
+    const { engine, choice: { names: curves }, changes: { scene } } = this;
     const motions = await Promise.all(all.map(async ({ values, inputSteps, ...given }) => {
-      const about = { ...changesInWords(changes, { values, inputSteps }), scene, values, inputSteps };
+      const about = { ...changesInWords(changesOf(scene, values, inputSteps)), scene, values, inputSteps };
       return { ...given, about, parts: (await engine.ask("pinned", values, { curves, inputSteps }).catch(() => null))?.parts };
     }));
     return motions.filter(({ parts }) => parts);
@@ -174,24 +174,34 @@ export class Simulation {
 }
 
 /**
- * Return changes, by default the reader's, as `changed`: words for a parameter → text of its value or, for an input with steps, of all
- * its values. `unchanged` has the texts of all other parameters.
+ * Return `changes` as `changed`: words for a parameter → text of its value or, for an input with steps, of all its values. The function
+ * `unchangedText` gives the text of any other parameter by its words; it makes these texts when it is first called.
  */
-function changesInWords(changes, { values, inputSteps } = changes) {
+function changesInWords(changes) {
+  const { scene, values, inputSteps } = changes;
   const wordsOf = wordsFor(changes);
-  const textOf = (name, value) => {
-    const { items } = changes.parameters.get(name);
-    const shown = presentlyShown(changes, name, values);
-    return items.length ? items[value - 1][0] : textWithUnit(value, shown, shown.factor === 1 ? ALL_DIGITS : DEGREE_DIGITS);
-  };
-  const texts = new Map(Object.entries(values).map(([name, value]) => [name, textOf(name, value)]));
+  const texts = new Map(Object.entries(values).map(([name, value]) => [name, textOf(changes, name, value)]));
   for (const [name, steps] of Object.entries(inputSteps)) {
-    const later = steps.map(([time, value]) => `${textOf(name, value)} from ${time} s`);
+    const later = steps.map(([time, value]) => `${textOf(changes, name, value)} from ${time} s`);
     texts.set(name, [texts.get(name), ...later].filter(Boolean).join(", "));
   }
-  const others = [...changes.parameters.keys()].filter((name) => !texts.has(name));
+  let others;
   return {
     changed: new Map([...texts].map(([name, text]) => [wordsOf(name), text])),
-    unchanged: new Map(others.map((name) => [wordsOf(name), textOf(name, changes.valueOf(name, values))])),
+    unchangedText: (words) => (others ??= unchangedInWords(changesOf(scene, values, inputSteps))).get(words),
   };
+}
+
+/** Return the texts of the values of all parameters without a change: words for a parameter → text. */
+function unchangedInWords(changes) {
+  const wordsOf = wordsFor(changes);
+  const names = [...changes.parameters.keys()].filter((name) => !changes.isChanged(name));
+  return new Map(names.map((name) => [wordsOf(name), textOf(changes, name, changes.valueOf(name))]));
+}
+
+/** Return a value of a parameter as text, with the unit that the parameter has with the changes. */
+function textOf(changes, name, value) {
+  const { items } = changes.parameters.get(name);
+  const shown = presentlyShown(changes, name, changes.values);
+  return items.length ? items[value - 1][0] : textWithUnit(value, shown, shown.factor === 1 ? ALL_DIGITS : DEGREE_DIGITS);
 }

@@ -141,6 +141,11 @@ export class Changes {
   }
 }
 
+/** Return changes of a scene that stay as they are, while the page's changes go on. */
+export function changesOf(scene, values, inputSteps) {
+  return Object.assign(new Changes(scene), { values, inputSteps });
+}
+
 /** Return a table without some of its keys. */
 function without(table, keys) {
   return Object.fromEntries(Object.entries(table).filter(([key]) => !keys.includes(key)));
