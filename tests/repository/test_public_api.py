@@ -1,8 +1,8 @@
 """Public names, used by other people's files: new names may come, but none may go or change.
 
 These are the keys of scenes, variables of FMUs, contact laws, commands and options, and what is exported,
-with the attributes of exported classes. All else may change until version 1.0. ``public_api.txt`` has the
-names; the command ``python tests/repository/test_public_api.py`` adds new ones.
+with the attributes of exported classes, also deprecated ones. All else may change until version 1.0.
+``public_api.txt`` has the names; the command ``python tests/repository/test_public_api.py`` adds new ones.
 """
 
 import argparse

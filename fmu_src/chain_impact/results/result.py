@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from chain_impact.deprecated import OlderName
 from chain_impact.recording import summary, tables
 from chain_impact.recording.course import Rerun
 from chain_impact.recording.joint_stops import JointRange, ranges_of
@@ -119,10 +120,7 @@ class Result(Pictured):
         """Return a hint for a name that no output of this result has; None if no hint is known."""
         return missing_output_hint(self.prepared, name)
 
-    @property
-    def model(self) -> PreparedScene:
-        """The same as ``prepared``; version 1.0 removes this name."""
-        return self.prepared
+    model = OlderName("prepared")
 
     @property
     def name(self) -> str:

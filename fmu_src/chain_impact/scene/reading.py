@@ -10,6 +10,7 @@ from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
+from chain_impact.deprecated import OlderName
 from chain_impact.scene.rules.key_rules import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.rules.refusals import sentence
 from chain_impact.scene.words.angles import in_radians, or_degrees
@@ -65,10 +66,7 @@ class SceneError(ValueError):
         """Return how ``pickle`` makes an equal error, with all parts, in another process."""
         return Exception.__new__, (type(self),), vars(self)
 
-    @property
-    def place(self) -> DataPath:
-        """The same as ``path``; version 1.0 removes this name."""
-        return self.path
+    place = OlderName("path")
 
 
 def refusal(path: DataPath, fault: str, **words: object) -> SceneError:

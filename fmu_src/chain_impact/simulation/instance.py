@@ -14,6 +14,7 @@ import numpy as np
 from chain_impact.compilation import signatures
 from chain_impact.compilation.compilers import Sizes
 from chain_impact.compilation.library import kernel_library
+from chain_impact.deprecated import OlderName
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import LOG_DTYPE
@@ -53,10 +54,7 @@ class SimulationError(RuntimeError):
         """Pickle the arguments, so that the error can return from another process."""
         return type(self), (self.status, self.time, self.result, self.part)
 
-    @property
-    def place(self) -> str:
-        """The same as ``part``; version 1.0 removes this name."""
-        return self.part
+    place = OlderName("part")
 
 
 def fault_text(status: int, part: str) -> str:

@@ -1,0 +1,22 @@
+"""Older names of attributes have the values of the present names, and warn."""
+
+import pytest
+
+from chain_impact import SceneError, SimulationError, load_scene, simulate
+
+
+@pytest.mark.parametrize(
+    ("make", "older", "name"),
+    [
+        (lambda: SceneError("is wrong", ("chain", "base")), "place", "path"),
+        (lambda: SimulationError(1, 0.5, None, "point 1"), "place", "part"),
+        (lambda: simulate(load_scene("rod_drop"), 0.01), "model", "prepared"),
+    ],
+    ids=["SceneError.place", "SimulationError.place", "Result.model"],
+)
+def test_an_older_name_works_and_warns(make, older, name):
+    owner = make()
+    what = rf"^{type(owner).__name__}\.{older} is deprecated, use {name}: version 1\.0 removes {older}\.$"
+    with pytest.warns(DeprecationWarning, match=what) as warned:
+        assert getattr(owner, older) is getattr(owner, name)
+    assert warned[0].filename == __file__
