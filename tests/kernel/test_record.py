@@ -8,8 +8,9 @@ import pytest
 
 from chain_impact.compilation import compilers
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
-from chain_impact.variables.indices import HEAD, WORD
+from chain_impact.variables.indices import HEAD
 
 # links N, candidates C, elements F, loads L, channels K, sites P
 SIZES = [

@@ -17,7 +17,13 @@ from chain_impact.pictures.over_time.impacts import draw_impacts, stop_scale
 from chain_impact.pictures.overview import fill
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.impacts import IMPACT_DTYPE
-from chain_impact.recording.joint_stops import ARC, JointRange, range_lines, ranges_of, touching_place
+from chain_impact.recording.joint_stops import (
+    RANGE_RADIUS,
+    JointRange,
+    range_lines,
+    ranges_of,
+    touching_place,
+)
 from chain_impact.recording.stick_slip import JOINT_STOP
 from chain_impact.results.result import Result
 from tests.helpers.scenes.stops import UP, knee
@@ -49,11 +55,13 @@ def test_the_lines_of_a_range_begin_where_the_link_is_at_its_stop():
     arc, *marks = range_lines(points, {2: JointRange(-0.5, 1.0, 2.0)})
     along = cmath.phase(3 + 4j)
     for place, angle in ((arc[0], -0.5), (arc[-1], 1.0), (marks[0].mean(0), -0.5), (marks[1].mean(0), 1.0)):
-        assert complex(*place) == pytest.approx(3 + 4j + cmath.rect(2.0 * ARC, along + angle), abs=1e-14)
+        assert complex(*place) == pytest.approx(
+            3 + 4j + cmath.rect(2.0 * RANGE_RADIUS, along + angle), abs=1e-14
+        )
     first, _ = range_lines(points, {1: JointRange(-math.inf, 0.0, 5.0)})
-    assert complex(*first[-1]) == pytest.approx(5.0 * ARC)  # a pinned base: measured from +x
+    assert complex(*first[-1]) == pytest.approx(5.0 * RANGE_RADIUS)  # a pinned base: measured from +x
     place, direction = touching_place(points, 2)
-    assert (place.tolist(), direction.tolist()) == ([3.0, 4.0 + 2.0 * ARC], [0.0, 1.0])
+    assert (place.tolist(), direction.tolist()) == ([3.0, 4.0 + 2.0 * RANGE_RADIUS], [0.0, 1.0])
 
 
 def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():

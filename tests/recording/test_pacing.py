@@ -8,7 +8,7 @@ from chain_impact.recording.pacing import (
     FRAME_RATE,
     LEAST_DURATION,
     LONGEST_SLOW,
-    RAMP,
+    SPEED_RAMP,
     frame_rate,
     frame_times,
     rate,
@@ -35,8 +35,8 @@ def test_the_slowing_down_takes_the_logarithm_of_how_slow_it_is():
     duration, impact_time = 1e-3, 0.6
     times, per_second = frame_times(0.0, 2.0, [(0.7, 0.7 + duration)], impact_time)
     least = duration / impact_time
-    expected = -RAMP * np.log(least)
-    assert seen(times, per_second, 0.7 - RAMP * (1 - least), 0.7) == pytest.approx(expected, rel=0.02)
+    expected = -SPEED_RAMP * np.log(least)
+    assert seen(times, per_second, 0.7 - SPEED_RAMP * (1 - least), 0.7) == pytest.approx(expected, rel=0.02)
 
 
 def test_far_from_impacts_it_is_real_time():

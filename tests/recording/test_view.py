@@ -5,21 +5,21 @@
 import numpy as np
 import pytest
 
-from chain_impact.recording.view import NEAR, PIN, pin_mark, seen
+from chain_impact.recording.view import NEAR_WALL, PIN, pin_mark, seen
 from chain_impact.scene.display.bodies import Rail
 from chain_impact.scene.half_planes import half_planes
 
 SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.1, 0.9 * 2.0 * NEAR])
+@pytest.mark.parametrize("gap", [0.0, 0.1, 0.9 * 2.0 * NEAR_WALL])
 def test_a_wall_that_is_near_is_in_view(gap):
     view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
     assert len(near) == 1
     assert view.tolist() == [[0.0, 0.0], [2.0 + gap, 2.0]]
 
 
-@pytest.mark.parametrize("gap", [1.1 * 2.0 * NEAR, -2.1])
+@pytest.mark.parametrize("gap", [1.1 * 2.0 * NEAR_WALL, -2.1])
 def test_a_wall_far_from_the_motion_is_not(gap):
     view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
     assert near == {}

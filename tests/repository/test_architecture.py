@@ -72,6 +72,25 @@ def constants(file):
         yield from {one.id for one in found if isinstance(one, ast.Name) and one.id.isupper()}
 
 
+def numbers(file):
+    """Yield the name of each constant of a file that is a number, or a tuple of numbers, without other
+    names."""
+    allowed = (ast.Tuple, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Constant, ast.Load)
+    for node in ast.parse(file.read_text("utf-8")).body:
+        if isinstance(node, ast.Assign):
+            parts = [*ast.walk(node.value)]
+            kinds = {type(part.value) for part in parts if isinstance(part, ast.Constant)}
+            if all(isinstance(part, allowed) for part in parts) and kinds <= {int, float}:
+                yield from {one.id for one in ast.walk(node.targets[0]) if isinstance(one, ast.Name)}
+
+
+def test_no_two_files_define_a_number_of_the_same_name():
+    """A reader who finds the name finds one meaning and one value."""
+    found = Counter(name for file in PACKAGE.rglob("*.py") for name in numbers(file) if name.isupper())
+    assert found
+    assert {name for name, count in found.items() if count > 1} == set()
+
+
 ROOMS = sorted({file.parent.name for file in PACKAGE.glob("*/__init__.py")} - {"compilation"})
 
 

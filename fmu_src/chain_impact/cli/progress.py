@@ -15,7 +15,7 @@ from chain_impact.progress import Progress, log, silent
 BRIEF = 1.0  # [s] time after the start of work at which the progress bar of the whole work appears
 # [s] the least time between two lines with the finished fraction, which stand in place of the progress bar
 # where standard error is no terminal
-LINES = 10.0
+LINE_INTERVAL = 10.0
 plain_console = partial(Console, highlight=False, markup=False, emoji=False)
 """Make a console of rich that prints each text unchanged, also with [brackets] and :names:."""
 out, err = plain_console(), plain_console(stderr=True)
@@ -38,7 +38,7 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
     It yields a function to call with the finished fraction of the work, from 0 to 1. On a terminal it shows a
     bar. If standard error is no terminal, it prints lines: the messages that the package logs at the level
-    INFO or above and, at most once in LINES seconds, the finished fraction. With ``--quiet`` it shows
+    INFO or above and, at most once in LINE_INTERVAL seconds, the finished fraction. With ``--quiet`` it shows
     nothing. ``work`` are the words for the work.
     """
     if out.quiet:
@@ -71,12 +71,12 @@ def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iter
 
 
 def _now_and_then(work: str) -> Progress:
-    """Return a function (fraction) that prints ``work`` and the fraction, at most once in LINES seconds."""
+    """Return a function (fraction) that prints ``work`` and the fraction, at most once in LINE_INTERVAL."""
     written = monotonic()
 
     def advance(fraction: float) -> None:
         nonlocal written
-        if monotonic() >= written + LINES:
+        if monotonic() >= written + LINE_INTERVAL:
             complain(_work_text(work, fraction))
             written = monotonic()
 

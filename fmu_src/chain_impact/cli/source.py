@@ -29,7 +29,8 @@ from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 from chain_impact.variables.indices import JOINT_FORCE
 
-LEAST_ROWS = 1000  # a scene is simulated again for a picture of the motion if the first run has fewer rows
+# a scene is simulated again for a picture of the motion if the first run has fewer rows
+LEAST_MOTION_ROWS = 1000
 TOLERANCE = "solver.tolerance"
 
 
@@ -76,12 +77,12 @@ class Source:
             return record_scene(self.scene(), {}, advance, sensitivities or None)
 
     def with_enough_rows(self, recording: Recording) -> Recording:
-        """Return ``recording`` if it has at least LEAST_ROWS rows, else the recording of a new run with more.
+        """Return ``recording`` if it has LEAST_MOTION_ROWS rows, else the recording of a new run.
 
         An FMU is not simulated again: ``recording`` is returned, and a message tells that its rows are few.
         """
         rows = len(recording.time)
-        if rows >= LEAST_ROWS:
+        if rows >= LEAST_MOTION_ROWS:
             return recording
         if self.is_fmu:
             complain(
@@ -91,7 +92,9 @@ class Source:
             return recording
         scene = self.scene()
         with progress() as advance:
-            return simulate(scene, output_step=scene.simulation.stop_time / LEAST_ROWS, progress=advance)
+            return simulate(
+                scene, output_step=scene.simulation.stop_time / LEAST_MOTION_ROWS, progress=advance
+            )
 
     def ranking(self, what: str, parameters: Sequence[str]) -> Ranking:
         """Return the ranking of ``parameters``, by default of all, by the change of the quantity ``what``.

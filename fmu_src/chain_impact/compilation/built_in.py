@@ -20,7 +20,6 @@ from chain_impact.compilation.record_type import (
     INSTANCE,
     TABLES,
     TANGENT,
-    WORD,
     Field,
     Path,
     Record,
@@ -31,7 +30,7 @@ from chain_impact.compilation.record_type import (
 from chain_impact.kernel import functions
 from chain_impact.kernel.chain import input_fields
 from chain_impact.kernel.record import ranges
-from chain_impact.kernel.record.fields import SETTABLE
+from chain_impact.kernel.record.fields import SETTABLE, WORD
 from chain_impact.kernel.tangent import duals
 
 FUNCTIONS: set[Any] = {

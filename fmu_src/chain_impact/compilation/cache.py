@@ -34,7 +34,7 @@ UNUSED = 30 * 24 * 3600.0
 LINKER = "chain-impact-zig-"
 # matches the names of the cache's folders for any state of sources and compilers, and any linker version
 _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
-PATIENCE = 1.0  # [s] a process that waits longer for another one, which makes a kernel, logs a message
+UNREPORTED_WAIT = 1.0  # [s] a process that waits longer for another one, which makes a kernel, logs a message
 
 
 def cache_folder() -> Path:
@@ -139,14 +139,14 @@ def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
 def _locked(path: Path) -> Iterator[None]:
     """Context manager that holds the lock file ``path``, after waiting for other processes that hold it.
 
-    The operating system releases the lock if the process is killed. A process that waits longer than PATIENCE
-    logs a message and waits on.
+    The operating system releases the lock if the process is killed. A process that waits longer than
+    UNREPORTED_WAIT logs a message and waits on.
     """
     from filelock import FileLock, Timeout
 
     lock = FileLock(path)
     try:
-        lock.acquire(timeout=PATIENCE)
+        lock.acquire(timeout=UNREPORTED_WAIT)
     except Timeout:
         log.debug("waiting for another process that compiles the kernel")
         lock.acquire()

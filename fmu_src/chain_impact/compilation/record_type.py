@@ -41,7 +41,6 @@ COUNT_FUNCTIONS = {name: f"chain_{name}" for name in COUNTS}
 # name of a flag in an instance, such as ``slides`` → name of the LLVM function that returns the flag; no size
 # depends on flags
 FEATURE_FUNCTIONS = {name: f"chain_{name}" for name in FEATURES}
-WORD = 8  # [byte] size of each number in a record
 
 Path = tuple[str, ...]
 

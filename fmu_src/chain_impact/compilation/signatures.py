@@ -45,7 +45,7 @@ SIGNATURES = {
     for result, name, arguments in re.findall(r"(\w+) (\w+)\((.*?)\)", _TABLE, re.DOTALL)
 }
 """Name of each C function of a kernel → its signature."""
-WIDTH = 110  # largest number of characters of a line in the C header
+HEADER_WIDTH = 110  # largest number of characters of a line in the C header
 _OF_CTYPES = {"int32": ctypes.c_int32, "int64": ctypes.c_int64, "double": ctypes.c_double}
 _OF_C = {"int32": "int32_t ", "int64": "int64_t ", "double": "double "}
 _OF_C |= {"record*": "Word *", "double*": "double *", "int64*": "int64_t *"}
@@ -65,5 +65,5 @@ def declarations() -> str:
     for name, (result, arguments) in SIGNATURES.items():
         given = ", ".join(f"{_OF_C[kind]}{argument}" for argument, kind in arguments.items())
         line = f"extern {_OF_C[result]}{name}({given});"
-        lines += textwrap.wrap(line, WIDTH, subsequent_indent="    ")
+        lines += textwrap.wrap(line, HEADER_WIDTH, subsequent_indent="    ")
     return "\n".join(lines)

@@ -23,8 +23,9 @@ from chain_impact.recording.text import few
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.words.names import input_key
 
-# two numbers are the same, up to round-off, if they differ by at most SAME, or by this part of the larger one
-SAME = 1e-12
+# two numbers are the same, up to round-off, if they differ by at most SAME_NUMBER, or by this part of the
+# larger one
+SAME_NUMBER = 1e-12
 ABSENT: Any = object()
 """The mark that stands for the value of a key that a table does not have."""
 BODY = ("shape", "height", "points")
@@ -309,11 +310,11 @@ def _without(table: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are equal, except that numbers in them may differ by round-off (SAME)."""
+    """Return whether two values are equal; numbers in them may differ by round-off (SAME_NUMBER)."""
     if isinstance(one, dict) and isinstance(other, dict):
         return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
     if isinstance(one, list) and isinstance(other, list):
         return len(one) == len(other) and all(map(_same, one, other))
     if isinstance(one, float | int) and isinstance(other, float | int):
-        return math.isclose(one, other, rel_tol=SAME, abs_tol=SAME)
+        return math.isclose(one, other, rel_tol=SAME_NUMBER, abs_tol=SAME_NUMBER)
     return bool(one == other)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.joints import PARALLEL
+from chain_impact.conversion.joints import PARALLEL_ANGLE
 from chain_impact.scene.reading import SceneError
 
 ZERO_LENGTH = 1e-9  # [m] a length up to ZERO_LENGTH counts as 0, because it may be round-off
@@ -56,7 +56,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
         x, y = _chosen(axis, directions, source)
     else:
         up = _across(Z, axis)
-        y = up if np.linalg.norm(up) > PARALLEL else _across(Y, axis)
+        y = up if np.linalg.norm(up) > PARALLEL_ANGLE else _across(Y, axis)
         y = y / np.linalg.norm(y)
         x = np.cross(y, axis)
         x = x * (_sign(x[0]) or _sign(x[1]))
@@ -70,7 +70,7 @@ def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
 
 
 def _sign(value: float) -> float:
-    return 0.0 if abs(value) < PARALLEL else float(np.sign(value))
+    return 0.0 if abs(value) < PARALLEL_ANGLE else float(np.sign(value))
 
 
 def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray, np.ndarray]:
@@ -84,7 +84,7 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
     if len(names) != 2 or any(name not in axes for name in names):  # noqa: PLR2004
         raise SceneError(f"--plane {directions}: {allowed}")
     x, y = (axes[name] for name in names)
-    if abs(np.dot(x, y)) > PARALLEL or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL:
+    if abs(np.dot(x, y)) > PARALLEL_ANGLE or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL_ANGLE:
         turning = " ".join(f"{part:.4g}" for part in _cleaned(axis))
         raise SceneError(
             f"{source}: --plane {directions}: x and y must be at right angles to each other and to the "

@@ -13,7 +13,8 @@ import numpy as np
 from chain_impact.conversion.robot import Joint, Robot
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
-PARALLEL = 1e-6  # [rad] axes count as parallel if the angle between the lines along them is at most PARALLEL
+# [rad] axes count as parallel if the angle between the lines along them is at most PARALLEL_ANGLE
+PARALLEL_ANGLE = 1e-6
 
 
 class NoChainError(SceneError):
@@ -190,7 +191,7 @@ def parallel_groups(hinges: Sequence[Moving]) -> list[list[Moving]]:
     left = list(hinges)
     while left:
         sines = np.linalg.norm(np.cross([hinge.axis for hinge in left], left[0].axis), axis=1)
-        near = sines < PARALLEL
+        near = sines < PARALLEL_ANGLE
         groups.append(list(compress(left, near)))
         left = list(compress(left, ~near))
     return groups
@@ -205,10 +206,10 @@ def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], sourc
     first = next(moved for moved in order if moved.joint.kind == "hinge")
     before = [moved for moved in order[: order.index(first)] if moved.body in above(robot, first.body)]
     along = [abs(float(np.dot(slide.axis, first.axis))) for slide in slides]
-    square = len(slides) == 2 and abs(float(np.dot(slides[0].axis, slides[1].axis))) < PARALLEL  # noqa: PLR2004
+    square = len(slides) == 2 and abs(float(np.dot(slides[0].axis, slides[1].axis))) < PARALLEL_ANGLE  # noqa: PLR2004
     if slides and (
         not (square or len(slides) == 1)
-        or max(along) > PARALLEL
+        or max(along) > PARALLEL_ANGLE
         or any(slide not in before for slide in slides)
     ):
         names = [slide.joint.name for slide in slides]

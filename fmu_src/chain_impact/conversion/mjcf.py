@@ -24,10 +24,10 @@ from chain_impact.scene.reading import SceneError, UnknownNameError
 
 CARRIED = "chain_impact"
 """The name of the text element that has the data of the scene as JSON, in files of this package."""
-# [rad] or [m] MJCF needs two limits of a joint. In a file that is written, UNLIMITED or −UNLIMITED stands for
+# [rad] or [m] MJCF needs two limits of a joint. In a file that is written, NO_LIMIT or −NO_LIMIT stands for
 # a limit that the scene does not have; in a file that is read, a limit of at least this magnitude counts as
 # none.
-UNLIMITED = 1e9
+NO_LIMIT = 1e9
 NO_KEYFRAME = "none"
 """The word in place of a keyframe's name with which the robot starts in the pose of the file's elements."""
 
@@ -205,8 +205,8 @@ class _Reader:
             kind=kind,
             axis=np.array(model.jnt_axis[j]),
             anchor=np.array(model.jnt_pos[j]),
-            low=low - zero if low > -UNLIMITED else -math.inf,
-            high=high - zero if high < UNLIMITED else math.inf,
+            low=low - zero if low > -NO_LIMIT else -math.inf,
+            high=high - zero if high < NO_LIMIT else math.inf,
             damping=0.0 if self._off("DAMPER") else float(model.dof_damping[dof]),
             stiffness=0.0 if self._off("SPRING") else float(model.jnt_stiffness[j]),
             rest=float(model.qpos_spring[at]) - zero,

@@ -15,7 +15,8 @@ from chain_impact.conversion.robot import Joint
 # [rad/s] or [m/s] A speed that joints of robots hardly reach. If the limit of the drives acts on the damper
 # only from FAST on, the difference from MuJoCo counts as a difference without effect.
 FAST = 20.0
-ALIKE = 1e-9  # [1] two limits, or a servo's gain and stiffness, count as equal up to this relative difference
+# [1] two limits, or a servo's gain and stiffness, count as equal up to this relative difference
+EQUAL_GAINS = 1e-9
 
 
 @dataclass(frozen=True)
@@ -269,7 +270,7 @@ class Drives:
             text = f"its drives act with {torque:.6g} at the start; in the scene this is an input"
             yield of_joint(joint.name, text, Effect.MOTION)
         for drive in drives:
-            if drive.stiffness and abs(drive.gain / drive.stiffness - 1.0) > ALIKE:
+            if drive.stiffness and abs(drive.gain / drive.stiffness - 1.0) > EQUAL_GAINS:
                 text = f"the target angle is {drive.gain / drive.stiffness:.6g} times its control"
                 yield _of_servo(drive.name, text, about)
         servos = {drive.name for drive in drives if drive.is_servo}
@@ -315,7 +316,7 @@ class Drives:
         if self.model.jnt_actfrclimited[j]:
             low, high = np.clip((low, high), *self.model.jnt_actfrcrange[j])
         limit = max(-low, high)
-        if -low != high and not abs(low + high) <= ALIKE * limit:
+        if -low != high and not abs(low + high) <= EQUAL_GAINS * limit:
             text = (
                 f"its drives act with {low:.6g} to {high:.6g}; a limit of a scene is equal in both directions"
             )

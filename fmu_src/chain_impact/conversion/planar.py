@@ -28,7 +28,7 @@ from chain_impact.scene.reading import UnknownNameError
 
 # number of significant digits of each real number in the scene of a robot; robot files usually have fewer
 # digits, so most further digits are round-off
-DIGITS = 14
+SCENE_DIGITS = 14
 
 
 class Choices(NamedTuple):
@@ -391,9 +391,9 @@ class _Conversion:
 
 
 def _rounded(data: Any) -> Any:
-    """Return the data of a scene with each real number rounded to DIGITS significant digits."""
+    """Return the data of a scene with each real number rounded to SCENE_DIGITS significant digits."""
     if isinstance(data, dict):
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, list):
         return [_rounded(value) for value in data]
-    return near(float(f"{data:.{DIGITS}g}")) if isinstance(data, float) else data
+    return near(float(f"{data:.{SCENE_DIGITS}g}")) if isinstance(data, float) else data

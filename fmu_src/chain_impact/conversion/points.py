@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan, near
-from chain_impact.conversion.joints import PARALLEL
+from chain_impact.conversion.joints import PARALLEL_ANGLE
 from chain_impact.conversion.robot import LinkShape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
@@ -32,8 +32,8 @@ class Ball(NamedTuple):
             start, shape (2,) [m].
         radius: radius [m].
         name: name of the shape from which the ball comes; "" without a name.
-        blur: distance up to which positions count as equal [m]; it follows from ``PARALLEL``, the angle up to
-            which directions count as parallel.
+        blur: distance up to which positions count as equal [m]; it follows from ``PARALLEL_ANGLE``, the angle
+            up to which directions count as parallel.
         is_point: whether the shape is a point of a scene of this package. Such a ball is kept, even if every
             wall touches another ball first.
     """
@@ -55,19 +55,19 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
     # no two corners are farther apart than twice the largest distance from the first corner
     size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
-    blur = max(ZERO_LENGTH, 2.0 * PARALLEL * float(size))
+    blur = max(ZERO_LENGTH, 2.0 * PARALLEL_ANGLE * float(size))
     if shape.disc is not None:
         # the vector `disc` is along the axis of the disc, and as long as the radius; `along` is its
         # projection onto the plane
         along = plan.flat(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
-        if seen < PARALLEL * size:
+        if seen < PARALLEL_ANGLE * size:
             radius += size
         else:
             across = np.array([-along[1], along[0]]) * size / seen
             slant = math.sqrt(max(1.0 - (seen / size) ** 2, 0.0))
             aside = along / seen * size * slant
-            rim = [0.0, math.pi] if slant < PARALLEL else RIM
+            rim = [0.0, math.pi] if slant < PARALLEL_ANGLE else RIM
             edge = np.outer(np.cos(rim), across) + np.outer(np.sin(rim), aside)
             centers = (centers[:, np.newaxis] + edge).reshape(-1, 2)
     for at in centers:
@@ -85,7 +85,7 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
         return None
     rotation, position = pose
     along, size = plan.flat(rotation @ shape.disc), float(np.linalg.norm(shape.disc))
-    if not PARALLEL < float(np.linalg.norm(along)) / size < math.sqrt(1.0 - PARALLEL**2):
+    if not PARALLEL_ANGLE < float(np.linalg.norm(along)) / size < math.sqrt(1.0 - PARALLEL_ANGLE**2):
         return None
     centers = plan.flat(position + shape.corners @ rotation.T)
     beside = np.sqrt(np.maximum(size**2 - (DIRECTIONS @ along) ** 2, 0.0))

@@ -9,7 +9,7 @@ from itertools import pairwise
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from chain_impact.conversion.mjcf import CARRIED, UNLIMITED
+from chain_impact.conversion.mjcf import CARRIED, NO_LIMIT
 from chain_impact.conversion.mjcf_contacts import point_name
 from chain_impact.conversion.robot import JOINT_KEYS
 from chain_impact.recording.text import few
@@ -178,9 +178,7 @@ def _attributes(
     """
     attributes = {name: repr(value) for key, name in names.items() if (value := getattr(table, key))}
     if low is not None or high is not None:
-        attributes["range"] = _numbers(
-            -UNLIMITED if low is None else low, UNLIMITED if high is None else high
-        )
+        attributes["range"] = _numbers(-NO_LIMIT if low is None else low, NO_LIMIT if high is None else high)
     return attributes | ({"actuatorfrcrange": _numbers(-limit, limit)} if limit else {})
 
 

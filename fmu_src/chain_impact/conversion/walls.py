@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan
-from chain_impact.conversion.joints import PARALLEL, Chosen, above
+from chain_impact.conversion.joints import PARALLEL_ANGLE, Chosen, above
 from chain_impact.conversion.points import (
     OUTLINED,
     Ball,
@@ -70,7 +70,7 @@ class Walls:
         materials: dict[str, dict[str, float]] = {}
         touching: set[int] = set()
         for number, plane in enumerate(self.robot.planes, 1):
-            if abs(float(np.dot(plane.normal, self.plan.axis))) > PARALLEL:
+            if abs(float(np.dot(plane.normal, self.plan.axis))) > PARALLEL_ANGLE:
                 self._tell(
                     "plane", plane.name, "is not at right angles to the plane of the motion: it is not a wall"
                 )
@@ -83,7 +83,7 @@ class Walls:
             point, normal = self.plan.flat(plane.point), self.plan.flat(plane.normal)
             self.walls.append((plane.name, point, normal))
             name, boxed = plane.name, plane.name in WALLS
-            boxed = boxed and np.allclose(normal, NORMALS[WALLS.index(name)], 0.0, PARALLEL)
+            boxed = boxed and np.allclose(normal, NORMALS[WALLS.index(name)], 0.0, PARALLEL_ANGLE)
             if not boxed and (name in WALLS or not name.isidentifier()):
                 name = f"wall_{number}"
             if boxed:

@@ -22,9 +22,9 @@ from chain_impact.scene.signal_polynomials import is_motion, table_of, values_of
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import AXES, input_key
 
-# An input jumps at a row if its values just before and just after the row's time differ by more than JUMP ×
-# the input's largest absolute value in the run; a smaller difference is round-off.
-JUMP = 1e-9
+# An input jumps at a row if its values just before and just after the row's time differ by more than
+# LEAST_JUMP × the input's largest absolute value in the run; a smaller difference is round-off.
+LEAST_JUMP = 1e-9
 
 
 def driven_rows(
@@ -89,7 +89,7 @@ def driven_rows(
         begin = begins.get(name, 0.0) if name not in columns else 0.0
         for rows, side in ((before, "left"), (after, "right")):
             rows[name] = begin + values_of(at, powers, points, side)
-        jumps |= np.abs(after[name] - before[name]) > JUMP * np.abs(after[name]).max()
+        jumps |= np.abs(after[name] - before[name]) > LEAST_JUMP * np.abs(after[name]).max()
     jumps[0] = False
     rows = np.concatenate([before[jumps], after])[[TIME, *driven]]
     short = copy(description)

@@ -57,9 +57,9 @@ MOST_WORK = 2_000_000
 SWING = 0.1
 # amplitude of a motion of base or wall that is given as input, relative to the length of the longest link
 MOVED = 0.01
-# FEWEST_ROWS: least number of rows of a table, because a row at the start alone tests no step; DIGITS: number
-# of digits of each value in the file
-FEWEST_ROWS, DIGITS = 2, 12
+# FEWEST_REFERENCE_ROWS: least number of rows of a table, because a row at the start alone tests no step;
+# REFERENCE_DIGITS: number of digits of each value in the file
+FEWEST_REFERENCE_ROWS, REFERENCE_DIGITS = 2, 12
 
 
 class Reference(NamedTuple):
@@ -90,7 +90,7 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     except SimulationError as error:
         log.info("no reference results in the FMU: %s", error)
         return {}
-    if len(solution.times) < FEWEST_ROWS:
+    if len(solution.times) < FEWEST_REFERENCE_ROWS:
         log.info("no reference results in the FMU: they depend too much on the solver's tolerance")
         return {}
     text = io.StringIO()
@@ -99,7 +99,9 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     writer.writerow(["tolerance", *("" for _ in solution.inputs), *(f"{x:.2g}" for x in solution.tolerances)])
     rows = np.column_stack([*solution.inputs.values(), solution.values])
     for time, row in zip(solution.times, rows, strict=True):
-        writer.writerow([repr(float(time)), *("" if np.isnan(x) else f"{x:.{DIGITS}g}" for x in row)])
+        writer.writerow(
+            [repr(float(time)), *("" if np.isnan(x) else f"{x:.{REFERENCE_DIGITS}g}" for x in row)]
+        )
     return {REFERENCE_FILE: text.getvalue().encode()}
 
 
@@ -185,7 +187,7 @@ def _run(
             chain.step_to(time)
             rows.append(chain.get(names))
         except SimulationError:
-            if len(rows) < FEWEST_ROWS:
+            if len(rows) < FEWEST_REFERENCE_ROWS:
                 raise
             break
         if chain.get("solver.rhs_evaluations") * links >= MOST_WORK:
@@ -223,7 +225,10 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
             signals[variable.name] = size["tip" if variable.name.startswith("tip") else "joint"] * np.cos(
                 (1 + i) * turn
             )
-    return {name: np.array([float(f"{x:.{DIGITS}g}") for x in values]) for name, values in signals.items()}
+    return {
+        name: np.array([float(f"{x:.{REFERENCE_DIGITS}g}") for x in values])
+        for name, values in signals.items()
+    }
 
 
 def _agreed_until(exact: np.ndarray, usual: np.ndarray, close: float) -> float:
@@ -303,7 +308,7 @@ def _table_in(text: str) -> _Table:
     numbers = np.array([[cell or "nan" for cell in row] for row in rows[1:]], float)
     allowed = dict(zip(head, [float(cell or "nan") for cell in ["nan", *rows[0][1:]]], strict=True))
     time, columns = numbers[:, 0], dict(zip(head[1:], numbers.T[1:], strict=True))
-    if len(time) < FEWEST_ROWS or not (np.diff(time) > 0.0).all():
+    if len(time) < FEWEST_REFERENCE_ROWS or not (np.diff(time) > 0.0).all():
         raise ValueError("it must have two times or more, and the times must increase")
     return _Table(time, columns, allowed)
 

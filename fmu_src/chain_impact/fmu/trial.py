@@ -28,7 +28,8 @@ T = TypeVar("T")
 # two values count as equal up to this relative difference, because a start value may be written with only
 # seven significant digits
 START_ROUND_OFF = 1e-6
-TINY = 1e-12  # in the unit of the variable: two values also count as equal if they differ by at most this
+# in the unit of the variable: two values also count as equal if they differ by at most this
+ABSOLUTE_TOLERANCE = 1e-12
 SAID = 300  # a message of the FMU is cut to this number of characters in the report
 SILENT = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
 
@@ -239,7 +240,7 @@ def _close(value: Value, other: Value) -> bool:
     if isinstance(value, str) or isinstance(other, str):
         return value == other
     both = math.isnan(value) and math.isnan(other)
-    return both or math.isclose(value, other, rel_tol=START_ROUND_OFF, abs_tol=TINY)
+    return both or math.isclose(value, other, rel_tol=START_ROUND_OFF, abs_tol=ABSOLUTE_TOLERANCE)
 
 
 def _all_close(some: Sequence[Value], others: Sequence[Value]) -> bool:

@@ -22,6 +22,7 @@ import numpy as np
 from chain_impact.compilation.affine import SAMPLES, affine
 from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.drawn import DRAWN
 from chain_impact.pages.signals import tables_of
@@ -33,7 +34,7 @@ from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, family
 from chain_impact.scene.words.names import AT, DataPath
-from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
+from chain_impact.variables.indices import PEAKS, layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS

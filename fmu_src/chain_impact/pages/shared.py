@@ -21,6 +21,7 @@ from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.counts import COUNTS
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS, OF_IMPACT
@@ -28,7 +29,7 @@ from chain_impact.recording import curves, joint_stops, map_colours, pacing, vie
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import reading
 from chain_impact.scene.checks.signal_checks import AT_REST
-from chain_impact.scene.contents import PARALLEL
+from chain_impact.scene.contents import PARALLEL_COSINE
 from chain_impact.scene.display import bodies
 from chain_impact.scene.keys import chain_tables
 from chain_impact.scene.keys.signal_tables import FORMS, SHAPES
@@ -53,13 +54,16 @@ CONSTANTS = {
     "pacing": (
         pacing,
         "CONTACT_SHARES FLIGHT_STEP FRAMES_OF_A_PERIOD FRAME_RATE IMPACT_TIME INSTANT LEAST_DURATION"
-        " LONGEST_IMPACT LONGEST_SLOW MOST_FRAMES RAMP RAMP_DISTANCES REAL SLOWEST SLOW_COUNT SLOW_RATE"
-        " SLOW_SPEED TAIL TENS",
+        " LONGEST_IMPACT LONGEST_SLOW MOST_FRAMES RAMP_DISTANCES REAL SLOWEST SLOW_COUNT SLOW_RATE"
+        " SLOW_SPEED SPEED_RAMP TAIL TENS",
     ),
-    "view": (view, "ALONE DECADES LEAST LONGEST_ARROW MARGIN NEAR PIN PIN_LINES ROOM SAME_LENGTH UPRIGHT"),
-    "jointStops": (joint_stops, "ARC CORNERS OPEN TICK"),
+    "view": (
+        view,
+        "ALONE DECADES FILM_MARGIN LEAST_VIEW LONGEST_ARROW NEAR_WALL PIN PIN_LINES ROOM SAME_LENGTH UPRIGHT",
+    ),
+    "jointStops": (joint_stops, "OPEN RANGE_POINTS RANGE_RADIUS RANGE_TICK"),
     "bodies": (bodies, "CARRIAGE CIRCLE_CORNERS FREE_END STOP_MARK"),
-    "curves": (curves, "BEFORE FOLLOWED WITHIN"),
+    "curves": (curves, "CLOSE_BEFORE FOLLOWED WITHIN"),
     "mapColours": (map_colours, "BEYOND_QUANTILES LARGE_QUANTILE MOST_COLOURS WIDE_COLOURS"),
 }
 """Name of a part of ``SHARED`` → a module, and the names of the module's constants that are in the part."""
@@ -100,7 +104,7 @@ def shared() -> dict[str, Any]:
             for name, law in CONTACT_LAWS.items()
         },
         "file": {
-            "CORNERS": [corner_of_box(n, 1.0, 1.0) for n in range(1, chain_tables.CORNERS + 1)],
+            "CORNERS": [corner_of_box(n, 1.0, 1.0) for n in range(1, chain_tables.BOX_CORNERS + 1)],
             "SHOWN": reading.SHOWN,
             "STEP_ROUND_OFF": STEP_ROUND_OFF,
         },
@@ -115,12 +119,12 @@ def shared() -> dict[str, Any]:
             "KNOTS": {name: form.knots for name, form in FORMS.items() if form.knots}
             | {"trapezoid": TRAPEZOID_KNOTS},
         },
-        "record": {"WORD": indices.WORD, "COUNTS": COUNTS},
+        "record": {"WORD": WORD, "COUNTS": COUNTS},
         "kernel": {
             "REINITIALIZE": REINITIALIZE,
             "DERIVED": DERIVED,
             "FRICTION_WITH_RIGID_WALLS": FRICTION_WITH_RIGID_WALLS,
-            "PARALLEL": PARALLEL,
+            "PARALLEL_COSINE": PARALLEL_COSINE,
             "STARTS_INSIDE_WALL": STARTS_INSIDE_WALL,
             "STOP_CODES": STOP_CODES,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},

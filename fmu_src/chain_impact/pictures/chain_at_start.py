@@ -31,7 +31,7 @@ DRAWING_SIZE, ICON_SIZE = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of
 DRAWING_MARGIN, ICON_MARGIN = 1.4, 0.3
 # [points] three lengths: of an arrow, of the radius of the arc of an angle, and of the line from which an
 # angle is measured
-ARROW, ARC, REFERENCE = 30.0, 18.0, 32.0
+ARROW_LENGTH, ARC_RADIUS, REFERENCE_LENGTH = 30.0, 18.0, 32.0
 # the largest number of links with which all points and angles have labels; with more links, only some points
 # and the first angle have a label
 LABELLED = 8
@@ -159,17 +159,23 @@ def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: fl
     """
     x, y = joint
     turned = math.degrees(math.remainder(angle, math.tau))
-    axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
+    axes.plot([x, x + REFERENCE_LENGTH * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
-    axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
+    axes.add_patch(Arc((x, y), 2.0 * ARC_RADIUS * unit, 2.0 * ARC_RADIUS * unit, color=INK, **ends))
     # [points] text and link are on opposite sides of the line from which the angle is measured
     below = -9.0 if turned > 0.0 else 6.0
-    _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE, below), ha="left")
+    _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE_LENGTH, below), ha="left")
 
 
 def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float]) -> None:
     """Draw an arrow from a point [m] along a unit vector, with a letter at the arrow's tip."""
-    _text(axes, letter, start, ARROW * np.array(direction), arrowprops={"arrowstyle": "<-", "shrinkB": 0.0})
+    _text(
+        axes,
+        letter,
+        start,
+        ARROW_LENGTH * np.array(direction),
+        arrowprops={"arrowstyle": "<-", "shrinkB": 0.0},
+    )
 
 
 def _text(axes: Axes, text: str, point: np.ndarray, offset: Iterable[float], **given: Any) -> None:

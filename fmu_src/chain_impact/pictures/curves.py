@@ -44,7 +44,7 @@ MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
 # the largest number of characters of a curve's name in a legend beside the panel, and in the label of a panel
 # with one curve; a longer name stands in a legend above the panel
-WIDEST = 28
+LONGEST_LEGEND_NAME = 28
 # unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
 VECTORS = {
@@ -62,8 +62,8 @@ END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
 TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
-SMALL = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
-LONGEST = 14  # a name with more characters has two lines as the label of a panel with one curve
+PREFIX_BELOW = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
+LONGEST_LABEL = 14  # a name with more characters has two lines as the label of a panel with one curve
 # the largest number of curves for a legend beside the panel; with more curves the legend is above the panel
 SIDE = 8
 
@@ -297,7 +297,7 @@ def draw_all(
             axes.plot(time, scale * sizes, ":", color=colour, linewidth=1.2, label=f"|{owner}.force|")
         found.append(extremes(time[seen], [values[seen] for values in drawn], own, scale, styles))
         quantity = shared_part(names) or QUANTITIES.get(own) or vector_of(names)
-        is_alone = len(names) == 1 and len(names[0]) <= WIDEST
+        is_alone = len(names) == 1 and len(names[0]) <= LONGEST_LEGEND_NAME
         axes.set_ylabel(f"{whole_name(names[0]) if is_alone else quantity}{in_brackets(unit)}".lstrip())
         if curves.onset is None:
             shade_rests(axes, shown)
@@ -312,7 +312,7 @@ def draw_all(
         widest = max(map(len, names))
         if is_alone:
             continue
-        if wide and len(names) <= SIDE and widest <= WIDEST:
+        if wide and len(names) <= SIDE and widest <= LONGEST_LEGEND_NAME:
             axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
         else:
             legend_above(axes)
@@ -320,8 +320,8 @@ def draw_all(
 
 
 def whole_name(name: str) -> str:
-    """Return the label of a panel with one curve: ``name``, if long (LONGEST) with the quantity in line 2."""
-    return name if len(name) <= LONGEST else f"{owner_of(name)}\n{shared_part([name])}"
+    """Return the label of a panel with one curve: ``name``, if long with the quantity in line 2."""
+    return name if len(name) <= LONGEST_LABEL else f"{owner_of(name)}\n{shared_part([name])}"
 
 
 def look_of_energy(name: str) -> dict[str, Any]:
@@ -360,10 +360,10 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     """Return the factor from ``unit`` to an axis's unit for some curves, and the axis's unit: kN for 5000 N.
 
     Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``),
-    and the unit m if all |values| are below SMALL.
+    and the unit m if all |values| are below PREFIX_BELOW.
     """
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
-    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest < SMALL)
+    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest < PREFIX_BELOW)
     return load_unit(largest, unit) if has_prefix else (1.0, unit)
 
 

@@ -45,7 +45,8 @@ from chain_impact.scene.words.unit_text import in_brackets, with_unit
 
 # a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12
-ROUND_OFF = 1e-9  # [1] a range of an output up to this, relative to the largest |value|, counts as round-off
+# [1] a range of an output up to this, relative to the largest |value|, counts as round-off
+RANGE_ROUND_OFF = 1e-9
 # the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
 LARGEST_EFFECTS = 4
 TO_FIRST_ORDER = "changes to first order"
@@ -55,7 +56,7 @@ ENDED = "a curve or row ends where a change exceeds the range of an output in th
 LEAVING, ROOM_FOR_OTHERS = 3.0, 1.5
 LEAVES = "a curve that leaves its panel is that of a parameter that is 0: not comparable with + 1 %"
 LOW_TABLE = 0.6  # if the panels form one column: the height of the table below, relative to that of a panel
-JUMPS = "changes jump at impacts, whose times shift"
+JUMP_NOTE = "changes jump at impacts, whose times shift"
 Looks = list[dict[str, Any]]
 
 
@@ -74,7 +75,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     found, first_order = finding(recording, sensitivities, names, parts)
     start, end = recording.time[[0, -1]].tolist()
     lines = impact_lines(recording, start, end)
-    told = [first_order, JUMPS if lines else "", "" if known.all() else ENDED]
+    told = [first_order, JUMP_NOTE if lines else "", "" if known.all() else ENDED]
     headline(figure, found, conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
@@ -159,7 +160,7 @@ def span_of(recording: Recording, output: str) -> float:
     """Return the range of an output in the run, in its unit; for an energy, the range of all energies [J].
 
     For a component x or y of a vector, the result is the larger one of the ranges of both components. A range
-    of 0 is replaced by 1, and so is, except for energies, a range that is round-off (ROUND_OFF).
+    of 0 is replaced by 1, and so is, except for energies, a range that is round-off (RANGE_ROUND_OFF).
     """
     if output.startswith("energy."):
         return range_of(dict(recording.energies)) or 1.0
@@ -167,7 +168,7 @@ def span_of(recording: Recording, output: str) -> float:
     names = [f"{head}.{axis}" for axis in AXES] if last in AXES else [output]
     columns = [recording.columns[name] for name in names if name in recording.columns]
     span = float(max(np.ptp(column) for column in columns))
-    return span if span > ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
+    return span if span > RANGE_ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
 
 
 def hold_to_first_order(relative: np.ndarray) -> np.ndarray:

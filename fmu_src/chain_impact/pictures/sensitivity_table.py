@@ -20,11 +20,13 @@ from chain_impact.recording.text import signed
 SIGNED = LinearSegmentedColormap.from_list("signed", [DECREASE, "white", INCREASE]).with_extremes(
     bad=OUTSIDE_COLOUR
 )
-LEAST, MOST = 0.01, 100.0  # [%] |changes| up to LEAST are nearly white; from MOST on, the colour stays
-BAR_TICKS = (-MOST, -1.0, 0.0, 1.0, MOST)  # [%] the numbers at the bar that explains the colours
+# [%] |changes| up to LEAST_CHANGE are nearly white; from MOST_CHANGE on, the colour stays
+LEAST_CHANGE, MOST_CHANGE = 0.01, 100.0
+# [%] the numbers at the bar that explains the colours
+BAR_TICKS = (-MOST_CHANGE, -1.0, 0.0, 1.0, MOST_CHANGE)
 # [inch] the least width of a cell with a number, and the width of the names beside the cells
-CELL_WIDTH, NAMES_WIDTH = 0.38, 1.7
-MOST_NUMBERS = 12  # the largest number of impacts that are numbered below the table
+CELL_WIDTH, ROW_NAMES_WIDTH = 0.38, 1.7
+MOST_NUMBERED = 12  # the largest number of impacts that are numbered below the table
 
 
 def draw_impact_changes(
@@ -55,7 +57,7 @@ def draw_impact_changes(
         quantity = "impulse"
     at = [recording.row_at(time) for time in onsets]
     changes = 100.0 * np.where(known[at], sensitivities.relative(quantity), np.nan).T[rows]
-    norm = SymLogNorm(LEAST, linscale=0.1, vmin=-MOST, vmax=MOST)
+    norm = SymLogNorm(LEAST_CHANGE, linscale=0.1, vmin=-MOST_CHANGE, vmax=MOST_CHANGE)
     image = axes.imshow(np.ma.masked_invalid(changes), SIGNED, norm=norm, aspect="auto")
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -71,7 +73,7 @@ def draw_impact_changes(
         # changes beyond an end of the bar have the colour of this end
         bar.ax.set_yticklabels([f"≤{least}", *others, f"≥{most}"])
         bar.ax.minorticks_off()
-    every = -(-len(onsets) // MOST_NUMBERS)
+    every = -(-len(onsets) // MOST_NUMBERED)
     axes.set_xticks(range(0, len(onsets), every), [str(k + 1) for k in range(0, len(onsets), every)])
     axes.set_yticks(range(len(rows)), [list(sensitivities.parameters)[k] for k in rows], fontsize="small")
     for label, k in zip(axes.get_yticklabels(), rows, strict=True):
@@ -84,12 +86,12 @@ def draw_impact_changes(
 def has_numbers(figure: Figure, impacts: int) -> bool:
     """Return whether the cells of a table with ``impacts`` columns in a figure have room for numbers."""
     across = 1 if is_narrow(figure) else 2
-    return figure.get_figwidth() / across - NAMES_WIDTH >= CELL_WIDTH * impacts
+    return figure.get_figwidth() / across - ROW_NAMES_WIDTH >= CELL_WIDTH * impacts
 
 
 def cell_text(change: float) -> str:
-    """Return a change [%] as text with sign and two significant digits; "0" for |change| < LEAST."""
-    return "0" if abs(change) < LEAST else signed(change).replace("-", "−")
+    """Return a change [%] as text with sign and two significant digits; "0" for |change| < LEAST_CHANGE."""
+    return "0" if abs(change) < LEAST_CHANGE else signed(change).replace("-", "−")
 
 
 def quantity_words(quantity: str, at_stops: np.ndarray) -> str:

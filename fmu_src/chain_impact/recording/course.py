@@ -15,11 +15,11 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.words.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
-SAMPLES = 400  # number of times at which the course of an impact is computed
+COURSE_SAMPLES = 400  # number of times at which the course of an impact is computed
 # number of equally spaced times in a contact that lasts beyond the end that ``impact_ends`` gives
 LASTING_SAMPLES = 4000
-# [1] the first of SAMPLES times after the onset in geometric progression, relative to the duration of a
-# contact that lasts beyond the end that ``impact_ends`` gives
+# [1] the first of COURSE_SAMPLES times after the onset in geometric progression, relative to the duration of
+# a contact that lasts beyond the end that ``impact_ends`` gives
 SOON = 1e-6
 
 
@@ -91,11 +91,11 @@ def course_of(
         raise ValueError(f"{prepared.scene.name}: only a result of simulate() has the course of an impact")
     onset, end = float(impact["onset"]), float(impact["end"])
     end = until if math.isnan(end) else end
-    inside = np.linspace(onset, end, SAMPLES if end > onset else 0)
+    inside = np.linspace(onset, end, COURSE_SAMPLES if end > onset else 0)
     near = float(impact_ends(np.array([impact], impact.dtype), end)[0]) - onset
     if 0.0 < near < end - onset:
-        shares = np.union1d(np.geomspace(SOON, 1.0, SAMPLES), np.linspace(0.0, 1.0, LASTING_SAMPLES))
-        times = np.union1d((end - onset) * shares, np.linspace(0.0, near, SAMPLES))
+        shares = np.union1d(np.geomspace(SOON, 1.0, COURSE_SAMPLES), np.linspace(0.0, 1.0, LASTING_SAMPLES))
+        times = np.union1d((end - onset) * shares, np.linspace(0.0, near, COURSE_SAMPLES))
         inside = np.unique((onset + times).clip(onset, end))
     before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)
     outputs = rerun(np.concatenate([[before], inside, [after]]))

@@ -18,7 +18,7 @@ from chain_impact.variables.prepared import PreparedScene
 WITHIN, FOLLOWED = 50, 400
 CLOSE_TIMES = 1000  # number of equally spaced times in a picture of one impact (a close view)
 # [1] time that a close view shows before and after the impact, relative to the impact's duration
-BEFORE, AFTER = 0.5, 1.0
+CLOSE_BEFORE, CLOSE_AFTER = 0.5, 1.0
 # BEND: a curve bends where it deviates from a straight line by more than this, relative to its range. PARTS:
 # an interval with a bend is divided into so many intervals. ROUNDS: this is repeated at most so many times,
 # but not if there would be more than MOST_TIMES times. Without the additional times, the largest force would
@@ -172,7 +172,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
     lasting = LASTING_SHARE * run if lasts(impact) else float(impact["end"]) - onset
     if not lasting > 0.0:
         lasting = IMPULSE_SHOWN * run
-    return onset, max(start, onset - BEFORE * lasting), min(end, onset + (1.0 + AFTER) * lasting)
+    return onset, max(start, onset - CLOSE_BEFORE * lasting), min(end, onset + (1.0 + CLOSE_AFTER) * lasting)
 
 
 def impact_numbers(count: int) -> str:

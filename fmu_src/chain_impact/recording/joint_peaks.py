@@ -28,7 +28,7 @@ class JointPeak(NamedTuple):
 
 EXACT, BY_ROW, SAMPLED = "exact", "by row", "sampled"
 # [1] forces count as equal if they differ by at most this, relative to the larger force
-ROUND_OFF = 1e-9
+EQUAL_FORCES = 1e-9
 
 
 def joint_peaks(recording: Recording) -> list[JointPeak]:
@@ -40,7 +40,7 @@ def joint_peaks(recording: Recording) -> list[JointPeak]:
     for (joint, _), values in recording.columns_of("joint").items() if len(recording.time) else ():
         if "peak_force" in values:
             peaks, times = values["peak_force"], values.get("peak_time")
-            first = recording.time[(peaks >= (1.0 - ROUND_OFF) * peaks[-1]).argmax()]
+            first = recording.time[(peaks >= (1.0 - EQUAL_FORCES) * peaks[-1]).argmax()]
             time, kind = (first, BY_ROW) if times is None else (times[-1], EXACT)
             found.append(JointPeak(joint, float(peaks[-1]), float(time), kind))
         elif joint in recording.loads:

@@ -14,10 +14,10 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import STOPS
 
 # [1] radius of the arc that shows the range of a joint, relative to the length of the joint's link
-ARC = 0.25
+RANGE_RADIUS = 0.25
 OPEN = 0.5 * math.pi  # [rad] angle that the arc spans for a joint with only one stop
-TICK = 0.3  # [1] length of the mark of a stop, relative to the radius of the arc
-CORNERS = 33  # number of points of the line that is drawn as an arc
+RANGE_TICK = 0.3  # [1] length of the mark of a stop, relative to the radius of the arc
+RANGE_POINTS = 33  # number of points of the line that is drawn as an arc
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,11 +76,11 @@ def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterato
     for joint, limits in ranges.items():
         centre = points[joint - 1]
         x, y = centre - points[joint - 2] if joint > 1 else (1.0, 0.0)
-        before, radius = math.atan2(y, x), ARC * limits.length
-        yield centre + radius * _directions(np.linspace(*limits.arc, CORNERS) + before)
+        before, radius = math.atan2(y, x), RANGE_RADIUS * limits.length
+        yield centre + radius * _directions(np.linspace(*limits.arc, RANGE_POINTS) + before)
         for stop in (limits.low, limits.high):
             if math.isfinite(stop):
-                ends = radius * np.array([[1.0 - 0.5 * TICK], [1.0 + 0.5 * TICK]])
+                ends = radius * np.array([[1.0 - 0.5 * RANGE_TICK], [1.0 + 0.5 * RANGE_TICK]])
                 yield centre + ends * _directions(np.array([stop + before]))
 
 
@@ -96,4 +96,4 @@ def touching_place(points: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarr
         joint: the number of the joint, 1…N.
     """
     link = points[joint] - points[joint - 1]
-    return points[joint - 1] + ARC * link, link / np.hypot(*link)
+    return points[joint - 1] + RANGE_RADIUS * link, link / np.hypot(*link)

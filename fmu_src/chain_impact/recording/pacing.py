@@ -13,7 +13,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.words.names import by_owner
 
 IMPACT_TIME = 0.6  # [s] default time on the screen for one impact
-RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, or speeds up after it
+SPEED_RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, or speeds up after it
 # [s] simulated time after an onset that is shown in slow motion at most; in a longer contact the chain mostly
 # rests or leans
 LONGEST_SLOW = 0.1
@@ -27,7 +27,7 @@ FRAME_RATE = 60.0  # [1/s] frames per second on the screen, unless a sine needs 
 # look wrong
 FRAMES_OF_A_PERIOD = 16.0
 FLIGHT_STEP = 1 / 240  # [s] far from impacts, the rate is computed at simulated times with this distance
-# [1] the rate is computed at these distances in time before and after an impact, relative to RAMP
+# [1] the rate is computed at these distances in time before and after an impact, relative to SPEED_RAMP
 RAMP_DISTANCES = np.geomspace(1e-3, 1.0, 48)
 # [1] within a contact, the rate is computed at these times after the onset, relative to the contact's
 # duration
@@ -77,7 +77,8 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
     The rate is 1 far from impacts. During an impact that is shorter than ``impact_time``, the rate is the
     duration of the impact divided by ``impact_time``, so that the impact takes ``impact_time`` on the screen.
     Before and after the impact, the rate grows linearly with the distance in time from the impact, by 1 in
-    RAMP [s], until it is 1. An impact without a duration has INSTANT times ``impact_time`` and RAMP.
+    SPEED_RAMP [s], until it is 1. An impact without a duration has INSTANT times ``impact_time`` and
+    SPEED_RAMP.
 
     Args:
         time: simulated times, shape (T,) [s].
@@ -89,7 +90,7 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
         share, last = 1.0 if end > onset else INSTANT, max(end, onset + LEAST_DURATION)
         within = min(1.0, (last - onset) / (share * impact_time))
         distance = np.maximum(0.0, np.maximum(onset - time, time - last))
-        slowest = np.minimum(slowest, within + distance / (share * RAMP))
+        slowest = np.minimum(slowest, within + distance / (share * SPEED_RAMP))
     return slowest
 
 
@@ -142,7 +143,7 @@ def frame_times(
     spans = spans if impact_time > 0.0 else []
     shown = [(a, min(b, a + LONGEST_SLOW)) for a, b in spans]
     parts = [np.linspace(start, stop, 2 + min(int((stop - start) / FLIGHT_STEP), 2 * most))]
-    far = RAMP * RAMP_DISTANCES
+    far = SPEED_RAMP * RAMP_DISTANCES
     for onset, end in ((a, max(b, a + LEAST_DURATION)) for a, b in shown):
         parts += [onset - far, onset + (end - onset) * CONTACT_SHARES, end + far]
     grid = np.unique(np.concatenate(parts).clip(start, stop))

@@ -16,7 +16,7 @@ REST_WAY = 0.02
 # [1] the size of the largest path counts as at least this times the size of the chain, because smaller paths
 # are no motion
 SMALLEST_PATH = 1e-6
-FEWEST_ROWS = 3  # with fewer rows the accelerations are unknown, so no rest is found
+FEWEST_REST_ROWS = 3  # with fewer rows the accelerations are unknown, so no rest is found
 SHORTEST_REST = 0.05  # [1] shortest rest that counts, relative to the duration of the run
 
 
@@ -46,7 +46,7 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
     """
     time, positions = recording.time, recording.all_points
     span = time[-1] - time[0]
-    if len(time) < FEWEST_ROWS or not span > 0.0:
+    if len(time) < FEWEST_REST_ROWS or not span > 0.0:
         return []
     size = max(_extent(positions, 0), SMALLEST_PATH * _extent(positions[0], 0))
     walls = [np.stack([moved, 0.0 * moved], axis=-1)[:, None] for moved in recording.moved_walls.values()]

@@ -35,7 +35,7 @@ NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
 NO_PHASES.flags.writeable = False
 MODES = {0: "stick", 1: "slip +", -1: "slip -"}
 """Mode → words for the mode."""
-JOINT = -1
+NO_WALL = -1
 """The number of the wall in a phase of dry friction in a joint or on a slider."""
 
 
@@ -71,7 +71,7 @@ def element_label(phase: np.void, walls: Sequence[str], names: Mapping[int, str]
         walls: the names of all walls, by their numbers.
         names: the names of points, by their numbers.
     """
-    if phase["wall"] == JOINT:
+    if phase["wall"] == NO_WALL:
         return f"joint {phase['point']}" if phase["point"] > 0 else "the slider"
     return f"{point_label(phase['point'], names)} at {walls[phase['wall']]}"
 
@@ -140,7 +140,7 @@ def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]
     for touch in touches:
         if touch.sticking is None or touch.friction is None or touch.wall not in ("", *walls):
             continue
-        wall = walls.index(touch.wall) if touch.wall else JOINT
+        wall = walls.index(touch.wall) if touch.wall else NO_WALL
         sliding = np.where(touch.friction == 0.0, NO_FRICTION, -np.sign(touch.friction))
         mode = np.where(touch.sticking > 0.0, STICKS, sliding).astype(int)
         starts = np.flatnonzero(np.append([True], np.diff(mode) != 0)[: len(mode)])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.recording.stick_slip import JOINT, MODES
+from chain_impact.recording.stick_slip import MODES, NO_WALL
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.words.names import AXES
 from chain_impact.system import written_whole
@@ -58,7 +58,7 @@ def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
     """Return phases of dry friction as a table of pandas, with names of walls ("" without one) and modes."""
     pandas = require("pandas", "pandas")
     columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
-    columns["wall"] = ["" if wall == JOINT else walls[wall] for wall in phases["wall"]]
+    columns["wall"] = ["" if wall == NO_WALL else walls[wall] for wall in phases["wall"]]
     columns["mode"] = [MODES[mode] for mode in phases["mode"]]
     table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(phases) + 1, name="phase"))
     table.attrs["units"] = {"start": "s", "end": "s"}

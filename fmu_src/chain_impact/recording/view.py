@@ -16,12 +16,12 @@ from chain_impact.scene.half_planes import HalfPlane
 
 # [1] a wall at a larger distance from the motion is not near; the distance is relative to the longer side of
 # the rectangle around the motion
-NEAR = 0.2
+NEAR_WALL = 0.2
 # [1] if walls enclose a room that ends within this distance from the motion, an animation shows the whole
 # room; relative to the size of the motion
 ROOM = 1.0
-MARGIN = 0.06  # [1] margin around the view of a film, relative to the longer side of the view
-LEAST = 1e-6  # [m] size assumed for the view of a chain that does not move
+FILM_MARGIN = 0.06  # [1] margin around the view of a film, relative to the longer side of the view
+LEAST_VIEW = 1e-6  # [m] size assumed for the view of a chain that does not move
 # a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
 # in absolute value; the component's sign tells on which side
 UPRIGHT = 0.5
@@ -67,7 +67,7 @@ def seen(
     walls: Mapping[Key, HalfPlane],
     radius: float = 0.0,
     *,
-    near: float = NEAR,
+    near: float = NEAR_WALL,
     room: float = 0.0,
     pinned: bool = False,
 ) -> tuple[np.ndarray, dict[Key, HalfPlane]]:
@@ -121,7 +121,7 @@ def framed(
             result of ``open_shares`` for the near walls.
     """
     view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
-    margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
+    margin = FILM_MARGIN * max(np.ptp(view, axis=0).max(), LEAST_VIEW)
     return view + margin * np.array([[-1.0], [1.0]]), open_shares(near.values())[0]
 
 

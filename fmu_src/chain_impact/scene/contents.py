@@ -35,7 +35,7 @@ from chain_impact.scene.words.names import STOPS, DataPath, point_label
 
 # [1] a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
 # normal is smaller than this value, which allows for round-off
-PARALLEL = 1e-12
+PARALLEL_COSINE = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -132,7 +132,7 @@ class Contents:
         if not at_base:
             return False
         along = plane.normal[0] * math.cos(slider.angle) + plane.normal[1] * math.sin(slider.angle)
-        return abs(along) < PARALLEL
+        return abs(along) < PARALLEL_COSINE
 
     @property
     def law_names(self) -> tuple[str, ...]:

@@ -19,8 +19,8 @@ from chain_impact.scene.words.similar_names import nearest, one_typo, proposed
 from chain_impact.scene.words.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
-ALIKE = 0.7
-MOST_PARTS = 8  # a message lists quantities of only one owner: at most this number, then …
+SIMILAR_KEY = 0.7
+NAMED_PARTS = 8  # a message lists quantities of only one owner: at most this number, then …
 _ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
 _VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
 SHOWN = 60  # a message has at most this number of characters of a value, then ...
@@ -134,7 +134,8 @@ def _names_of_owner(name: object, names: Collection[str]) -> str:
     owner = str(name).rpartition(".")[0]
     alike = find_names(f"{owner}.*", names) if owner.strip("*") else []
     parts = list(dict.fromkeys(one.rpartition(".")[2] for one in alike))
-    return f"{owner} has {', '.join(parts[:MOST_PARTS])}{', …' * (len(parts) > MOST_PARTS)}" if parts else ""
+    more = ", …" * (len(parts) > NAMED_PARTS)
+    return f"{owner} has {', '.join(parts[:NAMED_PARTS])}{more}" if parts else ""
 
 
 def names_matching(
@@ -308,7 +309,7 @@ class Reader:
         name = value_text(name).strip("'")
         here = [entry.name for entry in keys(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
-        if near := nearest(name, here, at_least=ALIKE) or one_typo(name, here):
+        if near := nearest(name, here, at_least=SIMILAR_KEY) or one_typo(name, here):
             return f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
         if near := name if name in self._keys() else one_typo(name, self._keys()):
             return f"is unknown; the nearest key is {self._keys()[near]}"

@@ -13,7 +13,7 @@ from typing import Any
 
 from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.keys.chain_tables import CORNERS, Site
+from chain_impact.scene.keys.chain_tables import BOX_CORNERS, Site
 from chain_impact.scene.reading import SceneError, refusal
 from chain_impact.scene.words.names import DataPath
 
@@ -34,7 +34,7 @@ def with_shapes(scene: AnyScene) -> AnyScene:
         if link.height is None:
             links.append(link)
             continue
-        positions = (corner_of_box(number, link.length, link.height) for number in range(1, CORNERS + 1))
+        positions = (corner_of_box(number, link.length, link.height) for number in range(1, BOX_CORNERS + 1))
         corners = (Site(x=x, y=y, radius=None) for x, y in positions)
         links.append(replace(link, points=(*corners, *link.points)))
     return replace(scene, chain=replace(scene.chain, links=tuple(links)))
@@ -52,7 +52,7 @@ def set_corners_apart(data: Any, *, given: bool = False) -> None:
         if given:
             del link["shape"], link["height"]
         else:
-            link["points"][:CORNERS] = [_APART] * CORNERS
+            link["points"][:BOX_CORNERS] = [_APART] * BOX_CORNERS
 
 
 def without_corners(data: Any) -> Any:
@@ -69,11 +69,11 @@ def among_all_points(path: DataPath, data: Any) -> DataPath:
     """Return the path in the scene of the value that has ``path`` in ``data``, the scene's plain data.
 
     In the scene, the first points of a box are its corners, which the plain data do not have. So the index of
-    any other point of a box is larger in the scene by CORNERS.
+    any other point of a box is larger in the scene by BOX_CORNERS.
     """
     match path:
         case "chain", "links", int(i), "points", int(j), *following if "shape" in data["chain"]["links"][i]:
-            return ("chain", "links", i, "points", j + CORNERS, *following)
+            return ("chain", "links", i, "points", j + BOX_CORNERS, *following)
     return path
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
@@ -36,7 +37,7 @@ from chain_impact.simulation.reasons import (
     REASONS_AT_STOPS,
     REASONS_OF_FRICTION,
 )
-from chain_impact.variables.indices import WORD, first_word, word_index
+from chain_impact.variables.indices import first_word, word_index
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import columns_named, varied_by

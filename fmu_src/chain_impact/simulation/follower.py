@@ -3,7 +3,7 @@
 A piece is an interval with one polynomial for each function: its Chebyshev series from values at
 Chebyshev–Gauss points. The ends of a piece are not among these points, so the exact value at a jump does not
 matter. An interval in which a series does not converge is halved, or divided where the functions change from
-one polynomial to another. Instead of an interval up to SHORTEST around a jump, the piece before lasts longer.
+one polynomial to another. The piece before a jump replaces an interval up to SHORTEST_PIECE around it.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
 coefficients bound the error.
@@ -20,26 +20,25 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from chain_impact.kernel.chain.inputs import DEGREE
-from chain_impact.simulation.pieces import VALUE_ROUND_OFF, Piece, Pieces
+from chain_impact.simulation.pieces import FUNCTION_ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]
 """M functions as one: times, shape (T,) [s] → their values, shape (T, M)."""
 # number of equal parts of a run at whose ends each function is called first; a shorter pulse can be missed
 CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function from which the polynomial of a piece is computed
-SHORTEST = 4e-13  # [1] an interval at most this long, relative to the run, is dropped: at a jump or kink
+# [1] an interval at most this long, relative to the run, is dropped: at a jump or kink
+SHORTEST_PIECE = 4e-13
 # [1] pieces count as equally long if their lengths differ by at most this, relative to one of the lengths
-ALIKE = 1e-6
-# an interval longer than 2^FAR times the length of the last piece is halved without trying a polynomial,
-# which would probably fail
-FAR = 2
+EQUAL_LENGTHS = 1e-6
+# an interval longer than 2^HALVED_BEYOND times the length of the last piece is halved without trying a
+# polynomial, which would probably fail
+HALVED_BEYOND = 2
 # log₂ of the largest number of pieces for which the functions are called at once; values for more pieces
 # would be wasted if polynomials fail
-TOGETHER = 4
-# if polynomials have failed for intervals of some length, this length is tried again after at most this
-# number of pieces
-PATIENCE = 32
-# largest number of successive intervals that get no piece (SHORTEST); with more, a function is not smooth
+BATCH_DOUBLINGS = 4
+RETRY_PIECES = 32  # a length of intervals for which polynomials failed is tried again after at most this many
+# largest number of successive intervals without a piece (SHORTEST_PIECE) in which a function is smooth
 NOISE = 4
 # [1] values of the functions for a piece shorter than this, relative to the run, count against CALLS
 FINE = 1 / 65536
@@ -54,7 +53,7 @@ SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a
 # distance is at most NEARER times the larger one; in the second round any value belongs to the nearer one
 NEARER = 0.1
 NEWTON_STEPS = 4  # number of Newton steps from 0 to a zero of a polynomial near 0
-TINY = 1e-300  # replaces an allowed error of 0, because the code divides by the allowed error
+LEAST_ALLOWED = 1e-300  # replaces an allowed error of 0, because the code divides by the allowed error
 # [1] round-off of a time, relative to the time, which also makes values of a function inaccurate
 RESOLVED = 1e-14
 # there is a jump if two pieces differ where they meet by more than this times the allowed error
@@ -99,12 +98,12 @@ class Follower:
             resolved: round-off of a time, relative to the time, which makes the functions' values inaccurate;
                 shape (M,), or one number.
         """
-        self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
+        self._functions, self._shortest, self._fine = functions, SHORTEST_PIECE * stop, FINE * stop
         self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
         self._resolved = resolved
-        self._accuracy = np.maximum(accuracy, VALUE_ROUND_OFF)
+        self._accuracy = np.maximum(accuracy, FUNCTION_ROUND_OFF)
         self._calls_left = CALLS
         # for each function, how often a polynomial has failed because of this function; an error names the
         # function with the largest number
@@ -203,7 +202,7 @@ class Follower:
         such pieces would probably fail, too, so they are not joined. Only lengths are compared, not times.
         """
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
-        return max(halves) - min(halves) <= ALIKE * halves[0]
+        return max(halves) - min(halves) <= EQUAL_LENGTHS * halves[0]
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
         """Yield the pieces of an interval in order; None stands for a part so short that it is dropped."""
@@ -214,7 +213,7 @@ class Follower:
         # simple: the interval does not follow a piece of a degree > SIMPLE; in other intervals a search for a
         # jump or kink is not worth its calls
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
-        far = last is not None and end - start > 2.0**FAR * (last.end - last.start)
+        far = last is not None and end - start > 2.0**HALVED_BEYOND * (last.end - last.start)
         _, length = math.frexp(end - start)
         vain = not simple and self._is_vain(length)
         if not simple and (far or vain) and end > self._foreseen_until:
@@ -228,7 +227,7 @@ class Follower:
         if not far:
             self._failed = end - start
         if not far and not vain:
-            self._patience[length] = min(2 * self._patience.get(length, 1), PATIENCE)
+            self._patience[length] = min(2 * self._patience.get(length, 1), RETRY_PIECES)
             self._again[length] = self._count + self._patience[length]
         before, after = (self._break(start, end) if simple and not far else None) or (middle, middle)
         for part in itertools.pairwise((start, before, after, end)):
@@ -272,8 +271,8 @@ class Follower:
         """
         unit = min(time - left.start, right.end - time)
         difference = right.series(time, unit)[: SIMPLE + 1] - left.series(time, unit)[: SIMPLE + 1]
-        allowed = np.maximum(DROPPED * self._accuracy, VALUE_ROUND_OFF) * self._scale
-        column = difference[:, (np.abs(difference).sum(axis=0) / np.maximum(allowed, TINY)).argmax()]
+        allowed = np.maximum(DROPPED * self._accuracy, FUNCTION_ROUND_OFF) * self._scale
+        column = difference[:, (np.abs(difference).sum(axis=0) / np.maximum(allowed, LEAST_ALLOWED)).argmax()]
         found = 0.0
         for order in range(SIMPLE):
             x = _zero(polynomial.polyder(column, order))
@@ -303,7 +302,7 @@ class Follower:
             middle = np.array([0.5 * (before + after)])
             value = self._called(middle, costly=True)
             misses = [float((np.abs(piece.at(middle) - value) / scale).max()) for piece in (left, right)]
-            if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), VALUE_ROUND_OFF):
+            if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), FUNCTION_ROUND_OFF):
                 return float(middle[0]), float(middle[0])
             if until > self._shortest and min(misses) > NEARER * max(misses):
                 break
@@ -336,13 +335,13 @@ class Follower:
     def _foresee(self, start: float, end: float) -> None:
         """Compute all pieces of an interval in one call, each about as long as the last piece.
 
-        Nothing is done for 1 piece, for more than 2^TOGETHER pieces, or if a longer piece must be tried
-        first: one of at most 2^FAR times the last length is tried unless ``_is_vain``, a longer one never.
+        Nothing is done for 1 piece, for more than 2^BATCH_DOUBLINGS, or if a longer piece must be tried
+        first: one of at most 2^HALVED_BEYOND times the last is tried unless ``_is_vain``, a longer one never.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0
-        lengths = [math.frexp((end - start) / 2**k)[1] for k in range(halvings)][-FAR:]
-        if not lengths or halvings > TOGETHER or not all(map(self._is_vain, lengths)):
+        lengths = [math.frexp((end - start) / 2**k)[1] for k in range(halvings)][-HALVED_BEYOND:]
+        if not lengths or halvings > BATCH_DOUBLINGS or not all(map(self._is_vain, lengths)):
             return
         self._foreseen_until = end
         ends = np.array([start, end])

@@ -49,7 +49,7 @@ INTERPOLATIONS = ("follow", "hold", "linear", "spline")
 FINER = 1e-3
 # [1] a sample counts as simultaneous with a communication point, or with the sample before it, if their times
 # differ by at most this, relative to the end of the run
-SAME_TIME = 1e-12
+SIMULTANEOUS = 1e-12
 LISTED_NAMES = 8  # largest number of names of inputs in an error
 NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
@@ -218,7 +218,7 @@ def _pieces_of(
     ``spline``, samples with ``spline`` only. All other signals are held, or with ``linear`` joined by lines,
     between the communication points ``run`` and the times of samples.
     """
-    scene, same = prepared.scene, SAME_TIME * run[-1]
+    scene, same = prepared.scene, SIMULTANEOUS * run[-1]
     splines = {
         name: as_function(name, signal, called, joined="spline")
         for name, signal in signals.items()

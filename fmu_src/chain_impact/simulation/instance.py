@@ -15,6 +15,7 @@ from chain_impact.compilation import signatures
 from chain_impact.compilation.compilers import Sizes
 from chain_impact.compilation.library import kernel_library
 from chain_impact.deprecated import OlderName
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import LOG_DTYPE
@@ -23,7 +24,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.candidates import parts_in_words
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import InputCourse
-from chain_impact.variables.indices import HEAD, WORD, log_words
+from chain_impact.variables.indices import HEAD, log_words
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.parameters import DERIVED_DURING_RUN
@@ -306,8 +307,7 @@ class Instance:
         if not len(numbers):
             return NO_CONTACTS
         at, columns = self._log_at, len(LOG_DTYPE.names or ())
-        # the log has the columns of LOG_DTYPE one after the other; when its last row is used, it continues in
-        # the first
+        # the log has the columns of LOG_DTYPE one after the other; the first follows the last row
         table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
         impacts = table.T.take(numbers, 0, mode="wrap")
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)

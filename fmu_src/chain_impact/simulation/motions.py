@@ -30,14 +30,14 @@ ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
 # [1] limits for the position, the speed and the acceleration, relative to the largest value of each: two
 # pieces that differ more than this where they meet make a jump. The limits are wide, because the time of a
 # kink, and so the speed there, is known only up to the square root of round-off.
-JUMPS = 1e-9, 1e-6, 1e-4
+LEAST_JUMPS = 1e-9, 1e-6, 1e-4
 # [1] a given velocity, acceleration or start contradicts the motion if the given value and that of the motion
 # differ by more than this: relative to the larger of the two starts, or to the largest velocity or
 # acceleration of both in the run
 CONTRADICTS = 1e-3
 # [1] round-off of a position at the start, relative to the largest position; only a larger difference is a
 # contradiction
-POSITION_ROUND_OFF = 1e-12
+START_POSITION_ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
     orders = np.array([math.perm(p, order) for p in range(pieces.powers.shape[1])])
     bounds = np.einsum("p,npm,n->nm", orders, np.abs(pieces.powers), pieces.scale**order)
     largest = bounds[:, columns].max(axis=0, initial=0.0)
-    jumping[1:] = np.abs(ends[0, 1:] - ends[1, :-1]) > JUMPS[order] * largest
+    jumping[1:] = np.abs(ends[0, 1:] - ends[1, :-1]) > LEAST_JUMPS[order] * largest
     return jumping
 
 
@@ -275,7 +275,7 @@ def contradictions(
         if channel.position in names and channel.position.startswith("base."):
             positions = derivatives(pieces, 0)[0, :, column]
             start = positions[0]
-            round_off = max(OVERLAP, POSITION_ROUND_OFF * np.abs(positions).max())
+            round_off = max(OVERLAP, START_POSITION_ROUND_OFF * np.abs(positions).max())
             off = abs(start - channel.start)
             if off > max(CONTRADICTS * max(abs(start), abs(channel.start)), round_off):
                 texts.append(start_hint(channel.position[-1], start, channel.start))

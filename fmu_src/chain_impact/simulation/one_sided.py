@@ -14,7 +14,7 @@ from chain_impact.scene.kernel_view import signals_view
 from chain_impact.scene.signal_inputs import Driven
 from chain_impact.scene.signal_polynomials import is_motion
 
-SAME = 1e-9
+SAME_DERIVATIVE = 1e-9
 """[1] two values count as equal if they differ by at most this, relative to their size"""
 # indices of the results of ``signal_at``: value, first and second derivative over time
 VALUE, RATE, SECOND = range(3)
@@ -38,7 +38,7 @@ def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
             if d.knot.time[k] == 0.0:
                 before, after = _at_start(d, j, k - 1), _at_start(d, j, k)
                 watched = _watched(each.input)
-                if not np.allclose(before[watched], after[watched], rtol=SAME, atol=0.0):
+                if not np.allclose(before[watched], after[watched], rtol=SAME_DERIVATIVE, atol=0.0):
                     found.append(k)
     return found
 

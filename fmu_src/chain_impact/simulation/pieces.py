@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.inputs import DEGREE
 
-VALUE_ROUND_OFF = 4e-15  # [1] error of a function's values, relative to its largest value
+FUNCTION_ROUND_OFF = 4e-15  # [1] error of a function's values, relative to its largest value
 
 
 @dataclass(frozen=True)
@@ -147,5 +147,5 @@ def joined_points(
         middle=0.5 * (start + end),
         scale=2.0 / (end - start),
         powers=powers[begins] if lines else powers[begins, :1],
-        same=VALUE_ROUND_OFF * np.abs(values).max(axis=0, initial=0.0),
+        same=FUNCTION_ROUND_OFF * np.abs(values).max(axis=0, initial=0.0),
     )

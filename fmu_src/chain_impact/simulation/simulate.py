@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation import cache
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import in_order
@@ -27,7 +28,6 @@ from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import Given, InputCourse, Interpolation, input_course
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows, structured
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
-from chain_impact.variables.indices import WORD
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
 

@@ -41,7 +41,7 @@ STATEMENTS = (
 )
 NODES = {ast.Module, *TOP, *STATEMENTS, *EXPRESSIONS}
 ANNOTATIONS = {"bool", "float", "int"}
-LONGEST = 40  # largest number of characters of a refused text that an error shows
+LONGEST_QUOTE = 40  # largest number of characters of a refused text that an error shows
 WORDS = {"inf", "-inf", "+inf", "nan", "infinity", "-infinity"}
 """The words, in small or capital letters, that ``float("…")`` can have; other texts must be statements."""
 
@@ -67,7 +67,7 @@ def check_syntax(tree: ast.Module, source: str) -> None:
     if refused is not None:
         segment = " ".join((ast.get_source_segment(source, refused) or type(refused).__name__).split())
         shown = segment.encode("ascii", "backslashreplace").decode()
-        shown = shown if len(shown) <= LONGEST else f"{shown[: LONGEST - 3]}..."
+        shown = shown if len(shown) <= LONGEST_QUOTE else f"{shown[: LONGEST_QUOTE - 3]}..."
         raise LawError(f"has {shown} in line {_line(refused)}; {ALLOWED}")
 
 

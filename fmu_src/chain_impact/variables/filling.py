@@ -19,13 +19,14 @@ from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.counts import Counts
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.rules.rule_language import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import AT, ENTRY_AT, DataPath
 from chain_impact.variables.cache import MOST_CACHED, Common, changed_numbers
-from chain_impact.variables.indices import WORD, layout_of, word_index
+from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.kernel.record.counts import Counts
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.instance import STATE_OUTPUTS, instance_dtype
 from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.impact_units import impact_units, unit_at
@@ -16,7 +17,6 @@ from chain_impact.variables.listing import KEPT_STRUCTURES, outputs_of
 from chain_impact.variables.structure import Structure
 from chain_impact.variables.variable import Variable
 
-WORD = 8  # [byte] size of a word: a 64-bit real number or integer of the record
 JOINT_FORCE = "joint_force"
 """The name of the largest force in any joint [N], of a run and, in ``Result.impacts``, of an impact."""
 

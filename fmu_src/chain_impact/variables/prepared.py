@@ -14,6 +14,7 @@ import numpy as np
 
 from chain_impact.compilation.compilers import GENERAL
 from chain_impact.kernel.record.counts import Counts
+from chain_impact.kernel.record.fields import WORD
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_by
@@ -21,7 +22,6 @@ from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.cache import common_of, in_common
 from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (
-    WORD,
     OutputIndices,
     first_word,
     indices_of,

@@ -15,9 +15,9 @@ from chain_impact import Recording, SceneWarning, load_scene, parse_scene, recor
 from chain_impact.pictures.drawing.dark_ground import lighter
 from chain_impact.pictures.drawing.style import LOAD
 from chain_impact.pictures.film.charts import largest_forces, stretch
-from chain_impact.pictures.film.film import CHAIN, FILM_STYLE, FORCE, ROOM, Film
+from chain_impact.pictures.film.film import CHAIN, FILM_STYLE, FORCE, SIZE_WITH_CHARTS, Film
 from chain_impact.pictures.film.scale_bar import draw_scale_bar
-from chain_impact.pictures.film.writing import MOST_FRAMES, RATES, draw_frames, resolution, write_film
+from chain_impact.pictures.film.writing import MOST_SLOWED_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
 from chain_impact.scene.files.models import scene_file_path
@@ -73,7 +73,7 @@ def test_a_gif_lasts_as_long_as_the_motion_on_the_screen(recording, tmp_path):
 
 def test_the_charts_stretch_slow_motion_so_that_the_cursor_moves_evenly(recording):
     times, _ = frame_times(0.0, 0.52, slow_spans(recording))
-    page = Film(Figure(figsize=ROOM), recording, times)
+    page = Film(Figure(figsize=SIZE_WITH_CHARTS), recording, times)
     energies, forces = (cursor.axes for cursor in page.cursors)
     assert forces.get_xlabel() == "time [s], stretched in slow motion"
     for axes in (energies, forces):
@@ -82,7 +82,7 @@ def test_the_charts_stretch_slow_motion_so_that_the_cursor_moves_evenly(recordin
     numbers = [float(text.get_text()) for text in forces.get_xticklabels()]
     assert numbers == forces.get_xticks().tolist()
     assert numbers[0] == 0.0
-    even = Film(Figure(figsize=ROOM), recording, np.linspace(0.0, 0.52, 99)).cursors[-1].axes
+    even = Film(Figure(figsize=SIZE_WITH_CHARTS), recording, np.linspace(0.0, 0.52, 99)).cursors[-1].axes
     assert (even.get_xlabel(), even.get_xscale()) == ("time [s]", "linear")
 
 
@@ -186,7 +186,7 @@ def test_a_film_is_slowed_down_for_a_sine_to_a_limited_number_of_frames(drawn, t
     shaken = Recording("Fast", time, columns | {"point[1].x": 1.0 + 0.0 * time}, parameters=parameters)
     with pytest.warns(SceneWarning, match="sine of 1000 Hz"):
         times, _ = drawn(shaken, tmp_path / "film.gif", size=(16, 16))
-    assert len(times) == pytest.approx(MOST_FRAMES, abs=2)
+    assert len(times) == pytest.approx(MOST_SLOWED_FRAMES, abs=2)
     with pytest.warns(SceneWarning, match="sine of 1000 Hz"):
         times, _ = drawn(shaken, tmp_path / "film.gif", size=(16, 16), impact_time=0.0)
     assert len(times) == pytest.approx(200, abs=2)

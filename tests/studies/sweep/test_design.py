@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.design import CUBE, MOST_NUMBERS, MOST_SOBOL, check_table_size, grid, sampled
+from chain_impact.studies.sweep.design import CUBE, MOST_CELLS, MOST_SOBOL, check_table_size, grid, sampled
 from chain_impact.studies.sweep.variation import variations_of
 
 SCENE = load_scene("four_link_box")
@@ -102,7 +102,7 @@ def test_a_grid_that_is_too_large_is_refused_before_it_is_made():
     finer = grid(variations_of(SCENE, {**fine, "initial.vx": "1:2:2"}), "s")
     with pytest.raises(SceneError, match=r"^s: 2000000000000000 runs must be <= 1000000000000000"):
         check_table_size(finer, 20, "s", streamed=True)
-    samples = sampled(variations_of(SCENE, INTERVALS), "s", count=MOST_NUMBERS // 20, sampling="lhs", seed=0)
+    samples = sampled(variations_of(SCENE, INTERVALS), "s", count=MOST_CELLS // 20, sampling="lhs", seed=0)
     check_table_size(samples, 20, "s", streamed=False)
     with pytest.raises(SceneError, match="5000000 runs with 21 columns are 105000000 numbers"):
         check_table_size(samples, 21, "s", streamed=False)

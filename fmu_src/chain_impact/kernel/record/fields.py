@@ -3,6 +3,7 @@
 import numpy as np
 
 REAL, INTEGER, COMPLEX = np.float64, np.int64, np.complex128
+WORD = 8  # [byte] size of a word: a 64-bit real number or integer of the record
 LARGEST, SMALLEST = float(np.finfo(REAL).max), 5e-324  # the largest and the smallest positive double
 
 

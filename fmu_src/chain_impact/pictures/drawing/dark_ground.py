@@ -24,9 +24,9 @@ DARK = 0.18  # a ground with less luminance is dark: white text has more contras
 # black; with a larger least luminance, blue and light blue would look alike
 LEAST_LUMINANCE = 0.2
 # the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE_CONTRAST applies to colours,
-# and to the greys of text and outlines, from 0 (black) to TEXT. VISIBLE_CONTRAST applies to the greys of
-# lines, between TEXT and LINES. The greys of areas and grids, above LINES, have no least ratio. All greys are
-# those that are chosen for a white ground.
+# and to the greys of text and outlines, from 0 (black) to LIGHTEST_TEXT. VISIBLE_CONTRAST applies to the
+# greys of lines, between LIGHTEST_TEXT and LIGHTEST_LINE. The greys of areas and grids, above LIGHTEST_LINE,
+# have no least ratio. All greys are those that are chosen for a white ground.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 # The number of mixtures that are tried: of a colour with white, by increasing part of white; for a grey, of
@@ -36,7 +36,7 @@ MIXTURES = 41
 # the largest luminance that is required of a mixture with white; it is less than 1 because the luminance of
 # white is 1 only up to round-off
 NEAR_WHITE = 0.999
-TEXT, LINES = 0.5, 0.75
+LIGHTEST_TEXT, LIGHTEST_LINE = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 # colours of curves: UMBER, PLUM and OCHRE on white; YELLOW, SKY and ORANGE, which are too pale for lines on
 # white, on a dark ground
@@ -79,7 +79,9 @@ class Ground(NamedTuple):
             return lighter(colour, least_luminance(self.ground, READABLE_CONTRAST))
         grey = (red + green + blue) / 3.0
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
-        needed = READABLE_CONTRAST if grey <= TEXT else VISIBLE_CONTRAST if grey <= LINES else 1.0
+        needed = (
+            READABLE_CONTRAST if grey <= LIGHTEST_TEXT else VISIBLE_CONTRAST if grey <= LIGHTEST_LINE else 1.0
+        )
         least = least_luminance(self.ground, needed) if needed > 1.0 else 0.0
         mixed = [low + part * (high - low) for part in np.linspace((1.0 - grey) ** SPREAD, 1.0, MIXTURES)]
         red, green, blue = next((mix for mix in mixed if luminance(mix) >= least), mixed[-1]).tolist()

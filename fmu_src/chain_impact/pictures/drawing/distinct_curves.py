@@ -18,7 +18,7 @@ SOFT = 0.45  # the opacity of a band, from 0 to 1
 # changes at least by this until the next turn, relative to the range of all curves in the axes.
 BIN, FAST_TURNS, FAST_PART, LEAST_TURN = 4.0, 6, 0.2, 0.05
 # the largest distance of two curves that look like one curve, relative to the range of all compared curves
-SAME = 0.005
+SAME_CURVE = 0.005
 # MERGED: two lines merge if their usual distance (``_apart``), relative to the range of all lines, is at most
 # this; PIECES: the number of points of a line at which the distance is measured; DASH: the length of a dash,
 # in line widths
@@ -72,7 +72,7 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
         axes.plot([], [], color=colour, alpha=alpha, linewidth=5.0, solid_capstyle="butt", label=FAST)
 
 
-def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
+def hides(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share: float = 1.0) -> list[int]:
     """Return for each curve how many earlier curves it hides: those with which it nearly coincides.
 
     The caller draws a curve that hides others with dashes, so that the others are visible through the gaps. A

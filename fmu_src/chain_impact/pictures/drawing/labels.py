@@ -21,14 +21,18 @@ from chain_impact.pictures.drawing.style import FLAT, INK, SHADE, faint
 CLOSE = 4.0  # [points] the usual distance from a position to its label
 # The distances between a position and its label, relative to CLOSE, in the order in which they are tried. A
 # leader is a line from the position to its label. Labels at the distances NEARBY, which come first, have no
-# leader. Then come the distances FAR, with a leader, or, if leaders are not allowed, UNLED.
+# leader. Then come the distances LEADER_DISTANCES, with a leader, or, if leaders are not allowed, UNLED.
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
-FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
-# DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: the order of
-# these directions, as steps away from the best direction, to both sides
-DIRECTIONS = 16
-TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
+LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
+# LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: the order
+# of these directions, as steps away from the best direction, to both sides
+LABEL_DIRECTIONS = 16
+TURNS = (
+    0,
+    *(sign * part for part in range(1, LABEL_DIRECTIONS // 2) for sign in (1, -1)),
+    LABEL_DIRECTIONS // 2,
+)
 COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
 # STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED: [points] two
 # limits of the length of a leader on strong pixels, in the order in which they are tried. OWN: [points] the
@@ -214,7 +218,7 @@ def place_labels(
             position to the label, and may cover pale lines.
         look: properties of the text of all labels, with matplotlib's names.
     """
-    steps = np.array(NEARBY + (FAR if lines else UNLED))
+    steps = np.array(NEARBY + (LEADER_DISTANCES if lines else UNLED))
     probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
 
     @functools.cache
@@ -310,7 +314,7 @@ def _place(
     figure = axes.get_figure(root=True)
     assert figure is not None
     point, inside = figure.dpi / 72.0, axes.get_window_extent()
-    may_lead = FAR[-1] in steps
+    may_lead = LEADER_DISTANCES[-1] in steps
     beyond = min(inside.x1 + BEYOND * point, figure.bbox.x1 - CLOSE * point) if may_lead else inside.x1
     highest = np.array([max(inside.x1, beyond), inside.y1])
     at = np.asarray(axes.transData.transform(label.position))
@@ -340,9 +344,9 @@ def _place(
         free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
         # Limits > 0 concern leaders only; positions without a leader were already tried with the limit 0.
         if crossed:
-            free &= np.isin(steps[tried[:, 0]], FAR)
+            free &= np.isin(steps[tried[:, 0]], LEADER_DISTANCES)
         for step, turn in tried[free].tolist():
-            is_led = may_lead and steps[step] in FAR
+            is_led = may_lead and steps[step] in LEADER_DISTANCES
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if is_led else {}
             box, start = (low[step, turn], high[step, turn]), at if led else None
             middle = 0.5 * (box[0] + box[1])
@@ -369,8 +373,8 @@ def folded(words: str) -> str:
 
 
 def directions(away: tuple[float, float]) -> np.ndarray:
-    """Return DIRECTIONS unit vectors, those nearest to ``away`` first, shape (DIRECTIONS, 2)."""
-    angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / DIRECTIONS * np.array(TURNS)
+    """Return LABEL_DIRECTIONS unit vectors, those nearest to ``away`` first, shape (LABEL_DIRECTIONS, 2)."""
+    angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / LABEL_DIRECTIONS * np.array(TURNS)
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 

@@ -30,9 +30,9 @@ LAW_LOOKS: dict[str, dict[str, Any]] = {
 """Law → properties of its lines, with matplotlib's names. Lines are solid for the
 laws that are used most, dotted for newton_impact, dashed for all other laws; but dash-dotted
 for jankowski, as VIOLET looks like BLUE, the colour of hertz, to colour-blind readers."""
-USER_LAW: dict[str, Any] = {"color": BROWN}
+USER_LAW_LOOK: dict[str, Any] = {"color": BROWN}
 
 
 def law_look(law: str) -> dict[str, Any]:
-    """Return the colour and dashes of a law's lines; a law from a user's file has those of USER_LAW."""
-    return LAW_LOOKS.get(law, USER_LAW)
+    """Return the colour and dashes of a law's lines; a law from a user's file has those of USER_LAW_LOOK."""
+    return LAW_LOOKS.get(law, USER_LAW_LOOK)

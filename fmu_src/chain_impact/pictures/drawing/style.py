@@ -47,8 +47,8 @@ OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
 """The colours of the ground on which labels may stand."""
 # Parts of the text's colour in mixtures with the ground (``faint``). SHADE: for a time in which nothing
-# moves; LINE: for the line at an impact.
-SHADE, LINE = 0.05, 0.1
+# moves; IMPACT_LINE: for the line at an impact.
+SHADE, IMPACT_LINE = 0.05, 0.1
 # the colour map viridis without its upper end, whose yellow is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 

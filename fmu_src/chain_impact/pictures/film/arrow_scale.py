@@ -25,7 +25,7 @@ SHORTEST_ARROW = 0.02  # the length of the shortest arrow, relative to the small
 FIRST_MARK, MARK_GAP = 0.1, 0.3
 NUMBER_SPACE = 0.5  # the least space between two numbers of the ruler, relative to their height
 SCALE_NAME = "force (cube root)"
-TICK = 3.0  # [points] half of the length of a mark on the ruler
+RULER_TICK = 3.0  # [points] half of the length of a mark on the ruler
 
 
 class ArrowScale:
@@ -71,7 +71,7 @@ class ArrowScale:
         """
         _, place, text_look = placed_below(axes, colour)
         left, _ = axes.get_xlim()
-        marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
+        marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * RULER_TICK}
         marks |= {"transform": place, "clip_on": False}
         end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
@@ -79,7 +79,7 @@ class ArrowScale:
         free = math.inf
         for at, text in self.marks():
             below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
-            label = axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), **below)
+            label = axes.annotate(text, (left + at, y), (0.0, -RULER_TICK - 1.0), **below)
             box = label.get_window_extent()
             if box.x1 > free:  # in a small film, this number would touch its right neighbour
                 label.remove()

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.words.headline import hardness, hit_words
 from chain_impact.pictures.words.point_names import brief_hit, short_names
 from chain_impact.recording.contact_times import contact_ends
-from chain_impact.recording.pacing import RAMP, impact_ends, slow_spans
+from chain_impact.recording.pacing import SPEED_RAMP, impact_ends, slow_spans
 from chain_impact.recording.recording import Recording
 
 CAPTION_FRAMES = 40  # number of frames for which a caption stays after the end of its contact; 2 s in a gif
@@ -67,14 +67,14 @@ class Caption:
 def caption_starts(recording: Recording) -> np.ndarray:
     """Return the times [s] at which the captions of the impacts begin, shape (I,).
 
-    The caption of an impact in slow motion begins RAMP [s] before the onset or, if the latest end of earlier
-    impacts is less than 2 RAMP before the onset, in the middle between this end and the onset, but not after
-    the onset. Any other caption begins at the onset.
+    The caption of an impact in slow motion begins SPEED_RAMP [s] before the onset or, if the latest end of
+    earlier impacts is less than 2 SPEED_RAMP before the onset, in the middle between this end and the onset,
+    but not after the onset. Any other caption begins at the onset.
     """
     onsets = recording.impacts["onset"]
     ends = np.maximum.accumulate(
         np.append(-np.inf, impact_ends(recording.impacts, float(recording.time[-1])))
     )
-    early = np.minimum(onsets, np.maximum(onsets - RAMP, 0.5 * (onsets + ends[:-1])))
+    early = np.minimum(onsets, np.maximum(onsets - SPEED_RAMP, 0.5 * (onsets + ends[:-1])))
     is_slow = np.isin(onsets, [onset for onset, _ in slow_spans(recording)])
     return np.asarray(np.where(is_slow, early, onsets))

@@ -40,7 +40,7 @@ FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENER
 FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
 FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
-ROOM = (7.0, 3.9375)  # [inch] the least width and height of a figure with charts
+SIZE_WITH_CHARTS = (7.0, 3.9375)  # [inch] the least width and height of a figure with charts
 # the axes with the chain: left, bottom, width and height, relative to the size of the figure
 SCENE = (0.02, 0.09, 0.6, 0.79)
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
@@ -76,7 +76,7 @@ class Film:
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
         self.touches, self.moving = recording.touches, list[Any]()
         self.numbers, self.arrows = list[Number](), list[np.ndarray]()
-        wide = bool((figure.get_size_inches() > 0.99 * np.array(ROOM)).all())
+        wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
         scene, clock, rate = (SCENE, CLOCK, RATE) if wide else (SMALL_SCENE, SMALL_CLOCK, SMALL_RATE)
         self.tells_energies = wide and bool(recording.energies)
         self.scene = figure.add_axes(scene)

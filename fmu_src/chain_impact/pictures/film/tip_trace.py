@@ -7,7 +7,7 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 
 PIECE = 0.004  # approximate length of the straight pieces of the curve, relative to the view's smaller side
-MOST_PARTS = 32  # the largest number of straight pieces between two rows
+MOST_TRACE_PARTS = 32  # the largest number of straight pieces between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
@@ -26,7 +26,7 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     time, tip = recording.time, recording.points[:, -1]
     speeds, steps = _speeds(recording), np.diff(time)
     far = np.hypot(*np.diff(tip, axis=0).T) / (PIECE * size)
-    parts = np.where(_broken(recording), 1, np.ceil(far).clip(1, MOST_PARTS)).astype(int)
+    parts = np.where(_broken(recording), 1, np.ceil(far).clip(1, MOST_TRACE_PARTS)).astype(int)
     row = np.repeat(np.arange(len(steps)), parts)
     s = ((np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row])[:, None]
     h = steps[row, None]

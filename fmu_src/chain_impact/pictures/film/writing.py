@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.dark_ground import Ground
 from chain_impact.pictures.film.file_formats import write_gif, write_mp4
-from chain_impact.pictures.film.film import FILM_COLOURS, FILM_STYLE, ROOM, Film
+from chain_impact.pictures.film.film import FILM_COLOURS, FILM_STYLE, SIZE_WITH_CHARTS, Film
 from chain_impact.progress import Progress
 from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
@@ -25,8 +25,8 @@ RATES = {".gif": 20, ".mp4": 30}
 # motion may look slower than it is
 FRAMES_OF_SINE = 8.0
 # If the user gives no speed, a film with slow motion is slowed down to show a fast sine, but only until the
-# film has MOST_FRAMES frames, because more frames take minutes to draw.
-MOST_FRAMES = 1500
+# film has MOST_SLOWED_FRAMES frames, because more frames take minutes to draw.
+MOST_SLOWED_FRAMES = 1500
 # Pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number in a film with charts; SMALL_DPI: the
 # number in a film that is too small for charts.
 MOST_DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
@@ -63,7 +63,7 @@ def write_film(
     start, stop = (float(recording.time[row]) for row in (0, -1))
     times, usual = frame_times(start, stop, slow_spans(recording), impact_time)
     frames = (len(times) - 1) * rate / usual  # the number of frames if ``speed`` is 1
-    speed = pace(recording, speed, rate, frames / MOST_FRAMES if impact_time > 0.0 else 1.0)
+    speed = pace(recording, speed, rate, frames / MOST_SLOWED_FRAMES if impact_time > 0.0 else 1.0)
     count = 1 + int(np.ceil(frames / speed))
     shown = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
     rates = np.interp(shown, times, np.gradient(times) * usual * speed)
@@ -135,5 +135,5 @@ def resolution(size: tuple[int, int]) -> float:
 
     A film that is too small for charts at LEAST_DPI has SMALL_DPI. ``size``: width and height [pixels].
     """
-    density = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
+    density = min(pixels / inches for pixels, inches in zip(size, SIZE_WITH_CHARTS, strict=True))
     return min(MOST_DPI, density) if density >= LEAST_DPI else SMALL_DPI

@@ -21,7 +21,7 @@ from chain_impact.pictures.words.impact_numbers import (
 )
 from chain_impact.recording.joint_stops import touching_place
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.stick_slip import JOINT
+from chain_impact.recording.stick_slip import NO_WALL
 
 RING_SIZE = 6.5  # [points] the diameter of the ring at an impact
 PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
@@ -68,7 +68,7 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
     last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
     positions = []
     for phase in last[last["mode"] == STICKS]:
-        joint = phase["wall"] == JOINT
+        joint = phase["wall"] == NO_WALL
         position = points[max(phase["point"] - 1, 0) if joint else phase["point"]]
         if not joint and recording.walls:
             wall = recording.wall_of(phase)

@@ -1,7 +1,7 @@
 """The largest force in each joint, in the picture of a motion.
 
 Each force is an arrow at the position that the joint had at the time of the force. The values of the
-MOST_VALUES largest forces stand beside their joints, as far as there is room.
+MOST_FORCES largest forces stand beside their joints, as far as there is room.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SHORTEST_LOAD = 0.4
 # POSE_WIDTH: [points] the width of the chain in the pose of the arrows; POSE_LAYER: matplotlib's order of
 # drawing (zorder) for this chain, above all other poses
 POSE_WIDTH, POSE_LAYER = 1.6, 4.5
-MOST_VALUES = 3  # the largest number of joints whose forces are written
+MOST_FORCES = 3  # the largest number of joints whose forces are written
 
 
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
@@ -78,11 +78,11 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
 
 
 def name_loads(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the MOST_VALUES largest of the peak forces in joints, where ``ink`` has room.
+    """Write the MOST_FORCES largest of the peak forces in joints, where ``ink`` has room.
 
     Each force stands near the position of its joint at the time of the force.
     """
-    peaks = [peak for peak in joint_peaks(recording)[:MOST_VALUES] if peak.force > 0.0]
+    peaks = [peak for peak in joint_peaks(recording)[:MOST_FORCES] if peak.force > 0.0]
     values = [force_text(peak.force, "N") for peak in peaks]
     labels = [
         Label(

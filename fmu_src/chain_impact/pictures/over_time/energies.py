@@ -17,9 +17,9 @@ from chain_impact.pictures.over_time.time_axis import mark_impacts, over_all_tim
 from chain_impact.recording.recording import Recording
 
 # The curve of an energy except the total energy is dashed if, in at least the part MOSTLY of all rows, the
-# curve differs from an earlier one by at most ALIKE, relative to the range of all curves. The curve of the
-# total energy is neither an earlier one nor in the range.
-ALIKE, MOSTLY = 0.03, 0.8
+# curve differs from an earlier one by at most COVERED_CURVE, relative to the range of all curves. The curve
+# of the total energy is neither an earlier one nor in the range.
+COVERED_CURVE, MOSTLY = 0.03, 0.8
 # the zero of the potential energy is moved if the move makes the range of all energies (``range_of``) smaller
 # than this part of the range with the usual zero
 CLOSER = 0.8
@@ -40,7 +40,7 @@ ENERGIES = {
 VISIBLE_ELASTIC = 0.01
 # An energy whose |values| are all less than this, relative to the largest |value| of any energy, looks like a
 # line at 0; more than MOST_GREY of these energies are drawn as a band (``tiny_curves``).
-TINY = 0.05
+TINY_ENERGY = 0.05
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
@@ -70,7 +70,7 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):
         del shown["elastic"]
     others = [name for name in shown if name != "total"]
-    hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
+    hidden = hides([shown[name] for name in others], COVERED_CURVE, MOSTLY)
     is_dashed = {name: name in ENERGY_PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
     return [
         (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
@@ -91,7 +91,7 @@ def shown_energies(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
 
 
 def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int]:
-    """Return the indices of the energy curves that are so small (TINY) that they look like one line at 0.
+    """Return the indices of the curves of energies so small (TINY_ENERGY) that they look like a line at 0.
 
     If there are at most MOST_GREY such curves, the list is empty. Energies in ENERGY_PARTS do not count as
     small.
@@ -99,7 +99,7 @@ def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int
     sizes = [float(np.abs(values).max(initial=0.0)) for values, _ in curves]
     parts = {PART_LABEL.format(name) for name in ENERGY_PARTS}
     is_part = [look["label"] in parts for _, look in curves]
-    tiny = [k for k, size in enumerate(sizes) if size < TINY * max(sizes) and not is_part[k]]
+    tiny = [k for k, size in enumerate(sizes) if size < TINY_ENERGY * max(sizes) and not is_part[k]]
     return tiny if len(tiny) > MOST_GREY else []
 
 

@@ -33,8 +33,8 @@ from chain_impact.recording.text import speed_unit
 # the largest number of different looks of marks, each for a point or a joint at its stops, or for all others
 MOST_OWN_MARKS = 5
 # Impacts have equal distances in time if there are more than REGULAR impacts, and if the largest and the
-# smallest distance of successive impacts differ by at most EQUAL times the mean distance.
-REGULAR, EQUAL = 5, 0.2
+# smallest distance of successive impacts differ by at most EQUAL_DISTANCES times the mean distance.
+REGULAR, EQUAL_DISTANCES = 5, 0.2
 NUMBERED = 60  # the largest number of labels with numbers of impacts
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
@@ -299,11 +299,11 @@ def numbered_step(axes: Axes, recording: Recording) -> int:
     """Return the number k such that only every k-th impact may get a number; 1 if each impact may get one.
 
     k is 1, 2 or 5 times a power of ten. It exceeds 1 only if the impacts have equal distances in time
-    (REGULAR, EQUAL) that are too short for all numbers.
+    (REGULAR, EQUAL_DISTANCES) that are too short for all numbers.
     """
     onsets = recording.impacts["onset"]
     gaps = np.diff(onsets)
-    if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():
+    if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL_DISTANCES * gaps.mean():
         return 1
     # a text of the width that a number needs: the longest number, and two spaces
     probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")

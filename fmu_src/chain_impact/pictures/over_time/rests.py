@@ -12,9 +12,9 @@ from chain_impact.recording.rest import rest_word, rests
 
 # times without motion at start and end are cut if together they take at least this part of the whole time
 CUT_REST = 0.4
-# the longest shown part of a cut time without motion, BEFORE at the start and AFTER at the end of the run,
-# both relative to the whole time without these two times
-BEFORE, AFTER = 0.1, 0.25
+# the longest shown part of a cut time without motion, REST_AT_START at the start and REST_AT_END at the end
+# of the run, both relative to the whole time without these two times
+REST_AT_START, REST_AT_END = 0.1, 0.25
 
 
 class ShownTime(NamedTuple):
@@ -37,7 +37,7 @@ class ShownTime(NamedTuple):
 def shown_time(recording: Recording) -> ShownTime:
     """Return the time that a picture shows: the run, but long times without motion at its ends are cut.
 
-    They are cut to BEFORE and AFTER if CUT_REST says so.
+    They are cut to REST_AT_START and REST_AT_END if CUT_REST says so.
     """
     resting = rests(recording)
     first, last = (float(recording.time[row]) for row in (0, -1))
@@ -46,7 +46,10 @@ def shown_time(recording: Recording) -> ShownTime:
     after = last - resting[-1][0] if resting and resting[-1][1] == last else 0.0
     moving = last - first - before - after
     if moving > 0.0 and before + after >= CUT_REST * (last - first):
-        start, end = max(first, first + before - BEFORE * moving), min(last, last - after + AFTER * moving)
+        start, end = (
+            max(first, first + before - REST_AT_START * moving),
+            min(last, last - after + REST_AT_END * moving),
+        )
     words = f"shaded: {rest_word(recording)}" if resting else ""
     cuts = [f"starts at {first:g} s"] * (start > first) + [f"ends at {last:g} s"] * (end < last)
     words += f"; the run {' and '.join(cuts)}" if cuts else ""

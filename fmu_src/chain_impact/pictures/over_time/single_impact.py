@@ -22,8 +22,8 @@ AFTER_PEAK = 4.0
 # a contact is long if it lasts more than MUCH_LONGER × the time for which ``shown_contact`` shows a long one
 MUCH_LONGER = 2.0
 # If a run cannot be repeated, the force of a contact is drawn from the recording's rows within the contact,
-# if there are at least LEAST_ROWS such rows.
-LEAST_ROWS = 20
+# if there are at least LEAST_CONTACT_ROWS such rows.
+LEAST_CONTACT_ROWS = 20
 OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
 
 
@@ -56,7 +56,8 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     The hardest impact is that with the largest force at a wall or at a stop of a slider or, without such a
     force, with the largest moment at a stop of a joint [N·m]. Times and forces come from a repeated run or,
     if the run cannot be repeated, from the recording's rows within the contact, if these are at least
-    LEAST_ROWS. The result is None if no impact has a known peak force, or if the forces are not known.
+    LEAST_CONTACT_ROWS. The result is None if no impact has a known peak force, or if the forces are not
+    known.
     """
     hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.words), None)
     if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
@@ -69,7 +70,7 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     place = int(impact["point"]), recording.wall_names[impact["wall"]]
     forces = (touch.force for touch in recording.touches if (touch.point, touch.wall) == place)
     force = next(forces, None)
-    if force is None or np.count_nonzero(inside) < LEAST_ROWS:
+    if force is None or np.count_nonzero(inside) < LEAST_CONTACT_ROWS:
         return None
     return row, recording.time[inside], force[inside]
 

@@ -8,7 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
-from chain_impact.pictures.drawing.style import LINE, TIME_COLOURS, faint, give_ticks, is_full, scale_numbers
+from chain_impact.pictures.drawing.style import (
+    IMPACT_LINE,
+    TIME_COLOURS,
+    faint,
+    give_ticks,
+    is_full,
+    scale_numbers,
+)
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.recording import Recording
@@ -75,7 +82,13 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
     """
     onsets = factor * (recording.impacts["onset"] - start)
     axes.vlines(
-        onsets, 0.0, 1.0, faint(axes, LINE), linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform()
+        onsets,
+        0.0,
+        1.0,
+        faint(axes, IMPACT_LINE),
+        linewidth=0.8,
+        zorder=0,
+        transform=axes.get_xaxis_transform(),
     )
 
 

@@ -24,13 +24,13 @@ from chain_impact.scene.rules.rule_language import ValueOf, holds, number_in, of
 from chain_impact.scene.words.angles import radians_hint, turns_hint
 from chain_impact.scene.words.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 
-# LONG [m], LIGHT [kg/m]: The length of a link is probably given in mm if it is above LONG and the mass per
-# length is below LIGHT: in metres, only a long rope would be so light.
-LONG, LIGHT = 20.0, 0.2
+# LONG_LINK [m], LIGHT_LINK [kg/m]: The length of a link is probably given in mm if it is above LONG_LINK and
+# the mass per length is below LIGHT_LINK: in metres, only a long rope would be so light.
+LONG_LINK, LIGHT_LINK = 20.0, 0.2
 IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the earth's gravity in mm/s²
 # [1] the coordinates of a point of a link are probably in mm if its distance from the link's proximal joint
-# is above FAR times the sum of the lengths of all links
-FAR = 30.0
+# is above FAR_POINT times the sum of the lengths of all links
+FAR_POINT = 30.0
 
 
 def check(scene: Contents) -> None:
@@ -269,20 +269,20 @@ def size_hints(scene: Contents) -> list[str]:
 def length_hints(scene: Contents) -> list[str]:
     """Return at most two questions whether a length is in mm.
 
-    One is on the first link that is long for its mass (LONG, LIGHT), one on the first point of a link that is
-    far from the proximal joint of the link (FAR).
+    One is on the first link that is long for its mass (LONG_LINK, LIGHT_LINK), one on the first point of a
+    link that is far from the proximal joint of the link (FAR_POINT).
     """
     links, whole = scene.chain.links, sum(link.length for link in scene.chain.links)
     long = [
         f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
         for i, link in enumerate(links, 1)
-        if link.length > LONG and link.mass < LIGHT * link.length
+        if link.length > LONG_LINK and link.mass < LIGHT_LINK * link.length
     ]
     far = [
         f"point {number} is {distance:g} m from the joint of its link, far for a chain of {whole:g} m: "
         "is it in mm?"
         for number, (_, site) in enumerate(scene.chain.sites, len(links) + 1)
-        if (distance := math.hypot(site.x, site.y)) > FAR * whole
+        if (distance := math.hypot(site.x, site.y)) > FAR_POINT * whole
     ]
     return long[:1] + far[:1]
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.keys.chain_tables import CORNERS
+from chain_impact.scene.keys.chain_tables import BOX_CORNERS
 from chain_impact.scene.words.names import SLIDER_STOPS
 
 CIRCLE_CORNERS = 24  # number of corners of the polygon that is drawn for each circle
@@ -77,7 +77,7 @@ def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
         discs: list[Disc] = []
         if (height := values.get(f"link[{link}].height")) is not None:
             length = values[f"link[{link}].length"]
-            corners = (corner_of_box(n, length, height) for n in range(1, CORNERS + 1))
+            corners = (corner_of_box(n, length, height) for n in range(1, BOX_CORNERS + 1))
             discs = [(x, y, values.get("contact.radius", 0.0)) for x, y in corners]
         names = (f"link[{link}].point[{n}]" for n in count(len(discs) + 1))
         for of in takewhile(lambda site: f"{site}.x" in values, names):

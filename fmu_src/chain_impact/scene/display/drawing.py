@@ -11,12 +11,13 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.display.bodies import outlines_from, placed, rail_from
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
-# both divided by the longer side of the rectangle around all points: MARGIN is the width of the free border
-# inside the drawing; a wall is drawn if its distance from the point nearest to it is at most NEAR
-MARGIN, NEAR = 0.15, 1.0
-# all divided by the longer side of the drawing: LINE is the width of links, THIN the width of other lines,
-# POINT the radius of points
-LINE, THIN, POINT = 0.012, 0.004, 0.02
+# both divided by the longer side of the rectangle around all points: SCENE_MARGIN is the width of the free
+# border inside the drawing; a wall is drawn if its distance from the point nearest to it is at most
+# DRAWN_WITHIN
+SCENE_MARGIN, DRAWN_WITHIN = 0.15, 1.0
+# all divided by the longer side of the drawing: LINK_WIDTH is the width of links, THIN_WIDTH the width of
+# other lines, POINT_RADIUS the radius of points
+LINK_WIDTH, THIN_WIDTH, POINT_RADIUS = 0.012, 0.004, 0.02
 
 
 def svg(scene: Contents, values: Mapping[str, Any]) -> str:
@@ -36,12 +37,14 @@ def svg(scene: Contents, values: Mapping[str, Any]) -> str:
         (wall, positions - np.outer(positions @ wall.normal - wall.offset, wall.normal))
         for wall in scene.walls_at_start.values()
     ]
-    near = [(wall, feet) for wall, feet in nearest if np.hypot(*(positions - feet).T).min() <= NEAR * size]
+    near = [
+        (wall, feet) for wall, feet in nearest if np.hypot(*(positions - feet).T).min() <= DRAWN_WITHIN * size
+    ]
     shown = np.concatenate([positions, *bodies, *(feet for _, feet in near)])
-    low, high = shown.min(axis=0) - MARGIN * size, shown.max(axis=0) + MARGIN * size
+    low, high = shown.min(axis=0) - SCENE_MARGIN * size, shown.max(axis=0) + SCENE_MARGIN * size
     width, height = high - low
     reach, scale = width + height, LONGER_SIDE / max(width, height)
-    line, dot = (f"{part * max(width, height):.6g}" for part in (LINE, POINT))
+    line, dot = (f"{part * max(width, height):.6g}" for part in (LINK_WIDTH, POINT_RADIUS))
     parts = []
     for wall, feet in near:
         normal, at = np.array(wall.normal), feet[0]
@@ -49,7 +52,7 @@ def svg(scene: Contents, values: Mapping[str, Any]) -> str:
         corners = [at - along, at + along, at + along - reach * normal, at - along - reach * normal]
         parts.append(f'<polygon points="{_listed(corners)}" fill="currentColor" fill-opacity="0.2"/>')
     look = f'fill="none" stroke="currentColor" stroke-width="{line}"'
-    thin = f'stroke="currentColor" stroke-width="{THIN * max(width, height):.6g}"'
+    thin = f'stroke="currentColor" stroke-width="{THIN_WIDTH * max(width, height):.6g}"'
     parts += [f'<polyline points="{_listed(polyline)}" fill="none" {thin}/>' for polyline in lines]
     parts += [f'<polygon points="{_listed(body)}" fill-opacity="0.2" {thin}/>' for body in bodies]
     parts.append(f'<polyline points="{_listed(points)}" {look}/>')

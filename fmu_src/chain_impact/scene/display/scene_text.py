@@ -12,14 +12,14 @@ from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.words.unit_text import of_power
 
 SHOWN_ENTRIES = 6  # a longer list is shortened in the text of a scene: its first entries, …, the last one
-WIDTH = 100  # largest number of characters in a line of the text of a scene; a longer line is cut
+TEXT_WIDTH = 100  # largest number of characters in a line of the text of a scene; a longer line is cut
 
 
 def text(scene: Contents) -> str:
     """Return a scene in a few lines: name, chain, walls, contact, stops, signals, start and run."""
     title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
     lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]
-    return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)
+    return "\n".join(line if len(line) <= TEXT_WIDTH else f"{line[: TEXT_WIDTH - 1]}…" for line in lines)
 
 
 def _lines(scene: Contents) -> Iterator[tuple[str, str]]:

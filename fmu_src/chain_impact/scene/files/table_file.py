@@ -24,8 +24,8 @@ TIME = "time"
 TOO_LONG = 990.0
 # Rows seem to be missing in a step of time that is longer than MISSING times the median step. This holds for
 # a regular table only: it has at least ROWS steps, and at least half of the steps differ from the median step
-# by at most EQUAL times the median step.
-MISSING, ROWS, EQUAL = 10.0, 10, 0.01
+# by at most EQUAL_STEPS times the median step.
+MISSING, ROWS, EQUAL_STEPS = 10.0, 10, 0.01
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")  # the texts that count as an empty cell
 
 
@@ -171,7 +171,7 @@ def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
     if len(steps) < ROWS:
         return []
     usual, longest = float(np.median(steps)), int(steps.argmax())
-    is_regular = np.median(np.abs(steps - usual)) <= EQUAL * usual
+    is_regular = np.median(np.abs(steps - usual)) <= EQUAL_STEPS * usual
     if not is_regular or steps[longest] <= MISSING * usual:
         return []
     return [

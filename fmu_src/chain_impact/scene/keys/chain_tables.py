@@ -9,7 +9,7 @@ from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
 from chain_impact.scene.words.names import SLIDER_STOPS, STOPS
 
 MAX_LINKS = 1000
-CORNERS = 4  # number of corners of a link with the shape of a box
+BOX_CORNERS = 4  # number of corners of a link with the shape of a box
 OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
 
 
@@ -85,7 +85,7 @@ class Link:
     @property
     def corners(self) -> int:
         """The number of entries of ``points`` that are corners of a box; they come first. 0 without a box."""
-        return CORNERS if self.shape else 0
+        return BOX_CORNERS if self.shape else 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 NUMBER = re.compile(r"\[\d*\]")
 SYNONYMS = {"bounce": "restitution", "law": "model", "floor": "box"}
 """Word that a user may write after the last dot of a name → the word that is meant."""
-SHORTEST = 3
+SHORTEST_NAME = 3
 """The least number of characters of a known name that ``one_typo`` returns."""
 LIKE_NAME = 0.6
 """The usual least similarity, from 0 to 1, to the unknown name of a similar name that ``nearest`` returns."""
@@ -104,9 +104,9 @@ def one_typo(name: str, names: Iterable[str]) -> str | None:
     """Return the first of ``names`` that differs from ``name`` by at most one typo, or None.
 
     In ``name``, one character is too many, missing or wrong, or two neighbouring characters are swapped.
-    Names of less than SHORTEST characters are left out.
+    Names of less than SHORTEST_NAME characters are left out.
     """
-    return next((other for other in names if len(other) >= SHORTEST and _is_one_typo(name, other)), None)
+    return next((other for other in names if len(other) >= SHORTEST_NAME and _is_one_typo(name, other)), None)
 
 
 def _is_one_typo(one: str, other: str) -> bool:

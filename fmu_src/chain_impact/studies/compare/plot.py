@@ -49,7 +49,7 @@ SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
 # matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
 REFERENCE_LAYER = 3
 # the reason for the colour of a law whose force is above 0 at penetration 0
-JUMPS = "force jumps at the onset"
+JUMP_NOTE_OF_LAW = "force jumps at the onset"
 IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses that has no colour."""
@@ -161,9 +161,9 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     A law with several reasons has them all, with commas between them. The reasons are: "reference"; "of the
     scene", unless the scene's law is the reference; "no losses", for the law LOSSLESS, if the
     restitution in the first impact under LOSSLESS differs from that under the reference; "differs most with
-    losses", for the law whose restitution is farthest from that under the reference; and JUMPS. LOSSLESS does
-    not count as the farthest, because it ignores the prescribed restitution. No law is the farthest if the
-    restitutions do not describe the contact alone (``has_restitution``).
+    losses", for the law whose restitution is farthest from that under the reference; and JUMP_NOTE_OF_LAW.
+    LOSSLESS does not count as the farthest, because it ignores the prescribed restitution. No law is the
+    farthest if the restitutions do not describe the contact alone (``has_restitution``).
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -177,7 +177,7 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
         _add_reason(why, law, "differs most with losses")
     for law in (run.law for run in comparison.runs if run.loop is not None and run.loop.size):
         if has_jump(law):
-            _add_reason(why, law, JUMPS)
+            _add_reason(why, law, JUMP_NOTE_OF_LAW)
     for run in comparison.runs:
         if run.law in USED and run.result is not None and len(why) < COLOURED_LAWS:
             why.setdefault(run.law, "")

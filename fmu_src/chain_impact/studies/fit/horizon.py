@@ -22,8 +22,9 @@ from chain_impact.studies.fit.problem import Evaluation, Problem
 # first horizon, or N / VALUES_PER_PARAMETER values if this number is smaller, but not fewer than P values.
 VALUES_PER_PARAMETER = 3
 # The model follows the data as long as its difference from each value in ``Problem.followed`` is at most
-# FAR × the size of the value's column: FAR[0] in the first series of searches, FAR[1] in the second series.
-FAR = (0.01, 0.0025)
+# FOLLOWED_WITHIN × the size of the value's column: FOLLOWED_WITHIN[0] in the first series of searches,
+# FOLLOWED_WITHIN[1] in the second series.
+FOLLOWED_WITHIN = (0.01, 0.0025)
 # A second series of searches follows if the first series does not converge; or if the mean square of the
 # residuals r/σ with all data is at least WORSE × the smallest mean square with fewer data, which is a sign of
 # a wrong minimum. The smallest mean square counts as at least LEAST_SQUARE, because smaller ones are only
@@ -81,10 +82,10 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
     """
     start = problem.evaluate(problem.start)
     _check(problem, start)
-    first = _search(problem, start, FAR[0], progress)
+    first = _search(problem, start, FOLLOWED_WITHIN[0], progress)
     if first.search.converged and first.worse < WORSE:
         return first
-    second = _search(problem, start, FAR[1], progress)
+    second = _search(problem, start, FOLLOWED_WITHIN[1], progress)
     return min(first, second, key=lambda candidate: _squares(candidate.search.best, first.sigma))
 
 

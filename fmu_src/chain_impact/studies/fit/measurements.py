@@ -15,9 +15,9 @@ from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 POINT, WALL, DURATION = "point", "wall", "duration"
 MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
 """The quantities of an impact that a fit uses: not x and y, because this position lies on the wall."""
-# If impacts were measured, the model runs until LATE times the last measured time, because an impact of the
-# model may be later than the measured impact.
-LATE = 1.25
+# If impacts were measured, the model runs until LATE_FACTOR times the last measured time, because an impact
+# of the model may be later than the measured impact.
+LATE_FACTOR = 1.25
 
 
 @dataclass(frozen=True)
@@ -107,12 +107,13 @@ class Measurements:
         """Return the time [s] up to which a model must run to have all measured outputs and impacts.
 
         This is the last time of a measured value; an impact without a measured time counts as an impact at
-        ``stop_time``, the scene's stop time [s]. If an impact was measured, the result is LATE × this time.
+        ``stop_time``, the scene's stop time [s]. If an impact was measured, the result is LATE_FACTOR × this
+        time.
         """
         last = float(np.nanmax(self.order, initial=0.0))
         if np.isnan(self.order).any():
             last = max(last, stop_time)
-        return LATE * last if self.of_impact.any() else last
+        return LATE_FACTOR * last if self.of_impact.any() else last
 
     def until(self, stop: float) -> Measurements:
         """Return the measurements whose ``order`` is at most ``stop`` [s] or NaN.

@@ -18,8 +18,9 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
-# A search on a logarithmic scale stays between the start value / WIDEST and the start value × WIDEST.
-WIDEST = 1e8
+# A search on a logarithmic scale stays between the start value / LOG_SCALE_REACH and the start value ×
+# LOG_SCALE_REACH.
+LOG_SCALE_REACH = 1e8
 
 
 @dataclass(frozen=True)
@@ -55,13 +56,14 @@ class Parameter:
     def ends(self) -> tuple[float, float]:
         """The lowest and the highest coordinate that the search may use: those of ``low`` and ``high``.
 
-        On a logarithmic scale, start / WIDEST replaces a lower ``low``, and start × WIDEST a higher ``high``.
+        On a logarithmic scale, start / LOG_SCALE_REACH replaces a lower ``low``, and start × LOG_SCALE_REACH
+        a higher ``high``.
         """
         if not self.logarithmic:
             return self.low, self.high
         return (
-            self.coordinate(max(self.low, self.start / WIDEST)),
-            self.coordinate(min(self.high, self.start * WIDEST)),
+            self.coordinate(max(self.low, self.start / LOG_SCALE_REACH)),
+            self.coordinate(min(self.high, self.start * LOG_SCALE_REACH)),
         )
 
     def coordinate(self, value: float) -> float:

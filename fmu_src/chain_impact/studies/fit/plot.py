@@ -28,8 +28,8 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import (
     GREY,
+    IMPACT_LINE,
     INK,
-    LINE,
     PALE,
     PALETTE,
     PEAK_COLOUR,
@@ -62,7 +62,7 @@ MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns ar
 MOST_IN_TITLE = 2  # largest number of parameters in the headline
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
 CURVE_POINTS = 1500  # number of equal intervals of time between the points of the model's curve
-PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
+FIT_PANEL_WIDTH, FIT_PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 # free space before the first and after the last number on an axis of impact numbers; successive numbers have
 # the distance 1
 BESIDE = 0.5
@@ -104,8 +104,10 @@ def plot_fit(
     if fit.ranking:
         return draw_figure(partial(fill_ranking, fit=fit), path, size, bars_size([len(fit.ranking)]))
     count = min(len(fit.columns), MOST_FIT_PANELS)
-    width = 1.5 * PANEL_WIDTH if count == 1 else 2.0 * PANEL_WIDTH
-    return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * PANEL_HEIGHT))
+    width = 1.5 * FIT_PANEL_WIDTH if count == 1 else 2.0 * FIT_PANEL_WIDTH
+    return draw_figure(
+        partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * FIT_PANEL_HEIGHT)
+    )
 
 
 @styled()
@@ -301,7 +303,7 @@ def _curve(
     onsets = onsets[onsets <= last]
     for axes in panels:
         across: dict[str, Any] = {"linewidth": 0.6, "zorder": 0, "transform": axes.get_xaxis_transform()}
-        axes.vlines(onsets, 0.0, 1.0, faint(axes, LINE), **across)
+        axes.vlines(onsets, 0.0, 1.0, faint(axes, IMPACT_LINE), **across)
     panels[0].plot(result.time[until], model[until], **{"linewidth": 1.2, "zorder": 4.0} | look)
     return len(onsets) > 0
 

@@ -18,11 +18,11 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import AT_ONSET, Differentiated, DifferentiatedRun
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.simulation.instance import SimulationError
-from chain_impact.studies.fit.measurements import DURATION, LATE, MEASURED_OF_IMPACT, Measurements
+from chain_impact.studies.fit.measurements import DURATION, LATE_FACTOR, MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
 # the size of a column whose values are all 0; a size must not be 0, because numbers are divided by it
-SMALLEST = 1e-300
+EMPTY_COLUMN_SIZE = 1e-300
 # A coordinate counts as at a bound if its distance from the bound is at most AT_BOUND × its standard error,
 # and at most AT_BOUND × the distance from its start to the bound (``Problem._near``).
 AT_BOUND = 0.01
@@ -75,7 +75,7 @@ class Problem:
         order: time of each value, shape (M,) [s] (``Measurements.order``).
         low, high: the lowest and the highest coordinate of each parameter, shape (P,).
         size: size of the column to which each value belongs, shape (M,): the larger of its range and its
-            largest absolute value, but at least SMALLEST.
+            largest absolute value, but at least EMPTY_COLUMN_SIZE.
         group: index in ``names`` of the column to which each value belongs, shape (M,).
         names: the names of the measured columns.
         used: for each data set, the indices of the parameters on which its model depends.
@@ -231,14 +231,14 @@ class Problem:
         for group in range(len(self.names)):
             mine = self.group == group
             values = self.value[mine]
-            sizes[mine] = max(float(np.ptp(values)), float(np.abs(values).max()), SMALLEST)
+            sizes[mine] = max(float(np.ptp(values)), float(np.abs(values).max()), EMPTY_COLUMN_SIZE)
         return sizes
 
     def _run(self, k: int, values: np.ndarray, horizon: float) -> Differentiated:
         data = self.data[k]
         times = data.times[: np.searchsorted(data.times, horizon, side="right")]
         if len(data.impacts):
-            end = min(self.data[k].end(self.scenes[k].simulation.stop_time), LATE * horizon)
+            end = min(self.data[k].end(self.scenes[k].simulation.stop_time), LATE_FACTOR * horizon)
             times = np.append(times[times < end], end)
         return self._runs[k].run(values, times)
 

@@ -12,8 +12,9 @@ from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.uncertainty import exceedance_probability, information
 
-# a value is no outlier if its |residual| is at most SMALL × the range of the measured values of its column
-SMALL = 1e-3
+# a value is no outlier if its |residual| is at most SMALL_RESIDUAL × the range of the measured values of its
+# column
+SMALL_RESIDUAL = 1e-3
 # correlations between residuals r/σ of a column do not matter if their mean square is at most this number
 VISIBLE = 0.01
 # if the χ² of the columns with a given σ, divided by its degrees of freedom, is less than this number, the
@@ -66,7 +67,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
             continue
         if name not in fit.estimated:
             others[of_column] = np.maximum(others[of_column], 1.0)
-        alone |= of_column & (np.abs(fit.residuals[rows]) <= SMALL * np.ptp(value[rows][of_column]))
+        alone |= of_column & (np.abs(fit.residuals[rows]) <= SMALL_RESIDUAL * np.ptp(value[rows][of_column]))
     ratio = np.abs(off) / np.maximum(others * np.sqrt(kept), np.finfo(float).tiny)
     far = ~alone & (ratio > special.stdtrit(free, 1.0 - 0.5 * IMPROBABLE / len(rows)))
     order = rows[far][np.argsort(-ratio[far], kind="stable")]

@@ -10,14 +10,15 @@ import numpy as np
 from chain_impact.recording.text import TextTable, number, plural, prefixed
 from chain_impact.scene.words.unit_text import of_scene, with_unit
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
-from chain_impact.studies.fit.parameters import WIDEST, Parameter
+from chain_impact.studies.fit.parameters import LOG_SCALE_REACH, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation exceeds HIGH
 # the largest number of horizons that the report lists; of more, it lists the first two, "…" and the last two
 MOST_HORIZONS = 8
-# if the criteria (Akaike) of two laws differ by less than EQUAL, the data do not decide between these laws
-EQUAL = 2.0
+# if the criteria (Akaike) of two laws differ by less than UNDECIDED, the data do not decide between these
+# laws
+UNDECIDED = 2.0
 
 
 def report(fit: Estimates) -> Iterator[str | TextTable]:
@@ -38,7 +39,7 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
         yield "The rms residual is in standard deviations σ of the best fit."
         equal = count_of_best(fit)
         if equal > 1:
-            together = f"The first {equal} laws fit equally well, with ΔAIC < {EQUAL:g}"
+            together = f"The first {equal} laws fit equally well, with ΔAIC < {UNDECIDED:g}"
             yield f"{together}: these data cannot tell them apart."
 
 
@@ -46,9 +47,9 @@ def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
     """Return whether the data cannot decide between a law and the best law.
 
     The law must use as many values as the law that uses most, and its criterion of Akaike must exceed that of
-    the best law by less than EQUAL.
+    the best law by less than UNDECIDED.
     """
-    return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + EQUAL
+    return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + UNDECIDED
 
 
 def count_of_best(fit: Estimates) -> int:
@@ -101,10 +102,12 @@ def _interval(parameter: Parameter, value: float, error: float, ends: tuple[floa
     """Return the interval of a parameter as text, "low … high".
 
     The text is "not determined" if the interval ends at both bounds of the parameter or, on a logarithmic
-    scale, if high exceeds WIDEST × low. ``error`` is the standard error, in the unit of the value.
+    scale, if high exceeds LOG_SCALE_REACH × low. ``error`` is the standard error, in the unit of the value.
     """
     low, high = ends
-    if (low, high) == (parameter.low, parameter.high) or (parameter.logarithmic and high > WIDEST * low):
+    if (low, high) == (parameter.low, parameter.high) or (
+        parameter.logarithmic and high > LOG_SCALE_REACH * low
+    ):
         return "not determined"
     # Each end is rounded by its own error: on a logarithmic scale the value and the ends have the same
     # relative error.

@@ -17,9 +17,9 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.batches import hand_out
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 
-# [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time without a finished batch of
-# runs after which the connection and the number of workers are checked
-CONNECT, PATIENCE = 10.0, 30.0
+# [s] CONNECT: the time limit for an answer of the scheduler; CHECK_INTERVAL: the time without a finished
+# batch of runs after which the connection and the number of workers are checked
+CONNECT, CHECK_INTERVAL = 10.0, 30.0
 
 
 def run_on_cluster(
@@ -56,7 +56,9 @@ def run_on_cluster(
         count = _check_workers(client, computation, address)
         try:
             executor = client.get_executor(pure=False)
-            yield from hand_out(executor, count, computation.run_batch, spans, check=check, patience=PATIENCE)
+            yield from hand_out(
+                executor, count, computation.run_batch, spans, check=check, patience=CHECK_INTERVAL
+            )
         except (BuildError, RunError):
             raise
         except CancelledError:

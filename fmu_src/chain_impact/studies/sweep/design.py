@@ -21,12 +21,12 @@ from chain_impact.studies.sweep.variation import Variation
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")
 # the largest number of cells in a table that is kept in memory: 800 MB, with 8 bytes for each cell
-MOST_NUMBERS = 10**8
+MOST_CELLS = 10**8
 MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence with its 30 bits
 MOST_SEEDS = 2**32
 # All runs are samples of one Latin hypercube if runs × (varied parameters + FEWEST_RESULTS) is at most
-# MOST_NUMBERS; otherwise there are several hypercubes.
+# MOST_CELLS; otherwise there are several hypercubes.
 FEWEST_RESULTS = 16
 # number of runs in each of several Latin hypercubes; the last hypercube may have fewer
 CUBE = 2**16
@@ -80,7 +80,7 @@ class Design:
         order, all with one generator ``default_rng(seed)``, of which each object spawns the next child.
         """
         count, varied, parts = self.runs, len(self.variations), []
-        size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
+        size = count if count * (varied + FEWEST_RESULTS) <= MOST_CELLS else CUBE
         while first < end:
             cube, at = divmod(first, size)
             inside = min(size, count - cube * size)
@@ -186,7 +186,7 @@ def whole_number(source: str, name: str, number: int, *, least: int = 1, end: in
 def check_table_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
     """Refuse a sweep whose table is too large.
 
-    A table in memory, with a row for each run and ``columns`` columns, may have MOST_NUMBERS cells. A table
+    A table in memory, with a row for each run and ``columns`` columns, may have MOST_CELLS cells. A table
     that is ``streamed`` to the files of a folder may have MOST_RUNS rows, with any number of columns.
 
     Raises:
@@ -195,8 +195,8 @@ def check_table_size(design: Design, columns: int, source: str, *, streamed: boo
     numbers = design.runs * columns
     if streamed and design.runs > MOST_RUNS:
         raise SceneError(f"{source}: {design.runs} runs must be <= {MOST_RUNS}: vary fewer values")
-    if not streamed and numbers > MOST_NUMBERS:
+    if not streamed and numbers > MOST_CELLS:
         raise SceneError(
             f"{source}: {design.runs} runs with {columns} columns are {numbers} numbers, "
-            f"must be <= {MOST_NUMBERS}: vary fewer values, or write a folder, as in runs/"
+            f"must be <= {MOST_CELLS}: vary fewer values, or write a folder, as in runs/"
         )

@@ -48,9 +48,10 @@ SCENE_LINE: dict[str, Any] = {"color": INK, "linestyle": (0.0, (4.0, 3.0)), "lin
 # columns have fewer digits
 FEW_CELLS, WIDE_CELLS = 8, 4
 # CONTOURS: the places in the range of the colours, 0 to 1, near which a map has contours; MOST_PIECES: a
-# contour in more pieces is left out; LEAST_CELLS: the least number of cells on each axis for contours; LIGHT:
-# the place in the range of the colours above which texts and contours are black instead of white
-CONTOURS, MOST_PIECES, LEAST_CELLS, LIGHT = (0.35, 0.7), 2, 4, 0.5
+# contour in more pieces is left out; LEAST_CELLS: the least number of cells on each axis for contours;
+# LIGHT_COLOUR: the place in the range of the colours above which texts and contours are black instead of
+# white
+CONTOURS, MOST_PIECES, LEAST_CELLS, LIGHT_COLOUR = (0.35, 0.7), 2, 4, 0.5
 SLIM_BAR = 40.0  # the length of a bar for several maps, relative to the bar's width
 NEVER = "no run has a finite value"
 
@@ -239,7 +240,7 @@ def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: Qua
     for row, column in np.argwhere(~np.ma.getmaskarray(shown)).tolist():
         at = (scales[0].middles[column], scales[1].middles[row])
         down, va = (-4.0, "top") if [column, row] == marked else (0.0, "center")
-        ink = "black" if places[row, column] > LIGHT else "white"
+        ink = "black" if places[row, column] > LIGHT_COLOUR else "white"
         text = number(shown[row, column], digits)
         look: dict[str, Any] = {"va": va, "ha": "center", "color": ink, "fontsize": "x-small"}
         look["gid"] = ON_COLOUR
@@ -257,7 +258,7 @@ def _contours(
     place = dict(zip(levels, np.asarray(mesh.norm(np.array(levels))).tolist(), strict=True))
     nearest = {min(levels, key=lambda level: abs(place[level] - part)) for part in CONTOURS if levels}
     for level in sorted(nearest) if min(shown.shape) >= LEAST_CELLS else ():
-        ink = "black" if place[level] > LIGHT else "white"
+        ink = "black" if place[level] > LIGHT_COLOUR else "white"
         line = axes.contour(*(scale.middles for scale in scales), shown, [level], colors=ink, linewidths=0.9)
         pieces = [piece for piece in line.allsegs[0] if len(piece)]
         if not 0 < len(pieces) <= MOST_PIECES:

@@ -19,9 +19,9 @@ from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import missing_output_hint
 
-# MOST_ASKED: the largest number of additional outputs with a panel if ``panels`` is not given; MOST_PANELS:
-# the largest number of panels that ``panels`` may name
-MOST_ASKED, MOST_PANELS = 4, 8
+# MOST_ASKED: the largest number of additional outputs with a panel if ``panels`` is not given;
+# MOST_NAMED_PANELS: the largest number of panels that ``panels`` may name
+MOST_ASKED, MOST_NAMED_PANELS = 4, 8
 # the least range of an axis and of the colours of a map, relative to the largest |result|, so that small
 # changes of a result do not look large
 LEAST_RANGE = 0.1
@@ -181,14 +181,14 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
 
     Raises:
         UnknownNameError: when a pattern matches no name.
-        SceneError: when more than MOST_PANELS names match.
+        SceneError: when more than MOST_NAMED_PANELS names match.
     """
     source = prepared.scene.name
     hint = partial(missing_output_hint, prepared)
     matches = (names_matching(source, panel, available, "not a column", hint) for panel in panels)
     chosen = list(dict.fromkeys(name for names in matches for name in names))
-    if len(chosen) > MOST_PANELS:
-        raise SceneError(f"{source}: {len(chosen)} panels ({few(chosen, 3)}) must be <= {MOST_PANELS}")
+    if len(chosen) > MOST_NAMED_PANELS:
+        raise SceneError(f"{source}: {len(chosen)} panels ({few(chosen, 3)}) must be <= {MOST_NAMED_PANELS}")
     return chosen
 
 

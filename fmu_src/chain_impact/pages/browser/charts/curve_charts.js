@@ -175,7 +175,7 @@ export class CurveCharts {
   draw(frame, contact) {
     Object.assign(this, { frame, contact });
     const isClose = contact && this.zoomButton?.getAttribute("aria-pressed") === "true";
-    const margin = isClose && (SHARED.curves.BEFORE * (contact.impactEnd - contact.onset) || MOMENT);
+    const margin = isClose && (SHARED.curves.CLOSE_BEFORE * (contact.impactEnd - contact.onset) || MOMENT);
     const { start, end } = this.recording;
     const close = isClose ? [Math.max(contact.onset - margin, start), Math.min(contact.impactEnd + margin, end)] : undefined;
     if (this.title) this.title.textContent = isClose ? contactTitle(contact) : "";

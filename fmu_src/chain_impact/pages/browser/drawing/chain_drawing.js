@@ -22,9 +22,9 @@ const HATCH = 9; // [pixels] distance between the hatching lines beyond walls
 const STOP_DOT = 11; // [pixels] diameter of the mark of a joint that touches its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
 const [STUCK_DOT, BALL_DOT] = [10, 20]; // [pixels] diameters of the mark of a sticking joint, and of a ball that is a point
-// ARC: radius of the arc that shows a joint's range, relative to the link's length; ARC_CORNERS: number of the arc's points; TICK: length
-// of a stop's mark, relative to the radius
-const { ARC, CORNERS: ARC_CORNERS, TICK } = SHARED.jointStops;
+// RANGE_RADIUS: radius of the arc that shows a joint's range, relative to the link's length; RANGE_POINTS: number of the arc's points;
+// RANGE_TICK: length of a stop's mark, relative to the radius
+const { RANGE_RADIUS, RANGE_POINTS, RANGE_TICK } = SHARED.jointStops;
 const BESIDE = 18; // [pixels] distance from a point to its number
 // distances from a point to its number that are tried in this order, as multiples of BESIDE; farther away, a number would seem to belong to
 // no point
@@ -256,13 +256,13 @@ export class ChainDrawing {
       const at = (point) => this.recording.pointAt(frame, point);
       const [centre, end, before] = [at(joint - 1), at(joint), joint > 1 ? at(joint - 2) : undefined];
       const along = before ? Math.atan2(centre[1] - before[1], centre[0] - before[0]) : 0;
-      const radius = ARC * Math.hypot(end[0] - centre[0], end[1] - centre[1]);
+      const radius = RANGE_RADIUS * Math.hypot(end[0] - centre[0], end[1] - centre[1]);
       const onArc = (angle, share) => this.camera.toScreen(
         centre[0] + share * radius * Math.cos(along + angle), centre[1] + share * radius * Math.sin(along + angle));
-      const angles = Array.from({ length: ARC_CORNERS }, (_, k) => from + ((to - from) * k) / (ARC_CORNERS - 1));
+      const angles = Array.from({ length: RANGE_POINTS }, (_, k) => from + ((to - from) * k) / (RANGE_POINTS - 1));
       const [line, ...ticks] = this.ranges[index];
       line.plot(angles.map((angle) => onArc(angle, 1)));
-      marks.forEach((angle, k) => ticks[k].plot([1 - TICK / 2, 1 + TICK / 2].map((share) => onArc(angle, share))));
+      marks.forEach((angle, k) => ticks[k].plot([1 - RANGE_TICK / 2, 1 + RANGE_TICK / 2].map((share) => onArc(angle, share))));
     });
   }
 
@@ -285,7 +285,7 @@ export class ChainDrawing {
     const length = Math.hypot(x1 - x0, y1 - y0) || 1;
     const [dx, dy] = [(x1 - x0) / length, (y1 - y0) / length];
     // the label of the moment is at a right angle to the link
-    return { position: this.camera.toScreen(x0 + ARC * (x1 - x0), y0 + ARC * (y1 - y0)), away: [dy, dx] };
+    return { position: this.camera.toScreen(x0 + RANGE_RADIUS * (x1 - x0), y0 + RANGE_RADIUS * (y1 - y0)), away: [dy, dx] };
   }
 
   /** Return whether a contact can be drawn: it is at a stop, or the recording has its wall. */

@@ -40,14 +40,14 @@ export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.F
     [a, Math.max(a + PACING.LEAST_DURATION, Math.min(b, a + PACING.LONGEST_SLOW)), b > a ? 1 : PACING.INSTANT]) : [];
   const moments = between(start, stop, 2 + Math.min(Math.floor((stop - start) / PACING.FLIGHT_STEP), 2 * most));
   for (const [onset, end] of shown) {
-    for (const near of PACING.RAMP_DISTANCES) moments.push(onset - PACING.RAMP * near, end + PACING.RAMP * near);
+    for (const near of PACING.RAMP_DISTANCES) moments.push(onset - PACING.SPEED_RAMP * near, end + PACING.SPEED_RAMP * near);
     for (const share of PACING.CONTACT_SHARES) moments.push(onset + (end - onset) * share);
   }
   const clipped = Float64Array.from(moments, (time) => Math.min(Math.max(time, start), stop)).sort();
   const grid = clipped.filter((time, k) => k === 0 || time > clipped[k - 1]);
   const slowness = grid.map((time) => 1 / shown.reduce((slowest, [onset, end, share]) => {
     const distance = Math.max(0, onset - time, time - end);
-    return Math.min(slowest, Math.min(1, (end - onset) / (share * impactTime)) + distance / (share * PACING.RAMP));
+    return Math.min(slowest, Math.min(1, (end - onset) / (share * impactTime)) + distance / (share * PACING.SPEED_RAMP));
   }, 1));
   // the time on the screen is the integral of 1/rate over the simulated time, by the trapezoidal rule
   const screen = new Float64Array(grid.length);

@@ -68,7 +68,7 @@ export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
     if (!enclosure.length) {
       const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);
       const gap = normal[0] * corner[0] + normal[1] * corner[1] - offset;
-      if (!(gap >= -width && gap <= VIEW.NEAR * width)) continue;
+      if (!(gap >= -width && gap <= VIEW.NEAR_WALL * width)) continue;
       corners.push(corner.map((value, axis) => value - Math.max(0, gap) * normal[axis]));
     }
     normal.forEach((part, axis) => {
@@ -77,7 +77,7 @@ export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
     });
   }
   const spans = [0, 1].map((axis) => endsOf(corners.map((corner) => corner[axis])));
-  const margin = VIEW.MARGIN * Math.max(...spans.map(([low, high]) => high - low), VIEW.LEAST);
+  const margin = VIEW.FILM_MARGIN * Math.max(...spans.map(([low, high]) => high - low), VIEW.LEAST_VIEW);
   return {
     view: [spans.map(([low]) => low - margin), spans.map(([, high]) => high + margin)],
     anchor: [0, 1].map((axis) => 0.5 + 0.5 * (open[0][axis] - open[1][axis])),

@@ -162,7 +162,7 @@ export function pairsOf(file) {
   const slides = (point) => slider && (point === 0 || (point > links.length && isAtBase(sites[point - links.length - 1])));
   const isParallel = (name) => {
     const [nx, ny] = normalOf(name, walls.find((wall) => wall.name === name)?.angle);
-    return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < SHARED.kernel.PARALLEL;
+    return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < SHARED.kernel.PARALLEL_COSINE;
   };
   return touchingPoints(file).flatMap((point) =>
     wallsOf(file).filter((name) => !(slides(point) && isParallel(name))).map((name) => [point, name]));
