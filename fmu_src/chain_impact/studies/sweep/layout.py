@@ -21,9 +21,9 @@ from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS
 from chain_impact.studies.sweep.variation import Variation
 
-# [inch] NAMES_WIDTH: the width for the names of a parameter's choices, left of panels with dots; DOTS_WIDTH:
-# the least width of a panel with dots
-NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
+# [inch] CHOICES_WIDTH: the width for the names of a parameter's choices, left of panels with dots;
+# DOTS_WIDTH: the least width of a panel with dots
+CHOICES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 # two varied numbers are drawn as curves, not as a map, if at least one of the numbers has at most MOST_SPLIT
 # values
 MOST_SPLIT = 3
@@ -113,7 +113,7 @@ def columns(design: Design, count: int, width: float) -> int:
     if width < WIDE:
         return 1
     if kind == DOTS:
-        most = max(1, int((width - NAMES_WIDTH) / DOTS_WIDTH))
+        most = max(1, int((width - CHOICES_WIDTH) / DOTS_WIDTH))
         return math.ceil(count / math.ceil(count / most))
     if count == IN_ONE_ROW:
         return 1 if kind == MAPS and width < THREE_MAPS else IN_ONE_ROW
@@ -127,7 +127,7 @@ def usual_size(design: Design, quantities: int, width: float | None = None) -> t
     default height of a figure with this width.
     """
     count, kind, varying = quantities * panels_of_each(design), kind_of(design), varying_in(design)
-    dots = width or NAMES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
+    dots = width or CHOICES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
     usual = dots if kind == DOTS else ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
     rows = math.ceil(count / columns(design, count, width := width or usual))
     if kind == DOTS:
