@@ -3,7 +3,7 @@
 The slave needs only Python 3.8, its standard library and pythonfmu's modules, which the FMU contains. The
 slave calls the kernel, the same library as in native FMUs. The kernel knows the state of each instance, and
 checks each call. If the kernel refuses a call, the slave raises SlaveError, which is fatal for the instance.
-FMI would also allow the slave to discard a step, but fmpy ends without a message after a discarded step.
+FMI would also allow the slave to discard a step, but fmpy ends the run without a message after this.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ class SlaveError(Exception):
 
     def __init__(self, *slaves: ChainImpact, reason: str = "") -> None:
         super().__init__(reason or vars(SAID).pop("messages")[-1][1])
-        # pythonfmu 0.7.0 gives up its references to a slave twice: at an exception of the slave, and when the
-        # importer frees the slave. One more reference to each object keeps Python from freeing the object too
-        # early.
+        # pythonfmu 0.7.0 twice gives up its references to a slave, the slave's class and its log_queue: at an
+        # exception of the slave, and when the importer frees the slave. One more reference to each of these
+        # objects keeps Python from freeing the object too early.
         for kept in [kept for slave in slaves for kept in (slave, type(slave), slave.log_queue)]:
             ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
         # Python logs this text to stderr, because fmpy itself shows only "status 4 (fatal)" by default

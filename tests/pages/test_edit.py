@@ -175,7 +175,11 @@ REFUSED = [
         "chain.links[1].points has two points with the name 'toe'",
     ),
     (("contact", "model"), "hert", "contact.model = 'hert' must be one of"),
-    (("contact", "points"), [3, 4], "contact.points holds 4, must hold 1 to 3 with a pinned base, each once"),
+    (
+        ("contact", "points"),
+        [3, 4],
+        "contact.points holds 4, must hold only 1 to 3 with a pinned base, each at most once",
+    ),
     (("contact", "wall", "slope"), {"friction": 0.1}, "contact.wall.slope is not a wall of the scene"),
     (("contact", "law_file"), "mine.py", "this page has no compiler"),
     (("inputs", "wall_motion"), ["slope"], "inputs.wall_motion[1] = 'slope' is not a wall of the scene"),

@@ -10,7 +10,7 @@ from chain_impact.scene.reading import UnknownNameError
 from tests.helpers.scenes.friction import SLOPE, puck, sled, thrown
 from tests.helpers.tools.refusal import refusal
 
-HINT = "it is a parameter where the scene has dry friction: give it a value there first"
+HINT = "it is a parameter if the scene has this dry friction: give it a value in the scene file first"
 
 
 def test_laws_are_compared_with_friction_but_for_rigid_walls():

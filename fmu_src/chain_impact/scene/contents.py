@@ -34,7 +34,7 @@ from chain_impact.scene.signal_polynomials import value_at_start
 from chain_impact.scene.words.names import STOPS, DataPath, point_label
 
 # [1] a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
-# normal is smaller than this value, which allows for round-off
+# normal differs from 0 by less than PARALLEL_COSINE, which allows for round-off
 PARALLEL_COSINE = 1e-12
 
 

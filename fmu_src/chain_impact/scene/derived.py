@@ -1,8 +1,8 @@
 """Derived values of a scene: defaults that follow from other values.
 
-A value is derived as long as the user does not give it, and then follows changes of the other values; a given
-value does not. Only given values are written to files. ``Scene.derived_paths`` has the paths of the derived
-values. The kernel derives parameters of a record in the same way: kernel/chain/inertia.py.
+A value that the user does not give is derived, and follows changes of the other values. Only given values are
+written to files. ``Scene.derived_paths`` has the paths of the derived values. The kernel derives parameters
+of a record in the same way: kernel/chain/inertia.py.
 """
 
 from __future__ import annotations

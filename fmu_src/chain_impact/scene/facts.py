@@ -62,13 +62,19 @@ class Members(NamedTuple):
 
 
 LISTS = {
-    "sites": Members("points of links; link and entry: indices; corner: of a box, from 1, or 0; label"),
+    "sites": Members(
+        "points of links beside the ends; link and entry: indices; corner: its number, from 1, if it is a "
+        "corner of a box, else 0; label: its name"
+    ),
     "candidates": Members(
         "pairs, stops, slider_stops; n: number of the point or joint, 0 at the slider; wall: index; "
         "name: of the wall or the slider's stop, missing at a joint; stop: STOP_CODES, 0 for a wall; "
         "at_joint: it is a joint's stop"
     ),
-    "walls": Members("numbered walls; name; exists: it is a wall, no stop; touched: a point can touch it"),
+    "walls": Members(
+        "walls and stops in the order of wall_names; name; exists: it is an existing wall; touched: a point "
+        "can touch it, and it is no stop"
+    ),
     "lines": Members("walls at any angle; name"),
     "laws": Members("contact laws, a user's law last; name"),
     "signals": Members("driven inputs; name: of the signal; input; knot_count"),
@@ -103,7 +109,7 @@ class Fact(NamedTuple):
 
 FACTS = {
     ALWAYS: Fact("1", "all scenes have this"),
-    "free": Fact("chain.base == 'free'", "no base holds the chain"),
+    "free": Fact("chain.base == 'free'", "the base is free"),
     "pinned": Fact("chain.base == 'pinned'", "the base is pinned"),
     "slider": Fact("chain.base == 'slider'", "the base is on a slider"),
     "has_base_joint": Fact("not free", "a joint connects link 1 with the base"),
@@ -115,32 +121,35 @@ FACTS = {
     "stops": Fact("sum(candidates, at_joint)", "the number of stops in joints"),
     "slider_stops": Fact("sum(candidates, stop != 0 and not at_joint)", "the number of stops of the slider"),
     "contacts": Fact("pairs or slider_stops", "a point can touch a wall, or a slider its stop"),
-    "own_stop_law": Fact("given(stops.model)", "stops have another law than walls"),
-    "law": Fact("contacts or stops and not own_stop_law", "the law of contacts acts"),
+    "own_stop_law": Fact("given(stops.model)", "the file gives the law of stops in joints"),
+    "law": Fact("contacts or stops and not own_stop_law", "a contact may follow the law contact.model"),
     "contact_friction": Fact(
         "pairs and (given(contact.friction) or given(contact.static_friction) or "
         "any(contact.wall, given(friction) or given(static_friction)))",
-        "a contact may have dry friction: a coefficient is given, even 0",
+        "a contact may have dry friction: a coefficient is given, even as 0",
     ),
     "joint_friction": Fact("any(links, has_friction)", "a joint may have dry friction"),
     "slider_friction": Fact("given(chain.slider.friction)", "the slider may have dry friction"),
     "friction": Fact("contact_friction or joint_friction or slider_friction", "a part may have dry friction"),
     "has_inputs": Fact(
         " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
-        "inputs act on the chain without contact",
+        "there are inputs, beside motions of walls",
     ),
     "has_limits": Fact(
         "given(chain.slider.force_limit) or any(chain.links, given(joint_torque_limit))",
         "a drive has a largest torque or force",
     ),
     "motions": Fact("inputs.base_motion or moving_walls", "inputs move the base or walls"),
-    "body": Fact("skewed or slider or sites", "links are bodies with points or on a slider, not only rods"),
+    "body": Fact(
+        "skewed or slider or sites",
+        "there is a slider, a point beside the ends of a link, or a given center_of_mass_offset",
+    ),
     "supply": Fact("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
     "impulses": Fact(
         "outputs.contacts or outputs.impacts or outputs.loads or friction and outputs.energies",
         "some output needs the impulses of contacts",
     ),
-    "knots": Fact("sum(signals, knot_count)", "the number of knots of all signals"),
+    "knots": Fact("sum(signals, knot_count)", "the number of polynomials (knots) of all signals"),
 }
 """Name → fact of a scene. A fact comes after the facts that its rule names. ``SceneFacts`` has further facts:
 the keys of [inputs] and [outputs], such as ``inputs.tip_force``."""

@@ -82,6 +82,6 @@ def refuse_corner(scene: Contents, path: DataPath) -> None:
     links = scene.chain.links
     match path:
         case "chain", "links", int(i), "points", int(j), *_ if i < len(links) and j < links[i].corners:
-            of, needed = f"link[{i + 1}]", "give points in place of the shape to move it alone"
+            of, needed = f"link[{i + 1}]", "to move it alone, give points in place of the shape"
             reason = f"is a corner of a box, which follows from {of}.length and {of}.height: {needed}"
             raise SceneError(f"{scene.name}: {of}.point[{j + 1}] {reason}")

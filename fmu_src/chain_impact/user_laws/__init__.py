@@ -1,1 +1,1 @@
-"""Files with a user's own contact law: this package reads and checks them, but never runs them."""
+"""Files with a user's own contact law: the modules of this folder read and check them, but run none."""

@@ -60,10 +60,10 @@ def parse_law(name: str, source: str) -> UserLaw:
         LawError: when the text does not define a valid law in a function ``name``.
     """
     if not (name.isidentifier() and name.isascii()):
-        raise LawError("must have the name of its law: an identifier in the letters A to Z, digits and _")
+        raise LawError("must have the name of its law: letters, digits and _, not beginning with a digit")
     if name in (*CONTACT_LAWS, *ARGUMENTS):
         kind = "a contact law" if name in CONTACT_LAWS else "an argument of laws"
-        raise LawError(f"must have the name of its law: another one than {name}, which is {kind} already")
+        raise LawError(f"must have the name of its law, and this must not be {name}, which is {kind} already")
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
@@ -90,8 +90,8 @@ def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
 def source_of(function: Callable[..., float]) -> str:
     """Return the text of a law's file for a Python function: ``import math``, then its source.
 
-    A file with this text and the function's name defines the same law, if the function uses no other names of
-    its module than ``math``.
+    A file with this text and the function's name defines the same law, if the only name from outside that the
+    function uses is ``math``.
 
     Raises:
         LawError: when the function has no name, or Python does not know its source.

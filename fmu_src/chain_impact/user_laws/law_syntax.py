@@ -1,8 +1,7 @@
-"""The check of a law's file: only listed forms of syntax are allowed, so that no file can run anything else.
+"""The check of a law's file: only listed forms of syntax are allowed, so that a file cannot run other code.
 
-Python evaluates only the constants of a file and the default values of arguments. The functions are compiled
-by numba, and never run by Python. A law can use only the names of ``FUNCTIONS``, of ``MATH`` and of its own
-file, so each value in a law is a number, None, a tuple of such values, or a function with such a name.
+Python evaluates the constants of a file and the default values of arguments. numba compiles the functions;
+Python does not run them. A law can use only the names of ``FUNCTIONS``, of ``MATH`` and of its own file.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def refused(*signals, scene=ARM):
         (
             "base.vy",
             SINE.replace("5.0", "0.0"),
-            "signals.a.frequency = 0 must be > 0 where base.vy is driven",
+            "signals.a.frequency = 0 must be > 0, or frequency_rate must not be 0, because the driven",
         ),
         ("tip.force.x", SINE + "value = 1.0", "signals.a.value must be left out"),
         ("tip.force.x", 'form = "sine"\nfrequency = 5.0', "signals.a.amplitude is missing"),

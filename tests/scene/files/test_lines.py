@@ -80,7 +80,7 @@ def test_an_error_names_the_line(before, after, line):
         (
             "[[chain.links]]",
             "[chain.links]",
-            r"at line 11, .*; of several, each begins with \[\[chain\.links\]\]$",
+            r"at line 11, .*; if there are several, each begins with \[\[chain\.links\]\]$",
         ),
         ("[0.0,\n  0.0]", "[5 deg,\n 0.0]", r'; an angle in degrees is text: "5 deg"$'),
         ("[box]", "[[walls]]\nangle = -1.5e1 deg # up\n[box]", r'at line 19.*; .* text: "-1\.5e1 deg"$'),

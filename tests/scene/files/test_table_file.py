@@ -57,7 +57,7 @@ def test_wrong_tables_are_refused(csv):
         f"{path}: line 2 has 1 cell, must have 2 as the head line"
     )
     assert refusal(read_table, csv("time,,x\n")) == f"{path}: column 2 of the head line has no name"
-    assert refusal(read_table, csv("time,x,x\n")) == f"{path}: column 3 of the head line x is there twice"
+    assert refusal(read_table, csv("time,x,x\n")) == f"{path}: column 3 of the head line has the name x again"
     assert refusal(read_table, csv("time,x\n")).endswith("with a head line and at least one row")
     assert refusal(read_table, 5).startswith("data: 5 must be a file, a data frame")
     assert refusal(read_table, {"time": [1, 2], "x": [1]}) == (

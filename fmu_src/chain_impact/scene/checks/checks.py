@@ -28,8 +28,8 @@ from chain_impact.scene.words.names import AXES, SLIDER_STOPS, STOPS, DataPath, 
 # the mass per length is below LIGHT_LINK: in metres, only a long rope would be so light.
 LONG_LINK, LIGHT_LINK = 20.0, 0.2
 IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the earth's gravity in mm/s²
-# [1] the coordinates of a point of a link are probably in mm if its distance from the link's proximal joint
-# is above FAR_POINT times the sum of the lengths of all links
+# [1] the coordinates of a point of a link are probably in mm if the distance of this point from the link's
+# proximal joint is above FAR_POINT times the sum of the lengths of all links
 FAR_POINT = 30.0
 
 
@@ -240,7 +240,7 @@ def angle_hints(scene: Contents) -> list[str]:
 
 
 def hints(scene: Contents) -> list[str]:
-    """Return a sentence for each value of a scene that is allowed, but is probably a mistake of the user."""
+    """Return sentences on values of a scene that are allowed, but are probably mistakes of the user."""
     texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
         if link.center_of_mass > link.length:
@@ -280,7 +280,7 @@ def length_hints(scene: Contents) -> list[str]:
     ]
     far = [
         f"point {number} is {distance:g} m from the joint of its link, far for a chain of {whole:g} m: "
-        "is it in mm?"
+        "are x and y in mm?"
         for number, (_, site) in enumerate(scene.chain.sites, len(links) + 1)
         if (distance := math.hypot(site.x, site.y)) > FAR_POINT * whole
     ]
@@ -328,8 +328,8 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
     """Return a list with one sentence if ``changes`` set the start angle of a link, but not of the next link.
 
     ``changes`` are names of parameters; paths are ignored. Angles are absolute, so the next link does not
-    turn with the link. The list is empty if there is no such link, or if the scene's file does not give
-    ``initial.joint_angles``: only then may the user expect that the further links turn, too.
+    turn with the link. A user who gives ``initial.joint_angles`` in the scene's file may expect that the
+    further links turn, too; the list is empty for any other file, and if there is no such link.
     """
     if not scene.has_joint_angles:
         return []
@@ -340,7 +340,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
 
 
 def law_hints(scene: Contents) -> list[str]:
-    """Return a sentence in a list if neither walls nor stops use the law of ``contact.law_file``, else []."""
+    """Return a list with one sentence if the scene does not use the law of ``contact.law_file``, else []."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model

@@ -52,8 +52,8 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
 def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return the corners of a convex hull, anticlockwise from the first to the last of ``corners``.
 
-    ``corners`` are sorted by x, and by y for equal x, upward or downward. The last corner is left out of the
-    result, because the other half of the hull begins with it.
+    ``corners`` are sorted by x, and by y for equal x, both rising or both falling. The result lacks the last
+    corner, because the other half of the hull begins with it.
     """
     hull: list[tuple[float, float]] = []
     for x, y in corners:

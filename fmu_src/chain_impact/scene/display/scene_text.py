@@ -11,7 +11,9 @@ from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.words.unit_text import of_power
 
-SHOWN_ENTRIES = 6  # a longer list is shortened in the text of a scene: its first entries, …, the last one
+# largest number of entries of a list in the text of a scene; a longer list has its first entries, … and its
+# last one
+SHOWN_ENTRIES = 6
 TEXT_WIDTH = 100  # largest number of characters in a line of the text of a scene; a longer line is cut
 
 

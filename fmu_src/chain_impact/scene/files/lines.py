@@ -11,7 +11,7 @@ from chain_impact.scene.words.names import DataPath
 from chain_impact.scene.words.unit_text import number_hint
 
 LISTS_OF_TABLES = ("chain.links", "walls")
-"""Keys of lists of tables, each table with the head ``[[…]]``, for which ``fault_hint`` has a hint."""
+"""Lists of tables; for a table of these with the head ``[…]``, ``fault_hint`` proposes the head ``[[…]]``."""
 _KEY_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_KEY_NAME}(?:\s*\.\s*{_KEY_NAME})*"
 _HEAD = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]\]?")
@@ -112,7 +112,7 @@ def fault_hint(text: str, fault: str) -> str:
     if head:
         name = ".".join(map(str, _key_parts(head[2])))
         if name in LISTS_OF_TABLES and head[1] == "[":
-            return f"; of several, each begins with [[{name}]]"
+            return f"; if there are several, each begins with [[{name}]]"
         return ""
     if degrees := _DEGREES.search(line):
         return f'; an angle in degrees is text: "{degrees[1] or degrees[2]} deg"'

@@ -143,7 +143,8 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
         stop: end of the run, which begins at 0 [s].
 
     Raises:
-        SceneError: when ``table`` is not so, has only the column ``time``, or lasts far longer than the run.
+        SceneError: when ``table`` is not such a table, has only the column ``time``, or lasts far longer than
+            the run.
     """
     if TIME not in table.names:
         hint = likely_time(table.names) or f"; it has {', '.join(table.names)}"
@@ -197,7 +198,7 @@ def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: 
     """
     for k, name in enumerate(names):
         if not name or name in names[:k]:
-            what = "has no name" if not name else f"{name} is there twice"
+            what = "has no name" if not name else f"has the name {name} again"
             raise SceneError(f"{source}: column {k + 1} of the head line {what}")
     if not names or not rows:
         raise SceneError(f"{source}: must be a table with a head line and at least one row")

@@ -57,18 +57,18 @@ def likely_time(names: Iterable[str]) -> str:
 def time_like(names: Iterable[str]) -> str | None:
     """Return the first of ``names`` that is a word of TIMES, such as ``Time (s)``; None without one.
 
-    A unit in brackets must be one of SECONDS.
+    A unit in brackets must be one of UNITS_OF_TIME.
     """
     for name in names:
         word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
-        if word.strip(" _") in TIMES and unit.rstrip(") ]") in SECONDS:
+        if word.strip(" _") in TIMES and unit.rstrip(") ]") in UNITS_OF_TIME:
             return name
     return None
 
 
 # words for a time, and units that may follow them, in the names of columns, all in lower case
 TIMES = ("t", "time", "times", "timestamp", "zeit", "temps", "tiempo", "time_s", "t_s", "sec", "s", "seconds")
-SECONDS = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
+UNITS_OF_TIME = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 
 def comma_separated(text: str) -> str:

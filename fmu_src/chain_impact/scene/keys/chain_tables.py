@@ -38,14 +38,14 @@ class Link:
     length: float = scene_key("m", "length", above=0.0, label="Length")
     mass: float = scene_key("kg", "mass", above=0.0, alone=True, label="Mass")
     shape: str | None = scene_key(
-        "", "box: a rectangle, with a point at each corner and its inertia", None, choices=("box",)
+        "", "box: a rectangle with its inertia, and with a point at each corner", None, choices=("box",)
     )
     height: float | None = scene_key(
         "m", "height of the box, across the link", None, above=0.0, label="Height"
     )
     center_of_mass: float = scene_key(
         "m",
-        "centre of mass, from the joint nearer to the base, behind which it may lie",
+        "centre of mass along the link, from the joint nearer to the base; negative behind this joint",
         MIDDLE,
         label="Centre of mass along",
     )

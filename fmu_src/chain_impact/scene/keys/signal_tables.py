@@ -98,7 +98,7 @@ class Signal:
     """A signal, which drives inputs over time; keys that the signal's form does not have are None."""
 
     input: tuple[str, ...] = scene_key(
-        "", "the input that it drives, or a list of them", pattern=INPUT, or_one=True
+        "", "the driven input, or a list of inputs", pattern=INPUT, or_one=True
     )
     form: str = scene_key("", "form", choices=tuple(FORMS))
     value: float | None = _value("value of a constant")
@@ -116,18 +116,18 @@ class Signal:
     duration: float | None = scene_key("s", "duration of a ramp", None, above=0.0)
     shape: str | None = scene_key(
         "",
-        "smooth: without a jump of the acceleration; linear; trapezoid: of the speed; default smooth",
+        "smooth: no jump of acceleration; linear; trapezoid: the speed rises, stays, falls; default smooth",
         None,
         choices=SHAPES,
     )
     times: tuple[float, ...] | None = scene_key("s", "times of steps", None)
     values: tuple[float, ...] | None = _value(
-        "value from each of the times on; before the first, the first one"
+        "value from each of the times on; before the first time, the first value"
     )
     file: str | None = scene_key("", "table with time and a column for each input", None, pattern=TABLE_FILE)
     interpolation: str | None = scene_key(
         "",
-        "of a table; default: spline for the motion of base and walls, else hold",
+        "between the rows of a table; default: spline for the motion of base and walls, else hold",
         None,
         choices=("hold", "linear", "spline"),
     )

@@ -41,7 +41,7 @@ class Wall:
     name: str = scene_key("", "name, different for each wall", pattern=IDENTIFIER)
     point: tuple[float, float] = scene_key("m", "a point on the wall")
     angle: float | None = scene_key(
-        "rad", "direction of the wall, from +x; its left is free", None, label="Angle"
+        "rad", "direction of the wall, from +x; the left side is free", None, label="Angle"
     )
     normal: tuple[float, float] | None = scene_key("1", "in place of angle: a vector to the free side", None)
 
@@ -93,7 +93,7 @@ class Contact:
     )
     friction: float = scene_key("1", "coefficient of sliding friction", OFF, minimum=0.0)
     static_friction: float = scene_key(
-        "1", "coefficient of static friction, not less than friction; 0: equal to it", OFF, minimum=0.0
+        "1", "coefficient of static friction, not less than friction; 0: as friction", OFF, minimum=0.0
     )
     wall: Mapping[str, Material] = scene_key("", "materials of single walls, by the name of the wall", {})
 
@@ -140,7 +140,7 @@ class Inputs:
     slider_force: bool = scene_key("", "force on the carriage of a slider, along its line", False)
     joint_targets: bool = scene_key(
         "",
-        "angles and angular velocities that all joints follow by their springs and dampers",
+        "targets that all joints, and a slider, follow by their springs and dampers",
         False,
     )
     tip_force: bool = scene_key("", "force on the tip", False)
@@ -168,7 +168,7 @@ class Outputs:
     contacts: bool = scene_key(
         "", "force, penetration, impulse and dry friction of each contact, stop and joint", True
     )
-    impacts: int = scene_key("", "how many of the latest impacts", 8, minimum=0, maximum=LATEST)
+    impacts: int = scene_key("", "how many impacts, the latest ones", 8, minimum=0, maximum=LATEST)
     energies: bool = scene_key("", "the energies", True)
     loads: bool = scene_key("", "forces and moments in the joints and on the walls, and their peaks", False)
     solver: bool = scene_key("", "steps, evaluations and status of the solver", True)

@@ -40,7 +40,7 @@ SENTENCES = {
     "law_exponent": "= {value} must be {least} for the contact model {law}",
     "rigid_friction": "= {value} must be 0 for the contact model {law}: "
     f"{WITHOUT_FRICTION}; choose a law with a force",
-    "points": "holds {point}, must hold {first} to {last} with a {base} base, each once",
+    "points": "holds {point}, must hold only {first} to {last} with a {base} base, each at most once",
     "point_names": "has two points with the name {name}",
     "no_stops": "= {value} must be left out: no link has a joint_min or joint_max",
     "no_joint": "= {value} must be left out: a free base has no joint 1"
@@ -64,8 +64,8 @@ SENTENCES = {
     "units": "must name inputs of one unit: {first} is in {unit}, {other} in {other_unit}",
     "times": "has {times} entries, must have as many as values, which has {values}, and at least one",
     "late": "= {value} must be > {before} [s], the time before it",
-    "no_frequency": "= 0 must be > 0 where {input} is driven, which is integrated, unless there is a "
-    'frequency_rate; give form = "constant"',
+    "no_frequency": "= 0 must be > 0, or frequency_rate must not be 0, because the driven input {input} is "
+    'integrated; give form = "constant"',
     "steps_jump": '= "steps": {input} would jump, which would be an impact of unknown strength; take a ramp',
     "ramp_jumps": '= "linear": the velocity of {input} would jump, which would be an impact of unknown '
     'strength; take "smooth" or "trapezoid"',
