@@ -27,7 +27,7 @@ def test_disabled_contacts_and_limits_are_not_in_the_scene(tmp_path):
     )
     assert scene.half_planes == {}
     assert scene.chain.links[0].joint_min is None
-    assert "flags: no limits of joints, no contacts: so in the scene" in done.notes
+    assert "flags: no limits of joints, no contacts, in the file and in the scene" in done.notes
     assert done.warnings == []
     scene, _ = read(
         tmp_path, arm(flags='<flag constraint="disable"/>', world=FLOOR.format(""), b='frictionloss="1"')
@@ -336,7 +336,7 @@ def test_files_of_meshes_that_are_not_needed_may_be_absent(tmp_path):
     seen = '<geom type="mesh" mesh="shell" contype="0" conaffinity="0" mass="0"/>'
     scene, done = read(tmp_path, arm(asset=MESH, more=seen))
     assert scene.chain == read(tmp_path, arm())[0].chain
-    assert "files absent.stl, absent.png: cannot be read; nothing needs it" in done.left_out
+    assert "files absent.stl, absent.png: cannot be read" in done.left_out
     weighed = seen.replace(' mass="0"', "")
     assert "without the mass of mesh shell" in read(tmp_path, arm(asset=MESH, more=weighed))[1].warnings[0]
     only = arm(asset=MESH).replace(

@@ -241,7 +241,7 @@ def test_a_bomb_is_refused_by_its_declared_sizes(native, tmp_path, monkeypatch):
     assert validate_fmu(path) == [line]
     with pytest.raises(SceneError, match=r"x\.fmu: not a readable FMU: extra/bomb\.csv: has 4\.29 GB"):
         read_fmu(path)
-    monkeypatch.setattr(findings, "LARGEST_FILE", 10**10)
+    monkeypatch.setattr(findings, "LARGEST_SUM", 10**10)
     assert findings.archive_findings(path) == []
 
 

@@ -58,8 +58,8 @@ def add(verbs: Verbs) -> None:
     verb.add_argument(
         "--speed",
         type=float,
-        help="simulated seconds in a second on the screen; default: 1, in a film less for a fast sine, "
-        "up to 1500 frames",
+        help="simulated seconds in a second on the screen; default: 1; less for a fast sine in a film of at "
+        "most 1500 frames",
     )
     verb.add_argument(
         "--impact-time",
@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     """
     check_outputs(options.output, inputs=filter(None, (options.source, options.scene, options.inputs)))
     if options.style and (options.output is None or options.output.suffix.lower() == PAGE):
-        raise UsageError("--style: a page follows the browser; it is the style of a film: give -o FILE.gif")
+        raise UsageError("--style: a page follows the browser, only a film has a style: give -o FILE.gif")
     fault = None
     try:
         recording = record(options)

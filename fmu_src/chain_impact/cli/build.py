@@ -52,14 +52,14 @@ def add(verbs: Verbs) -> None:
         "--target",
         choices=["pythonfmu", "native"],
         help="native: an FMU that needs no Python, the only target for FMI 3.0, macOS and ARM; default: "
-        "pythonfmu on Linux and Windows with x86-64, else native",
+        "pythonfmu for FMI 2.0 on Linux and Windows with x86-64, else native",
     )
     build.add_argument(
         "--fmi",
         type=int,
         choices=VERSIONS,
         default=FMI_2,
-        help="version of FMI; 3 has event mode: a step ends at each impact; default: 2",
+        help="version of FMI; 3 has event mode, in which a step ends at each impact; default: 2",
     )
     build.add_argument(
         "--simulate",

@@ -36,7 +36,7 @@ def complete(
         argument: the option.
         offers: function that returns names and choices for the source of the command.
         listed: whether the option takes several names, separated by commas.
-        valued: whether the option takes a name, ``=`` and values, separated by commas.
+        valued: whether the option takes a name, ``=``, and values with commas between them.
     """
 
     def completer(prefix: str, parsed_args: Any = None, **_: object) -> list[str]:

@@ -20,7 +20,7 @@ ONCE = {
     "--plane": (
         "X,Y",
         "directions of the robot along which x and y of the scene point: --plane=x,z or --plane=-x,z; "
-        "default: y up, x along x of the robot if it can",
+        "default: y up, x as near as possible to x of the robot",
     ),
     "--tip": (
         "FRAME",

@@ -41,7 +41,7 @@ REPEATED = (
         "standard deviation of a column, in its unit or in percent of each value: peak_force=2%%; "
         "default: estimated from the residuals",
     ),
-    ("--bounds", "NAME=LOW:HIGH", "search between these values only"),
+    ("--bounds", "NAME=LOW:HIGH", "search a free parameter between these values only"),
 )
 """The options that may be given several times, each as (name, metavariable, help)."""
 

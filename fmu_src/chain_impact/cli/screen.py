@@ -214,7 +214,7 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
             f"{more['start'][-1]:.6f} s on{whole}"
         )
     if (phases["mode"] != STICKS).any():
-        yield "mode     slip + along +x at a floor, in a joint with a positive rate; slip - against it"
+        yield "mode     slip + along +x at a floor, or with a positive rate in a joint; slip - the other way"
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:

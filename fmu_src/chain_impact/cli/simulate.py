@@ -147,8 +147,8 @@ def _add_derivatives(verb: argparse.ArgumentParser) -> None:
         verb,
         "--sensitivity",
         "NAMES",
-        "also find the derivatives with respect to these parameters, and draw them in place of the motion: "
-        "contact.stiffness,link[*].mass",
+        "also find the derivatives with respect to these parameters and inputs, and draw them in place of "
+        "the motion: contact.stiffness,link[*].mass",
     )
     complete(named, differentiable, listed=True)
     ranked = verb.add_argument(

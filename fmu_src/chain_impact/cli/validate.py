@@ -20,7 +20,7 @@ def add(verbs: Verbs) -> None:
     validate = add_verb(
         verbs,
         "validate",
-        "check an FMU against the FMI standard, and run it, with its reference results",
+        "check an FMU against the FMI standard, test its binary, and compare its reference results",
         "build/FourLinkBox.fmu --json",
     )
     validate.add_argument("fmus", metavar="FMU", type=Path, nargs="+")
@@ -34,7 +34,7 @@ def add(verbs: Verbs) -> None:
         metavar="SECONDS",
         type=float,
         default=TIMEOUT,
-        help="longest time of the binary of the FMU, in a separate process; default: %(default)g",
+        help="time limit of the FMU's binary, which runs in a process of its own; default: %(default)g",
     )
     validate.set_defaults(run=run)
 

@@ -25,7 +25,7 @@ from chain_impact.kernel.record.counts import COUNTS, FEATURES, LARGEST_COUNT
 from chain_impact.system import HOST, PLATFORMS, X86
 from chain_impact.user_laws.law_syntax import LawError
 
-PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest x86 processor on which the code runs
+PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest x86 processors on which the code runs
 BAD_LAW = 3  # exit code of lower.py for a law with a fault; the last line on standard error tells the fault
 KERNEL, DERIVATIVES = "kernel", "derivatives"
 """The two parts of a kernel, which are lowered and compiled separately: the kernel itself, and the functions

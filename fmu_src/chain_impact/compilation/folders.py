@@ -42,7 +42,7 @@ def base_folder() -> Path:
 def trusted(base: Path) -> bool:
     """Return whether the cache's folder ``base`` exists, and no other user except root can write to it.
 
-    Another user could put a harmful kernel there.
+    Another user could put a harmful kernel there. On Windows, only the existence is checked.
     """
     try:
         return not system.others_can_write(base.stat())

@@ -71,14 +71,12 @@ def with_carried(found: Converted, carried: Carried, choices: Choices) -> Conver
     )
     if merger.changed:
         text = few(list(dict.fromkeys(merger.changed)), LINE_NAMES)
-        notes.append(f"the file's elements differ from the scene in the file, and hold: {text}")
+        notes.append(f"values in which the file's elements differ from the scene in the file: {text}")
     if merger.lost:
-        text = f"{', '.join(merger.lost)} of the scene in the file: its axes or joints are others"
+        text = f"{', '.join(merger.lost)}: left out, as the file's axes or joints differ from its scene's"
         warnings.append(text)
     if merger.missing:
-        text = (
-            f"{', '.join(merger.missing)} of the scene in the file: the file does not have the wall or motor"
-        )
+        text = f"{', '.join(merger.missing)}: left out or shortened: the file lacks a wall or motor of theirs"
         warnings.append(text)
     return Converted(data, warnings, differs, left_out, notes)
 
@@ -96,8 +94,8 @@ class _Merger:
         changed: names of the values that come from the file's elements.
         lost: names of the tables and keys of the scene that are left out, because the file's axes or joints
             differ from those of the scene.
-        missing: names of the inputs, signals and derivatives of the scene that are left out, because the file
-            does not have their wall or motor.
+        missing: names of the inputs, signals and derivatives of the scene that are left out or shortened,
+            because the file lacks a wall or motor of theirs.
     """
 
     def __init__(

@@ -18,7 +18,7 @@ PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links o
 
 
 class Effect(IntEnum):
-    """The part of the scene that a difference changes, in the order in which differences are reported."""
+    """The part of the scene that a difference changes; reports are in the order of these numbers."""
 
     MASS = 0
     MOTION = 1

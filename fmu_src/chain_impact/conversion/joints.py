@@ -13,7 +13,7 @@ import numpy as np
 from chain_impact.conversion.robot import Joint, Robot
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
-# [rad] axes count as parallel if the angle between the lines along them is at most PARALLEL_ANGLE
+# [rad] axes count as parallel up to this angle between the lines along them
 PARALLEL_ANGLE = 1e-6
 
 
@@ -86,11 +86,11 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
     others = [moved.joint for moved in moving if moved.joint.kind not in ("slide", "hinge")]
     for joint in others:
         raise NoChainError(
-            f"{source}: joint {joint.name} is of the kind {joint.kind}: the joints of a scene are hinges",
+            f"{source}: joint {joint.name} is of the kind {joint.kind}: a scene has hinges and slides only",
             [joint.name],
         )
     if not hinges:
-        raise NoChainError(f"{source}: no hinge moves: the joints of a scene are hinges")
+        raise NoChainError(f"{source}: no hinge moves: a scene needs at least one hinge")
     _check_limits(hinges, source)
     _check_parallel(hinges, source)
     _check_slides(robot, slides, moving, source)
@@ -186,7 +186,7 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
 
 
 def parallel_groups(hinges: Sequence[Moving]) -> list[list[Moving]]:
-    """Return all ``hinges`` in groups: in a group, each axis is parallel to the axis of the first hinge."""
+    """Return all ``hinges`` in groups; the axes in a group are parallel to that of its first hinge."""
     groups: list[list[Moving]] = []
     left = list(hinges)
     while left:

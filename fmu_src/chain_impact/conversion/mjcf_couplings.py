@@ -25,7 +25,7 @@ FORCES = {
 
 
 def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
-    """Yield a difference for each equality, tendon and flex of a model that has an effect on the motion."""
+    """Yield a difference for each active equality, each tendon with an effect, and each flex of a model."""
     flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
     off = {name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))}
     if "mjDSBL_EQUALITY" not in off and "mjDSBL_CONSTRAINT" not in off:

@@ -76,7 +76,7 @@ WITHOUT_EFFECT = {
 """Reason why some fields have no effect here → the names of these fields, in which ``*`` stands for any
 text."""
 DISABLED = {
-    "CONSTRAINT": "no contacts, limits, dry friction and equalities",
+    "CONSTRAINT": "no contacts, limits, dry friction or equalities",
     "EQUALITY": "no equalities",
     "FRICTIONLOSS": "no dry friction",
     "LIMIT": "no limits of joints",
@@ -251,4 +251,4 @@ def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
     ]
     if disabled:
-        yield f"flags: {', '.join(disabled)}: so in the scene"
+        yield f"flags: {', '.join(disabled)}, in the file and in the scene"

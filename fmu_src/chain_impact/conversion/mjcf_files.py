@@ -70,7 +70,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
     differences = [
-        Difference(kind="file", name=name, text="cannot be read; nothing needs it", effect=Effect.NONE)
+        Difference(kind="file", name=name, text="cannot be read", effect=Effect.NONE)
         for name in dict.fromkeys(absent.values())
     ]
     for body, mesh in weightless:

@@ -196,7 +196,7 @@ class _Conversion:
             (share,) = borne
             if share:
                 self.notes.append(
-                    f"gravity: {share:.6g} of it is left out, as gravcomp bears it in all bodies"
+                    f"gravity: {share:.6g} of it is left out, because gravcomp bears this part of all weights"
                 )
             return gravity * (1.0 - share)
         for body in bodies:
@@ -233,8 +233,8 @@ class _Conversion:
             self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
             return ends[name]
         self.notes.append(
-            "tip: the file does not say where the last link ends; it is taken to be twice as long as the "
-            "distance to its centre of mass"
+            "tip: the file does not say where the last link ends; this link is taken to be twice as long as "
+            "the distance to its centre of mass"
         )
         return np.asarray(2.0 * self._inertia(part, hinge)[1])
 

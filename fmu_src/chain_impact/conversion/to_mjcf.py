@@ -209,7 +209,7 @@ def _differences(scene: Scene) -> Iterator[str]:
     links = scene.chain.links
     if scene.half_planes and 0.0 in _radii(scene):
         radius = LEAST_RADIUS * max(link.length for link in links)
-        yield f"points without a radius have one of {radius:.3g} m"
+        yield f"points of radius 0 have the radius {radius:.3g} m in MJCF"
     if scene.chain.stops or (scene.chain.slider and scene.chain.slider.stops):
         yield "stops: MuJoCo has soft limits of its own, solreflimit and solimplimit"
     for name, limit in _limits(scene):
@@ -217,7 +217,7 @@ def _differences(scene: Scene) -> Iterator[str]:
             yield f"{name}: in MuJoCo it does not limit spring and damper"
     for i, link in enumerate(links, 1):
         if link.inertia < LEAST_INERTIA:
-            yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg·m² in MJCF, its least"
+            yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg·m² in MJCF"
 
 
 def _left_out(scene: Scene) -> Iterator[str]:

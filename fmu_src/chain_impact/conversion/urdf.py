@@ -114,8 +114,9 @@ def _check_parts(root: Element, path: Path) -> None:
         names = [part.get("name") for part in root.findall(kind)]
         for name in names:
             if not name or names.count(name) > 1:
-                what = f"has {names.count(name)} times the name {name}" if name else "has no name"
-                raise SceneError(f"{path}: a {kind} {what}; each must have a name of its own")
+                count = names.count(name)
+                what = f"{count} {kind}s have the name {name}" if name else f"a {kind} has no name"
+                raise SceneError(f"{path}: {what}; each must have a name of its own")
     children: set[str] = set()
     for joint in root.findall("joint"):
         name = f"{path}: joint {joint.get('name')}"

@@ -53,7 +53,7 @@ def build_fmu(
         target: ``pythonfmu``, which runs in the Python of the importer, or ``native``, which needs no Python.
             Both have the same variables and give the same results. ``pythonfmu`` exists for Linux and Windows
             on x86-64 only; on these it is the default, on any other machine ``native`` is.
-        fmi: 2 or 3, the version of FMI; 3 is for the target ``native`` only.
+        fmi: 2 or 3, the version of FMI; for 3, ``target`` must be ``native``.
         platforms: the platforms of the FMU, by default this machine's: ``linux64``, ``win64``, and for native
             FMUs ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or ``all`` alone.
 

@@ -150,7 +150,7 @@ def _of_modes(root: Element) -> Iterator[Finding]:
     for mode in modes:
         name = mode.get("modelIdentifier", "")
         if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
-            fault = f"modelIdentifier = {name!r} must be a name of C: letters, digits and _"
+            fault = f"modelIdentifier = {name!r} must be a name of C: letters, digits and _, no digit first"
             yield Finding(fault, attribute=mode.tag)
 
 

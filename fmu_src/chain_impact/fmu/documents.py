@@ -29,8 +29,8 @@ KINDS = "Variables by kind"
 
 INTRODUCTION = (
     "<p>A planar chain of rigid links that hits {walls}. FMI {version}, co-simulation. Quantities "
-    "are in SI units. The solver locates every impact: with constant inputs, the results do not depend on "
-    "the communication step.</p>",
+    "are in SI units. The solver finds impacts within communication steps: with constant inputs, the results "
+    "do not depend on these steps.</p>",
     "<p>Torques, forces and targets are held constant over a communication step. Fixed parameters can be set "
     "until the end of initialization, tunable ones and inputs at any time. The state can be saved, restored "
     "and serialized. The tolerance that counts is the parameter solver.tolerance.</p>",

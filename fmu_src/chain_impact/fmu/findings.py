@@ -19,7 +19,7 @@ DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
 """The test run of an FMU reports this word as its last call; if it is missing, the process ended too
 early."""
-LARGEST_FILE = 2**30
+LARGEST_SUM = 2**30
 """[byte] The largest sum of the sizes of an FMU's unpacked files.
 
 An FMU with a larger sum is refused, as it could fill the disk. The sizes are those that the zip declares;
@@ -74,7 +74,7 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
 
 
 def archive_findings(path: Path) -> list[Finding]:
-    """Return the faults for which an FMU is not unpacked, such as unsafe paths and a size above LARGEST_FILE.
+    """Return the faults for which an FMU is not unpacked, such as unsafe paths and a size above LARGEST_SUM.
 
     Two files of the same name with different contents and a missing model description are such faults, too.
 
@@ -86,12 +86,12 @@ def archive_findings(path: Path) -> list[Finding]:
         entries = fmu.infolist()
     findings = [finding for entry in entries for finding in _of_entry(entry)]
     size = sum(entry.file_size for entry in entries)
-    if size > LARGEST_FILE:
+    if size > LARGEST_SUM:
         largest = max(entries, key=lambda entry: entry.file_size)
         findings.append(
             Finding(
                 f"has {largest.file_size / 1e9:.3g} GB, and the whole FMU {size / 1e9:.3g} GB: an FMU of "
-                f"more than {LARGEST_FILE / 1e9:.3g} GB is not unpacked",
+                f"more than {LARGEST_SUM / 1e9:.3g} GB is not unpacked",
                 largest.filename,
             )
         )

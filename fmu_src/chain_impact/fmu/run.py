@@ -58,8 +58,9 @@ def record_fmu(
             or a solver method is given by its name or its number.
         progress: called with the finished fraction, 0 to 1, if given.
         inputs: the file of a table of inputs, and the interpolation of its rows: ``hold``, ``linear`` or
-            ``spline``, or None for the usual interpolation of each input. Derivatives of inputs are computed
-            from the table as in a scene. An FMU gets its inputs at communication points only.
+            ``spline``, or None for the usual interpolation of each input. Derivatives and integrals of
+            inputs are computed from the table as in a scene. An FMU gets its inputs at communication points
+            only.
 
     Raises:
         SceneError: when the file is not an FMU of a chain, a name is unknown, a value is not allowed, or the

@@ -220,7 +220,7 @@ class Trial:
                     f"after the same step from the restored state ({how})",
                     variable,
                 )
-                return  # one finding is enough: further variables differ for the same reason
+                return  # one finding is enough: others probably differ for the same reason
 
     def step(self, time: float, step: float) -> None:
         """Let the FMU make a step of the size ``step`` [s], from the time ``time`` [s]."""

@@ -1,9 +1,9 @@
 """A cache of the data that scenes share if they differ only in numbers.
 
-The cache has one entry (``Common``) for all such scenes. It keeps the values of those properties of
-``PreparedScene`` that do not depend on numbers; ``in_common`` marks these properties. It also keeps the
-record of one of the scenes; the record of any other one is a copy, in which only the tables with changed
-numbers are written again (filling.py).
+Scenes that differ only in numbers use the same entry of the cache (``Common``). An entry has the values of
+those properties of ``PreparedScene`` that do not depend on numbers; ``in_common`` marks these properties. An
+entry also has the record of one of its scenes; the record of any other scene of the entry is a copy, in which
+only the tables with changed numbers are written again (filling.py).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Common:
     """The data that scenes share if they differ only in numbers.
 
     Attributes:
-        scene: the first of these scenes.
+        scene: the scene for which the entry was made.
         parts: name of a property of ``PreparedScene`` with ``in_common`` → its value.
         record: one of these scenes, and the words (8 bytes each) of the scene's record, which nothing may
             change; None before the first record is made.
@@ -48,15 +48,15 @@ MOST_CACHED = 16  # largest number of entries
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
 """The keys and tables of a scene each of which can be written alone into a copy of a record. In [chain] and
 [contact], this holds for numbers that decide neither the layout of the record nor which variables exist."""
-_others = attrgetter(
+_other_fields = attrgetter(
     *(
         entry.name
         for entry in fields(Scene)
         if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
     )
 )
-"""Function that reads all other fields of a scene, except texts and [simulation], which matters only with
-signals: two scenes share nothing if one of these fields is not the same object in both."""
+"""Function that reads the fields of a scene that are not in ``_NUMBERS``, except texts and [simulation]. Two
+scenes share nothing if one of the read fields is not the same object in both."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:
@@ -77,8 +77,9 @@ def _decisive(table: type, path: DataPath) -> list[str]:
 _of_contact = attrgetter(*_decisive(Contact, ("contact",)))
 _of_link = attrgetter(*_decisive(Link, ("chain", "links", AT)))
 _of_slider = attrgetter(*_decisive(Slider, ("chain", "slider")), "angle")
-"""Functions that read the values of these keys from [contact], from a link and from a slider. The angle of a
-slider is one of these values, because it decides which walls the points can reach."""
+"""``_of_contact``, ``_of_link``, ``_of_slider``: functions that read the values of the ``_decisive`` keys of
+[contact], of a link and of a slider. The angle of a slider is read, too, because it decides which walls the
+points can reach."""
 
 
 def common_of(scene: Scene) -> Common:
@@ -120,7 +121,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     """
     if before is scene:
         return []
-    if not all(map(is_, _others(before), _others(scene))):
+    if not all(map(is_, _other_fields(before), _other_fields(scene))):
         return None
     if scene.signals and before.simulation is not scene.simulation:
         return None

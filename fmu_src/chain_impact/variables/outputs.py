@@ -209,9 +209,9 @@ OUTPUTS = (
         rows="""
         kinetic    | J | kinetic energy                                                         | nominal=energy minimum=0
         potential  | J | potential energy of gravity, zero at the origin                        | nominal=energy
-        elastic    | J | energy stored in the contacts and in the springs of joints             | nominal=energy
+        elastic    | J | energy stored in contacts and springs                                  | nominal=energy
         dissipated | J | energy lost in {losses} since the start                                | nominal=energy
-        supplied   | J | energy supplied by the inputs and by drives of joints since the start  | nominal=energy when=supply
+        supplied   | J | energy supplied by the inputs and by drives since the start            | nominal=energy when=supply
         total      | J | kinetic, potential and elastic energy                                  | nominal=energy
         friction   | J | energy lost in dry friction since the start, part of energy.dissipated | field=friction.dissipated nominal=energy when=friction
         """,
@@ -223,11 +223,11 @@ OUTPUTS = (
         owner_kind="joint",
         prefix="joint[{n}]",
         rows="""
-        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                               | field=load.{axis} nominal=inertial_force feedthrough
-        moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | field=load.moment nominal=inertial_moment feedthrough
-        impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start             | field=load.impulse_{axis} nominal=momentum
-        peak_force     | N   | largest force of {parent} on link {n} since the start                     | field=load.peak nominal=inertial_force minimum=0
-        peak_time      | s   | time of peak_force                                                        | field=load.peak_time
+        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                         | field=load.{axis} nominal=inertial_force feedthrough
+        moment         | N.m | moment of {parent} on link {n}: of drive, dry friction and stops    | field=load.moment nominal=inertial_moment feedthrough
+        impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start       | field=load.impulse_{axis} nominal=momentum
+        peak_force     | N   | largest force of {parent} on link {n} since the start               | field=load.peak nominal=inertial_force minimum=0
+        peak_time      | s   | time of peak_force                                                  | field=load.peak_time
         """,
         heading=JOINT,
         when=("outputs.loads",),
@@ -260,7 +260,7 @@ OUTPUTS = (
         prefix="impact",
         rows="""
         count      |     | impacts since the start                                         | minimum=0
-        last_time  | s   | time of the last impact, of the start before the first
+        last_time  | s   | time of the last impact, time of the start before the first
         last_point |     | point of the last impact, -1 before the first{its_joint}        | minimum=-1 maximum=points
         last_wall  |     | wall of the last impact: {wall_numbers}                         | minimum=0 maximum=walls
         last_speed | m/s | approach speed at the last impact, 0 before the first{in_rad_s} | minimum=0

@@ -25,8 +25,8 @@ from chain_impact.variables.kind import LINE, LINK, MOTION, SIGNAL, SITE, SLIDER
 
 LAWS, METHODS = "laws", "methods"
 """The names of the lists of choices (``choices_of``): contact laws, and methods of the solver."""
-HAS_FRICTION = "it is a parameter where the scene has dry friction: give it a value there first"
-HAS_ONE = "it is a parameter where the scene has one: give it a value there first"
+HAS_FRICTION = "it is a parameter if the scene has this dry friction: give it a value in the scene file first"
+HAS_ONE = "it is a parameter if the scene file gives it: give it a value there first"
 HAS_TARGET = (
     "with inputs.joint_targets it is the start value of the target angle: vary or fit the value of a "
     "constant signal of the target instead"
@@ -372,5 +372,4 @@ DERIVED_DURING_RUN = tuple(
 """The fields of the record with values in use that follow from other values during a run, as long as the user
 does not give them: part of the record and field."""
 SIMULATION_KINDS = _of_table(Simulation, scene_path=("simulation", KEY), record_path=())
-"""The kinds for the keys of [simulation], which are no parameters: the record does not have their values. Of
-these keys, a sweep can vary the stop time only."""
+"""The kinds for the keys of [simulation], which are no parameters: the record does not have their values."""

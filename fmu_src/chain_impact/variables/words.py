@@ -31,7 +31,7 @@ GENERAL = {
 
 For other scenes, ``scene_words`` replaces some of these texts.
 """
-LOSSES = "contacts, joint damping and dry friction"
+LOSSES = "contacts, damping and dry friction"
 
 
 def scene_words(structure: Structure) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def scene_words(structure: Structure) -> dict[str, Any]:
         "wall_numbers": f"0 none, {walls}",
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
-        "losses": LOSSES if known["friction"] else "contacts and joint damping",
+        "losses": LOSSES if known["friction"] else "contacts and damping",
         **(OF_STOPS if known["stops"] else dict.fromkeys(OF_STOPS, "")),
         "general": {
             **GENERAL,
@@ -98,7 +98,7 @@ there are no such words."""
 
 
 def _ground(structure: Structure) -> str:
-    """Return words for the body to which a joint 1 connects link 1: a slider's carriage, or the ground."""
+    """Return words for the body to which joint 1 connects link 1: a slider's carriage, or the ground."""
     return "the carriage" if structure.known["slider"] else "the ground"
 
 
