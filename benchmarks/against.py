@@ -1,14 +1,14 @@
 """The kernel compared with the kernel of another commit: ``python -m benchmarks against REVISION``.
 
-The package of each side makes instances of the same scenes and its own kernel (against_side.py). Both kernels
-then run in this process, in turn, and the records ``output`` and ``statistics`` after a run are compared byte
-by byte. A run begins with the initialization, and with a copy of a new record before it if the kernel of that
-commit does not reset all of a used record.
+The package of each commit makes instances of the same scenes, and its own kernel (against_side.py). Both
+kernels then run in this process, in turn, and the records ``output`` and ``statistics`` after a run are
+compared byte by byte. A run begins with the initialization; if a kernel does not reset all of a used record,
+its runs begin with a copy of a new record before that.
 
-``evaluations`` is the ratio of the numbers of evaluations of the rate in that run, and ``of many`` the median
-ratio of runs that begin with slightly different angles. A different rounding changes the number of one run by
-some percent, and the median of many hardly. If only the first ratio differs from 1, the times of this run
-differ by chance.
+``evaluations`` is the new number of evaluations of the equations in this run divided by the old one, and ``of
+many`` the median of this ratio over runs that begin with slightly different angles. A different rounding
+changes ``evaluations`` by some percent, and ``of many`` hardly. If only ``evaluations`` differs from 1, the
+times differ by chance.
 """
 
 from __future__ import annotations
@@ -30,8 +30,10 @@ import numpy as np
 from benchmarks import common
 
 ROUNDS = 15
-WORD = 8  # bytes of an integer in a record
-LINE, PLACE = 64, 16  # bytes: NumPy puts large arrays 16 bytes after the start of a line of the cache
+WORD = 8  # [byte] size of an integer in a record
+# [byte] LINE: size of a line of the processor's cache; PLACE: distance of NumPy's large arrays from the start
+# of a line
+LINE, PLACE = 64, 16
 
 
 class Run:
@@ -124,7 +126,7 @@ def compare(scene: str, new: dict[str, Any], old: dict[str, Any]) -> None:
 
 
 def main() -> None:
-    """Measure."""
+    """Compare the kernels on all scenes, and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("revision", help="any name that git has for a commit")
     commit = git("rev-parse", "--verify", f"{parser.parse_args().revision}^{{commit}}")

@@ -23,7 +23,7 @@ try:
 except ImportError:  # an older commit
     from chain_impact.variables.model import Model as PreparedScene  # type: ignore
 
-VARIED = 60  # further motions of each scene, whose evaluations are counted
+VARIED = 60  # number of further motions of each scene, with other angles at the start
 
 
 def chain(height: float) -> Scene:
@@ -68,16 +68,16 @@ def scenes() -> dict[str, tuple[Scene, float]]:
 
 
 def varied(scene: Scene) -> list[Scene]:
-    """Return the scene with angles at the start that differ by about 0.02 rad, as often as VARIED says."""
+    """Return VARIED copies of the scene whose angles at the start differ by about 0.02 rad."""
     angles, chance = np.asarray(scene.initial.angles), np.random.default_rng(0)
     changes = 0.02 * chance.standard_normal((VARIED, len(angles)))
     return [with_values(scene, {("initial", "angles"): tuple(angles + change)}) for change in changes]
 
 
 def main() -> None:
-    """Write name → stop time, kernel, bytes of new instances, and places in the records of a run."""
+    """Write name of a scene → stop time, kernel, new instances as bytes, and places in an instance [byte]."""
     sides = {}
-    # commits may have other names for the functions: the first one to advance, and the one to observe
+    # the names of these functions differ between commits, but begin with the same verbs
     functions = [
         next(f for f in SIGNATURES if f.startswith(verb)) for verb in ("initialize", "advance", "observe")
     ]

@@ -8,13 +8,14 @@ import numpy as np
 from flint import ctx
 
 ctx.prec = 90
-# round-off of floats: relative, for one operation, with a margin; as a factor, for many operations; absolute
+# ROUND_OFF [1]: bound on the relative round-off of one operation; SLACK [1]: factor that covers the round-off
+# of many operations; TINY: bound on the absolute round-off of numbers near 0
 ROUND_OFF, SLACK, TINY = 4e-16, 1 + 1e-9, 1e-300
 Row = list[Any]
 
 
 class RefusalError(ArithmeticError):
-    """The bound does not exist, for a reason in words."""
+    """Raised when a bound does not exist; the message is the reason."""
 
 
 class Matrix:
@@ -23,7 +24,7 @@ class Matrix:
     def __init__(self, middle: np.ndarray, radius: np.ndarray | float = 0.0) -> None:
         """Store the middles and the radii of the entries."""
         self.middle, self.radius = middle, np.zeros_like(middle) + radius
-        self.size = (np.abs(middle) + radius) * (1 + ROUND_OFF)  # bounds on the entries
+        self.size = (np.abs(middle) + radius) * (1 + ROUND_OFF)  # bounds on the magnitudes of the entries
 
     @classmethod
     def of(cls, rows: list[Row]) -> Matrix:
@@ -40,7 +41,9 @@ class Matrix:
         return Matrix(self.middle @ other.middle, spread * SLACK + TINY)
 
     def solve(self, right: Matrix) -> Matrix:
-        """Return Y with A Y = R, from Y = X R + (1 − X A) Y with an approximate inverse X of A.
+        """Return Y with A Y = R, where A is this matrix and R is ``right``.
+
+        Y follows from Y = X R + (1 − X A) Y with an approximate inverse X of A.
 
         Raises:
             RefusalError: when this formula does not bound Y.

@@ -1,9 +1,9 @@
 """A brick whose four corners may touch, against a brick with two such corners.
 
-``python -m benchmarks bodies``. The brick bounces on its two lower corners. All four corners are points of
-its link; or only the two lower ones touch, as the ends of the link, which lies along the bottom. The motion
-and its contacts are the same. So the ratio of times is the cost of points beside the line of a link, and of
-corners that might touch.
+``python -m benchmarks bodies``. The brick bounces on its two lower corners. In one scene all four corners are
+points of its link; in the other only the two lower ones touch, as the ends of the link, which lies along the
+bottom. The motion and its contacts are the same in both. So the ratio of the times is the cost of points
+beside the line of a link, and of corners that might touch.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from benchmarks import common
 from benchmarks.peers.ours import Kernel
 from chain_impact.scene.scene import Scene, scene_from_dict
 
-BREADTH, HEIGHT, MASS = 0.25, 0.12, 3.5  # m, m, kg
+BREADTH, HEIGHT, MASS = 0.25, 0.12, 3.5  # [m], [m], [kg]
 LOWER, UPPER = ([(0.0, y), (BREADTH, y)] for y in (0.0, HEIGHT))
-STOP = 1.0  # s; the brick does not turn over in this time
+STOP = 1.0  # [s] stop time; the brick does not turn over in this time
 FRICTIONS = (0.0, 0.3)
 ROUNDS = 11
 CORNERS, ENDS = "four corners, points of the link", "two corners, ends of the link"
@@ -44,7 +44,7 @@ def brick(ends: list[int], points: list[tuple[float, float]], friction: float) -
 
 
 def compared(friction: float, rounds: int) -> dict[str, Any]:
-    """Return the number of contacts, and the times of each brick, at a coefficient of friction."""
+    """Return the number of contacts, and the CPU times of both bricks, at a coefficient of friction."""
     scenes = {CORNERS: brick([], LOWER + UPPER, friction), ENDS: brick([0, 1], [], friction)}
     runs = {name: Kernel(scene, STOP) for name, scene in scenes.items()}
     contacts = {name: len(run.outcome().onsets) for name, run in runs.items()}
@@ -61,7 +61,7 @@ def compared(friction: float, rounds: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Time the contact of both bricks, and write the results."""
+    """Time the runs of both bricks, and write the results."""
     rounds, started = common.rounds(__doc__, ROUNDS), common.environment()
     results = [compared(friction, rounds) for friction in FRICTIONS]
     for row in results:

@@ -1,9 +1,8 @@
 """The cost of a call without its run: ``python -m benchmarks calls [--quick]``.
 
-Calls of ``simulate()``: the default scene to 1.2 s, in CPU time, relative to the time of a run in a sweep
-with one thread. Steps of 1 ms in FMPy, with one output; the steps of an FMU without any content show the time
-of FMPy and pythonfmu themselves. All contenders take turns, so that other work on the machine slows all of
-them.
+The CPU time of a call of ``simulate()`` for the default scene to 1.2 s is divided by that of a run in a sweep
+with one thread. FMUs take steps of 1 ms in FMPy, with one output; an FMU without content shows the time of
+FMPy and pythonfmu themselves. All contenders take turns, so that other work on the machine slows all of them.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ import fmpy
 from benchmarks import common
 from chain_impact import build_fmu, load_scene, simulate, sweep
 
-STOP, ROW = 1.2, 1e-3  # s
+STOP, ROW = 1.2, 1e-3  # [s] stop time; time between two rows, and step of FMUs
 TOLERANCES = (1e-4, 1e-8)
 NAME = "contact.restitution"
 ROUNDS, RUNS = 9, 500
@@ -84,7 +83,7 @@ def steps(folder: Path) -> dict[str, Callable[[], object]]:
 
 
 def main() -> None:
-    """Measure."""
+    """Time all calls and steps, print the results and save them."""
     rounds, started, results = common.rounds(__doc__, ROUNDS), common.environment(), {}
     for tolerance in TOLERANCES:
         timings = common.interleave(calls(tolerance), rounds)

@@ -3,7 +3,7 @@
 The dense output P of a step nearly obeys the equations, with the defect δ = P′ − f(P). With a matrix T of new
 coordinates, in which rates grow little, and the logarithmic norm µ of the Jacobian f′ on a tube around P,
 Gronwall's inequality bounds the difference to the solution y that begins where the step begins, ‖T (y − P)‖ ≤
-∫ e^∫µ ‖T δ‖, as long as it stays within the tube. For each candidate the clearances of P then decide:
+∫ e^∫µ ‖T δ‖, as long as y stays within the tube. For each candidate the clearances of P then decide:
 NO_EVENT, ONE_EVENT, UNDECIDED. No claim is made about a whole run: its bound would grow like e^∫µ. The
 equations are in step_equations.py.
 """
@@ -105,7 +105,7 @@ def _joined(thin: Any, wide: Any) -> Row:
 
 
 def _upper(ball: arb) -> float:
-    """Return a float that is not less than the size of a ball."""
+    """Return a float that is not less than the magnitude of any number in a ball."""
     return math.nextafter(float(abs(ball).upper()), math.inf)
 
 
@@ -114,7 +114,7 @@ class Certificate:
 
     Attributes:
         error: the bound on ‖T (y − P)‖ over the step, see the head of this module.
-        verdicts: of each candidate.
+        verdicts: NO_EVENT, ONE_EVENT or UNDECIDED for each candidate.
     """
 
     def __init__(self, step: Step, count: int) -> None:
@@ -131,7 +131,7 @@ class Certificate:
         self.verdicts = [self._decide(c) for c in range(len(step.candidates))]
 
     def _choose_norm(self) -> None:
-        """Choose T by Lyapunov's equation, so that the logarithmic norm is small at points of the step."""
+        """Choose T by Lyapunov's equation so that the logarithmic norm is small in the step."""
         step = self.step
         places = [arb(share * step.kept) for share in (0.5, 0.0, 1.0)]
         sample = [Linear(step, [z[0] for z in step.course(x, 0)[0]]) for x in places]
@@ -172,9 +172,9 @@ class Certificate:
         raise RefusalError("the bound grows too fast")
 
     def _of_part(self, part: Part) -> tuple[float, float]:
-        """Return the integral ∫ ‖T δ‖ of the defect in a part, and a bound on that of the logarithmic norm.
+        """Return bounds on two integrals over a part: ∫ ‖T δ‖ of the defect, ∫ µ of the logarithmic norm.
 
-        The norm is bounded on the tube.
+        The bound on µ holds on the tube.
         """
         reach = self.tube * self.reach
         box = [value + arb(0, float(far)) for value, far in zip(part.values, reach, strict=True)]

@@ -39,15 +39,17 @@ from tests.helpers.campaigns.random_scenes import (
 )
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-# number of steps of a model's run, at most, and number of the last step that is taken
+# STEPS: largest number of steps of a model's run for which proofs are tried; LATEST: a run ends at this step
 STEPS, LATEST = 60, 4000
-AIM, ALL = 1e-8, 1000  # the tolerance at which ALL steps are taken
-# number of links of a short chain; number of steps of longer chains at that tolerance, as STEPS
+AIM, ALL = 1e-8, 1000  # at the tolerance AIM, ALL replaces STEPS
+# chains with more than SHORT links have STEPS steps at the tolerance AIM, STEPS_OF_LONG at other tolerances
 SHORT, STEPS_OF_LONG = 4, 12
 SCENES, RANDOM = 500, "random scenes"  # number of random scenes; each gives one step, anywhere in its run
 KINDS = (0, SLANTED, SPRUNG, FOLDED, TAUT, UNEVEN, STOPPED, RUBBED, DRIVEN)
-CALLS = 600  # number of evaluations of the equations for a solution
-HIDDEN = 1e-8  # [m, or of u] fall below zero, beyond which it was missed; the solution has an error of 1e-10
+CALLS = 600  # largest number of evaluations of the equations for a solution
+# [m, or of u] an event function that falls farther below zero is that of a missed event; the solution has an
+# error of about 1e-10
+HIDDEN = 1e-8
 
 
 def missing(d: Any) -> str:
@@ -73,7 +75,7 @@ def steps(scene: Scene) -> Iterator[Any]:
     run = Instance(scene)
     step = run.record["step"]
     for _ in range(LATEST):
-        # for a communication point just beyond the end of the last step the run takes one more step
+        # the run takes one more step if it advances to a time just beyond the end of the last step
         if (
             not step["end"] < scene.simulation.stop_time
             or run.advance(np.nextafter(step["end"], np.inf)) != OK
@@ -84,9 +86,9 @@ def steps(scene: Scene) -> Iterator[Any]:
 
 
 def least(step: Step, candidates: list[int]) -> list[float]:
-    """Return the least value of the event functions of candidates in an accurate solution of the step.
+    """Return the least value of the event function of each candidate in an accurate solution of the step.
 
-    NaN if it fails.
+    The values are NaN if the solution fails.
     """
     calls = iter(range(CALLS))
 

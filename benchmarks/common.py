@@ -22,7 +22,7 @@ from chain_impact.compilation.ready import for_release
 ROOT = Path(__file__).parents[1]
 RESULTS = Path(__file__).parent / "results"
 IMAGES = ROOT / "docs" / "images"
-DPI = 140  # resolution of the charts
+DPI = 140  # resolution of the charts [pixels per inch]
 PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "ziglang", "fmpy", "pythonfmu")
 Name = TypeVar("Name")
 """The name of a contender: a text, or several values."""
@@ -41,10 +41,10 @@ def interleave(
 
     Args:
         contenders: name → function of one call; each has run once before, so that nothing is compiled here.
-        rounds: how many times each contender is timed.
+        rounds: the number of rounds; a contender is timed once in a round.
         span: shortest time that is measured at once [s]; a fast call is repeated to fill it.
-        patience: a contender whose one call takes longer than this [s] is timed twice only.
-        fast: factor on the rounds for a contender of which ten calls fit in the span.
+        patience: a contender whose single call takes longer than this [s] is timed in two rounds only.
+        fast: factor of the rounds for a contender of which ten calls fit in the span.
     """
     repeats = {}
     for name, call in contenders.items():
@@ -63,7 +63,7 @@ def interleave(
 
 
 def _seconds(call: Callable[[], object], repeats: int) -> float:
-    # CPU time of this process on one core; other processes do not count
+    # CPU time of this process; other processes do not count
     start = time.process_time()
     for _ in range(repeats):
         call()
@@ -133,7 +133,7 @@ def levelled(
 def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return machine, versions, commit and date of this run; ``packages`` are further packages.
 
-    Ends a process without the settings of a release, which ``python -m benchmarks`` makes.
+    The process ends if it lacks the settings of a release, which ``python -m benchmarks`` makes.
     """
     if not for_release():
         sys.exit("run: python -m benchmarks NAME")

@@ -1,9 +1,9 @@
 """The error of a cheaper model: ``python -m benchmarks fidelity [--quick]``.
 
-The true solution is the default scene with the stiffness of steel and the law zhang_sharf, by the reference
-of reference.py. Every choice of a stiffness, a tolerance and a law is judged by the state at the end and by
-the first impact, and is timed. For comparison: the errors of a restitution or a start that are wrong by a
-thousandth.
+The true solution is that of reference.py for the default scene with the stiffness of steel and the law
+zhang_sharf. Each other choice of stiffness, tolerance or law is judged by the state at the end and by the
+first impact, and is timed. For comparison, runs with a restitution or a start that is wrong by a thousandth
+are judged, too.
 """
 
 from __future__ import annotations
@@ -75,9 +75,9 @@ def choices() -> list[tuple[dict[str, Any], Scene]]:
 
 
 def first_impact(scene: Scene, truth: np.void) -> dict[str, float | None]:
-    """Return the first impact as parts of the true one.
+    """Return the quantities FIRST of the first impact, each divided by that of the true impact.
 
-    None stands for an impulse's force, and for a contact that has not ended.
+    The value is None for the force of an impulse, and for the speed after a contact that has not ended.
     """
     impact = simulate(scene, stop_time=0.6).impacts[0]
     ratios = {name: float(impact[name] / truth[name]) for name in FIRST}
@@ -114,7 +114,7 @@ def measure(rounds: int) -> list[dict[str, Any]]:
     return rows
 
 
-SIZE = (11.0, 4.6)  # inches, of the chart
+SIZE = (11.0, 4.6)  # [inch] of the chart
 
 
 def draw(figure: Any, record: dict[str, Any]) -> None:

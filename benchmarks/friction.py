@@ -1,12 +1,12 @@
 """MuJoCo with dry friction: ``python -m benchmarks friction [--quick]``.
 
-A rod that rests on a slope by friction: how fast does it creep, and what does that cost? Two links that are
-thrown onto a floor with friction: the error of the state in motion and at rest against the cost. MuJoCo's
-contact is another one than ours, so each is judged by its own converged run. Without damping, MuJoCo's
-integrators Euler, implicit and implicitfast are the same; so it is Euler and RK4.
+A rod rests on a slope by friction: how fast does it creep, and how much CPU time does a run take? Two links
+are thrown onto a floor with friction: the error of the state, in motion and at rest, over the CPU time.
+MuJoCo's contact differs from ours, so each program is judged by its own converged run. Without damping,
+MuJoCo's integrators Euler, implicit and implicitfast are the same, so only Euler and RK4 are used.
 
-In MuJoCo a chain has slides and hinges in the x–z plane, hinge angles relative; points that may touch are
-small spheres, the walls planes set back by their radius. The chain can also slide along y, though nothing
+In MuJoCo a chain has slides and hinges in the x–z plane, with relative angles; points that may touch are
+small spheres, walls are planes set back by their radius. The chain can also slide along y, though nothing
 moves it there: MuJoCo's friction at a point has two directions, and ``noslip_iterations`` have no effect on a
 contact that cannot move in both directions.
 """
@@ -34,15 +34,16 @@ from tests.helpers.scenes.friction import SLOPE, sled, thrown
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
 FINE, FINEST = 1e-12, 1e-6  # tolerance, and step of MuJoCo [s], of runs that count as exact
-SETTLED, STOP, HOUR = 10.0, 60.0, 3600.0  # s, on the slope
-SLOPE_STEPS = (1e-2, 1e-3)  # s
+# [s] on the slope: the time from which the drift counts, the end of a run, the end of a long run
+SETTLED, STOP, HOUR = 10.0, 60.0, 3600.0
+SLOPE_STEPS = (1e-2, 1e-3)  # [s] MuJoCo's steps
 AT_REST = {"contact.friction": 0.6, "initial.vx": 0.0, "initial.vy": 0.0}
-TIMES = {"moving": 0.3, "resting": 1.5}  # s, of the thrown chain
-THROWN_STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)  # s
-PATIENCE = 60.0  # s
-UNSTABLE = 10.0  # m, rad, m/s, rad/s: upper limit of a meaningful error
-RADIUS = 1e-6  # m, of MuJoCo's spheres: friction acts at the surface of a sphere and not at its centre
-# balls collide with walls only
+TIMES = {"moving": 0.3, "resting": 1.5}  # [s] at which the state of the thrown chain is judged
+THROWN_STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)  # [s] MuJoCo's steps
+PATIENCE = 60.0  # [s] a run that takes longer is timed twice only
+UNSTABLE = 10.0  # [m, rad, m/s or rad/s] a run with a larger error is left out
+RADIUS = 1e-6  # [m] of MuJoCo's spheres: friction acts at the surface of a sphere and not at its centre
+# MJCF of spheres and of walls: spheres collide with walls only
 BALL, WALL = (f'contype="{a}" conaffinity="{1 - a}"' for a in (1, 0))
 
 
@@ -157,7 +158,7 @@ class Engine:
 
 
 def drift(early: np.ndarray, late: np.ndarray, stop: float) -> dict[str, float]:
-    """Return the mean speed along the slope [µm/s] after the rod has settled."""
+    """Return the mean speed along the slope [µm/s] from SETTLED to ``stop``."""
     moved = (late - early)[:2] @ (math.cos(SLOPE), -math.sin(SLOPE))
     return {"drift": common.rounded(1e6 * abs(moved) / (stop - SETTLED))}
 
@@ -201,7 +202,7 @@ def at_rest() -> Entries:
 def duration_of_ours() -> Contact:
     """Return a linear contact with the duration of our first impact.
 
-    Its rebound would be the same if it were allowed to pull.
+    Its rebound would be that of our impact if the contact could pull.
     """
     scene = thrown(**{"solver.tolerance": 1e-10})
     first, slope = simulate(scene).impacts[0], math.log(scene.contact.restitution)
@@ -211,7 +212,7 @@ def duration_of_ours() -> Contact:
 
 
 def throw(stop: float, rounds: int) -> list[dict[str, Any]]:
-    """Return errors against each program's own converged run, and cost, at a time [s]."""
+    """Return the errors at ``stop`` [s] against each program's own converged run, and the CPU times."""
     found: dict[tuple[str, float], Any] = {}
     scenes = {tolerance: thrown(**{"solver.tolerance": tolerance}) for tolerance in (FINE, *TOLERANCES)}
     truth = Kernel(scenes[FINE], stop).outcome().state
@@ -242,10 +243,10 @@ def off(state: np.ndarray, truth: np.ndarray) -> float:
 
 # --- the chart ----------------------------------------------------------------------------------------------
 
-SIZE = (9.2, 4.9)  # inches
-NAMES_IN_ROW = 3  # in the legend
-LEAST = 1e-6  # µm/s, place of drifts below it, "none"
-BREAK = 1e-5  # µm/s, place of the line between "none" and the logarithmic scale
+SIZE = (9.2, 4.9)  # [inch] of the chart
+NAMES_IN_ROW = 3  # number of names in a row of the legend
+LEAST = 1e-6  # [µm/s] smaller drifts are drawn here, at "none"
+BREAK = 1e-5  # [µm/s] place of the line between "none" and the logarithmic scale
 CREEPS, SHOWN = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
 LOOKS = {
     "ours": (OURS, "o"),
@@ -288,7 +289,7 @@ def draw(figure: Any, record: Any) -> None:
 def told(results: dict[str, list[dict[str, Any]]]) -> tuple[str, str]:
     """Return the title and the text below it: drift, CPU time over ours, and error over ours.
 
-    Even our loosest run has a smaller error than MuJoCo's, so that the factor of the time is a least one.
+    If even our loosest run has a smaller error than MuJoCo's, the factor of the time is a lower bound.
     """
     creep = next(row["drift"] for row in results["slope"] if row["name"] == CREEPS)
     factors, errors = [], []

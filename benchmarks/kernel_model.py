@@ -1,9 +1,9 @@
 """The kernel's model as C functions, for peer solvers that take function pointers.
 
-Compiled by numba and linked just as the kernel is, on the same record: so peers evaluate the very machine
-code that ours does, and the kernel begins and ends their contacts, and sets their impact speeds again.
-Functions named ``plain_`` have the kernel's state without the energies, u and the time, which drive nothing;
-those of CVODE, named ``cvode_``, have the dissipated energy, too.
+The functions are compiled and linked as the kernel is, and use the same record. So peers evaluate the same
+machine code as our solver, and the kernel begins and ends their contacts, and latches their impact speeds.
+The state of functions named ``plain_`` is that of the kernel without the energies, u and the time, which do
+not act on the motion; the state of those of CVODE, named ``cvode_``, has the dissipated energy, too.
 
     int32 PREFIX_start(instance*, double* y)                      initialize; the state at 0 s
     int32 PREFIX_stop(instance*, double t, const double* y)       set the state at t, to be observed
@@ -53,22 +53,23 @@ REALS, COUNTS = types.CPointer(float64), types.CPointer(int32)
 # numbers of components, at the end of the kernel's state, that ``plain_`` and ``cvode_`` functions lack
 PLAIN, CVODE = 4, 3
 AT_ZERO = 1e-12  # [s] distance from zero in time at which a candidate has an event
-# m, delay of an event: a contact that has just begun or ended then has a nonzero clearance, because peers
-# need a change of sign between the ends of a step
+# [m] added to event functions, so that a contact that has just begun or ended has a clearance other than 0:
+# peers need a change of sign between the ends of a step
 CLEAR = 1e-13
-HOP = 0.2  # first step of a flight, relative to separation speed / g, so that a low flight is not skipped
-# first step of a contact, relative to expected penetration / impact speed, because the force δⁿ is flat at
-# onset
+HOP = 0.2  # [1] first step of a flight · g / separation speed, so that a low flight is not skipped
+# [1] first step of a contact · impact speed / expected penetration; this step is small, because the force δⁿ
+# is flat at the onset
 FIRST_STEP = 0.09
 POLISH = 1e-7  # [s] largest correction of a solver's root
-POSITION_ERROR = 1e-2  # error of a careful CVODE's position in a contact, relative to the static penetration
-# height above the wall at which a contact of a careful CVODE ends, relative to the static penetration
+# [1] allowed error of a careful CVODE's positions in a contact, divided by the static penetration
+POSITION_ERROR = 1e-2
+# [1] height above the wall at which a contact of a careful CVODE ends, divided by the static penetration
 MARGIN = 5e-2
 
 
 @compiled
 def rate_at(d, y, out):
-    """Set the first components of f(y)."""
+    """Set ``out`` to the rate f(y) of the components of ``y``."""
     d.statistics.rhs_evaluations += 1
     rate_from_state(d, y, d.scratch.stage[0])
     for j in range(len(y)):
@@ -81,10 +82,10 @@ def happen(d, time, y, found):
 
     Args:
         d: the instance.
-        time: [s].
-        y: state.
-        found: for each candidate the sign of the change in clearance, then the sign of the change in the
-            distance to the speed at which the contact latches again; 0 without an event.
+        time: time of the events [s].
+        y: state at this time.
+        found: for each candidate the sign of the change in clearance, then for each candidate −1 if its
+            contact latches again; 0 without an event.
     """
     d.step.end = time
     for j in range(len(y)):
@@ -131,7 +132,7 @@ def rate(_t, y, out, d):
 
 @compiled
 def least_event(d, y):
-    """Return the smallest of all event functions plus CLEAR, and its rate if it is a clearance, else 0."""
+    """Return the smallest event function plus CLEAR, and its rate, or 0 if it is that of a new latch."""
     lowest, slope = np.inf, 0.0
     locate_points(d, y)
     for c in range(d.candidates):
@@ -146,15 +147,15 @@ def least_event(d, y):
 
 
 def least(_t, y, out, d):
-    """Set the smallest event function."""
+    """Set ``out[0]`` to the smallest event function."""
     out[0], _ = least_event(d, vector(y, len(d.step.state) - PLAIN))
 
 
 def switch(d, clock, values, found):
     """Let the event at clock[0] [s] take effect, and propose the next step in clock[1] [s].
 
-    A root finder with a coarse tolerance in time gets help: a step of Euler's method leads from the time that
-    it found to the root. Returns the number of active contacts.
+    A solver may find the root with a coarse tolerance in time: a step of Euler's method then leads from the
+    found time to the root. Returns the number of active contacts.
     """
     y = vector(values, len(d.step.state) - PLAIN)
     value, slope = least_event(d, y)
@@ -193,7 +194,7 @@ def switch(d, clock, values, found):
 
 @compiled
 def looked_at(d, y):
-    """Return energy [J], largest penetration [m], and depth of points without a contact [m]."""
+    """Return energy [J], largest penetration [m], and largest depth of points without a contact [m]."""
     locate_points(d, y)
     kinetic, potential = mechanical_energy(d, y)
     deepest, outside = 0.0, 0.0
@@ -207,7 +208,7 @@ def looked_at(d, y):
 
 @compiled
 def raise_seen(d, y, seen):
-    """Raise the three numbers in ``seen`` to the results of ``looked_at`` for a state that are larger."""
+    """Replace each of the three numbers in ``seen`` by the result of ``looked_at`` if this is larger."""
     energy, deepest, outside = looked_at(d, y)
     # an energy that is no number makes ``seen`` infinite, because max() could hide it
     seen[0] = max(seen[0], energy) if np.isfinite(energy) else np.inf
@@ -229,11 +230,11 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
         euler: whether to take Euler's steps.
         values: state, changed in place.
         found: room for ``happen``.
-        limits: energy [J] and depth [m] at which the run stops; the result is the highest energy and the
-            largest depth.
+        limits: energy [J] and depth [m] at which the run stops; the highest energy and the largest depth of
+            the run replace them.
 
     Returns:
-        The steps made.
+        The number of steps taken.
     """
     size, n = len(d.step.state) - PLAIN, d.links + 2
     y, z, stage = vector(values, size), d.scratch.y, d.scratch.stage
@@ -277,7 +278,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
 
 @compiled
 def static_depth(d):
-    """Return the penetration [m] under the weight of one link."""
+    """Return the penetration [m] under the weight of link 1."""
     weight = abs(d.chain.gravity[1]) * d.chain.mass[0]
     return (weight / d.law.stiffness[0]) ** (1.0 / d.law.exponent[0])
 
@@ -295,7 +296,7 @@ def cvode_happen(d, time, y, found):
 
 
 def cvode_roots(d, careful, y, value):
-    """Set each candidate's clearance, and for an active one the distance from latching again.
+    """Set each candidate's clearance, and for an active one the speed of a new latch minus its speed.
 
     CVODE's solution jumps by a part of its tolerance when it is re-initialized. So a point that leaves slowly
     would arrive and leave again, up to a million times, unless the contact ends a margin above the wall.
@@ -319,10 +320,10 @@ def cvode_look(d, y, seen):
 
 
 def cvode_weights(d, careful, y, weight):
-    """Set 1 divided by the allowed error of each component.
+    """Set ``weight`` to 1 divided by the allowed error of each component.
 
-    In the usual form it is tolerance × (|y| + scale) with the kernel's scale. In the careful form positions
-    have no relative part, and during a contact no more than a part of the static penetration.
+    The usual allowed error is tolerance × (|y| + scale) with the kernel's scale. A careful CVODE allows for
+    positions tolerance × scale, and during a contact at most POSITION_ERROR × the static penetration.
     """
     n, tolerance = d.links, d.solver.tolerance
     position = tolerance * d.chain.longest_link

@@ -30,7 +30,7 @@ def look(name: str) -> dict[str, Any]:
 
 
 def strong(ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, Any]:
-    """Return the style of a curve; ours is bolder than the others, and above them."""
+    """Return the style of a curve; that of ``ours`` is bolder than the others, and drawn above them."""
     bold = {"linewidth": 2.4, "zorder": 3} if ours else {"linewidth": 1.2, "zorder": 2}
     return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **bold}
 

@@ -4,10 +4,10 @@ FOLDER is ``data/experiment_records/design_C.1/sys_id/20230629`` of dfki-ric-und
 (BSD-3-Clause, commit 1e8544e): a double pendulum with motors in both joints, whose angles and torques were
 measured. Both torques act on the model as they were measured. SciPy's ``least_squares``, with derivatives and
 equal weights for all errors, fits centres of mass, inertias, viscous damping and dry friction to one run,
-with intervals. A run that the fit has not seen judges the result.
+with confidence intervals. The result is judged by a run to which it is not fitted.
 
-A motion is predicted over short spans, each from the angles and rates measured at its start: where the arm is
-upright, errors grow fast.
+A motion is predicted over short spans, each from the angles and rates measured at its start, because errors
+grow fast where the arm is upright.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from chain_impact import simulate
 from chain_impact.scene.scene import Scene, scene_from_dict
 
 FITTED, UNSEEN = "20230629-143601", "20230629-143524"
-SPAN, STEP = 0.5, 0.02  # s
-AROUND = 5  # number of samples before and after a start, whose parabola gives the rates there
+SPAN, STEP = 0.5, 0.02  # [s] duration of a span, and communication step
+AROUND = 5  # a parabola through this number of samples on each side of a start gives the rates there
 KEYS = ("center_of_mass", "inertia", "joint_damping", "joint_friction")
 START, HIGHEST, SCALE = (0.2, 0.005, 0.01, 0.1), (1.0, 0.2, 0.5, 1.0), (0.1, 0.005, 0.02, 0.05)
 DRY = "joint_friction"
@@ -37,10 +37,10 @@ class Span(NamedTuple):
     """A part of a run, of T samples.
 
     Attributes:
-        times: from 0 on [s], shape (T,).
-        angles: of the joints [rad], shape (2, T).
-        torques: [N·m], shape (2, T).
-        rates: of the joints at the start [rad/s], shape (2,).
+        times: times of the samples, from 0 [s], shape (T,).
+        angles: angles of the joints [rad], shape (2, T).
+        torques: torques at the joints [N·m], shape (2, T).
+        rates: rates of the joints at the start [rad/s], shape (2,).
     """
 
     times: np.ndarray
@@ -50,7 +50,7 @@ class Span(NamedTuple):
 
 
 def arm() -> Scene:
-    """Return the scene: lengths and masses as the design has them; zero angles hang down."""
+    """Return the scene, with the lengths and masses of the design; both links hang down at the start."""
     links = [{"length": 0.2, "mass": 0.5}, {"length": 0.3, "mass": 0.6}]
     table = {
         "name": "MeasuredArm",
@@ -85,7 +85,7 @@ def read(file: Path, first: float = 0.5) -> list[Span]:
 def off(
     x: np.ndarray, span: Span, names: list[str], derivatives: bool = False
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """Return the errors of both joint angles [rad], and their derivatives by the parameters if asked for."""
+    """Return the errors of both joint angles [rad]; and, if asked for, their derivatives, else None."""
     angles, rates = np.cumsum(span.angles[:, 0]) - math.pi / 2, np.cumsum(span.rates)
     start = {f"initial.angle[{i + 1}]": float(math.remainder(a, math.tau)) for i, a in enumerate(angles)}
     start |= {f"initial.angular_velocity[{i + 1}]": float(rate) for i, rate in enumerate(rates)}
@@ -156,7 +156,7 @@ def measure(known: list[Span], unseen: list[Span]) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Measure, and record the aggregates."""
+    """Fit and judge both models, and save the results."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="…/design_C.1/sys_id/20230629 of double_pendulum")
     folder = parser.parse_args().folder

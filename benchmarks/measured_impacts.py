@@ -3,12 +3,13 @@
 FOLDER is ``processed_data`` of the repository mcubelab/planar-impact-dataset (Fazeli, Donlon, Drumwright &
 Rodriguez 2017). The repository has no licence, so this project contains only aggregates of its data.
 
-An ellipse is dropped in a plane; its velocities before and after each impact were measured, with the place
-of the contact point. As a scene it is one free link from the centre of mass to the contact point, without
-gravity. Restitution and friction, the same for all impacts, are fitted to every second trial with ``fit``,
-and judged by the others. Beside the laws of this package there is a model with a compliance along the wall.
+An ellipse is dropped in a plane; its velocities before and after each impact were measured, and the place of
+the contact point. In the scene the ellipse is one free link from the centre of mass to the contact point,
+without gravity. Restitution and friction, the same for all impacts, are fitted to every second trial with
+``fit``, and judged by the other trials. Beside the laws of this package there is a model with a compliance
+along the wall.
 
-In the data x points to the other side than angles say: with −x, torques follow from forces.
+The sign of x in the data contradicts that of the angles: only with −x do the torques follow from the forces.
 """
 
 from __future__ import annotations
@@ -27,22 +28,24 @@ from benchmarks import common
 from chain_impact import Fit, fit, simulate
 from chain_impact.scene.scene import Scene, scene_from_dict
 
-MASS, GYRATION = 0.0364, 0.0192  # kg, m: of the ellipse
-STOP, GAP = 1e-3, 1e-6  # s, m: the impact begins within 1e-5 s and takes about 1e-5 s
+MASS, GYRATION = 0.0364, 0.0192  # mass [kg] and radius of gyration [m] of the ellipse
+# STOP: end of a run [s]; GAP: distance from the wall at the start [m]; the impact begins within 1e-5 s and
+# takes about 1e-5 s
+STOP, GAP = 1e-3, 1e-6
 START = {"contact.restitution": 0.6, "contact.friction": 0.2}
 # ratio of tangential to normal stiffness of an elastic contact, 2 (1 − ν)/(2 − ν) for Poisson's ratio ν = 0.3
 MINDLIN = 0.82
-STEPS = 400  # the steps of half an elastic impact, in the model with a compliance
+STEPS = 400  # number of time steps in half an elastic impact, in the model with a compliance
 
 
 @dataclass(frozen=True)
 class Trials:
-    """Measured impacts: the velocities (v_x, v_y, ω) [m/s, rad/s] of the centre, and the contact points [m].
+    """The n measured impacts, with velocities (v_x, v_y, ω) of the centre [m/s, m/s, rad/s].
 
     Attributes:
-        before: velocities before the impacts, (n, 3).
-        after: velocities after the impacts, (n, 3).
-        arm: vectors from the centre to the contact point, (n, 2).
+        before: velocities before the impacts, shape (n, 3).
+        after: velocities after the impacts, shape (n, 3).
+        arm: vectors from the centre to the contact point [m], shape (n, 2).
     """
 
     before: np.ndarray
@@ -53,7 +56,7 @@ class Trials:
         return Trials(self.before[part], self.after[part], self.arm[part])
 
     def at_contact(self, velocity: np.ndarray) -> np.ndarray:
-        """Return velocity of the contact point (n, 2): along the wall and away from it [m/s]."""
+        """Return the velocity of the contact point along the wall and away from it [m/s], shape (n, 2)."""
         at_contact: np.ndarray = velocity[:, :2] + velocity[:, 2:] * self.arm[:, ::-1] * [-1.0, 1.0]
         return at_contact
 
@@ -85,7 +88,7 @@ def ellipse() -> Scene:
 
 
 def values(trials: Trials) -> dict[str, np.ndarray]:
-    """Return values of the scene, one for each trial."""
+    """Return name of a value of the scene → its values, one for each trial."""
     across, up = trials.arm.T
     names = ("initial.vx", "initial.vy", "initial.angular_velocity[1]")
     found = {"link[1].length": np.hypot(across, up), "initial.angle[1]": np.arctan2(up, across)}
@@ -96,14 +99,14 @@ OUTPUTS = ("point[0].vx", "point[0].vy", "link[1].angular_velocity")
 
 
 def fitted(scene: Scene, trials: Trials, laws: bool = False) -> Fit:
-    """Return restitution and friction with which simulated velocities after impacts suit the trials."""
+    """Return the fit of restitution and friction to the velocities after the impacts."""
     data = [{"time": [STOP]} | dict(zip(OUTPUTS, after[:, None], strict=True)) for after in trials.after]
     sigma = dict(zip(OUTPUTS, (0.2, 0.2, 0.2 / GYRATION), strict=True))
     return fit(scene, data, list(START), set_each=values(trials), sigma=sigma, laws=laws)
 
 
 def predicted(scene: Scene, trials: Trials) -> np.ndarray:
-    """Return velocities after the impacts (n, 3)."""
+    """Return the simulated velocities after the impacts, shape (n, 3)."""
     known = values(trials)
     rows = []
     for k in range(len(trials.before)):
@@ -116,10 +119,11 @@ def predicted(scene: Scene, trials: Trials) -> np.ndarray:
 
 
 def compliant(trials: Trials, restitution: float, friction: float, ratio: float) -> np.ndarray:
-    """Return velocities after impacts (n, 3) with a spring along the wall, in line with a Coulomb slider.
+    """Return velocities after impacts, shape (n, 3), for a spring along the wall in series with dry friction.
 
-    The normal force is K δ^3/2, times e² on the way out; the spring along the wall has the slope of K δ^3/2
-    times ``ratio`` (Mindlin & Deresiewicz 1953). Without gravity K does not matter, so it is the mass.
+    The normal force is K δ^3/2, times e² on the way out. The stiffness of the spring is the slope of K δ^3/2
+    times ``ratio`` (Mindlin & Deresiewicz 1953). Without gravity the value of K [N/m^1.5] does not matter: it
+    is that of the mass [kg].
     """
     velocity, (across, up) = trials.before.copy(), trials.arm.T
     closing = -trials.at_contact(velocity)[:, 1]
@@ -142,7 +146,7 @@ def compliant(trials: Trials, restitution: float, friction: float, ratio: float)
 
 
 def fitted_compliant(trials: Trials, ratio: float | None) -> list[float]:
-    """Return restitution, friction and, unless it is given, ratio of the stiffnesses that suit the trials."""
+    """Return restitution, friction and ratio of the stiffnesses; a ``ratio`` that is given is not fitted."""
 
     def misfit(x: np.ndarray) -> float:
         if not (0.0 < x[0] <= 1.0 and (x > 0.0).all()):
@@ -159,16 +163,19 @@ def fitted_compliant(trials: Trials, ratio: float | None) -> list[float]:
 
 
 def errors(trials: Trials, after: np.ndarray) -> np.ndarray:
-    """Return errors of predicted velocities (n,) [m/s]: of v_x, v_y and ω times the radius of gyration."""
+    """Return the errors of predicted velocities [m/s], shape (n,).
+
+    An error is the length of the vector of the errors of v_x, v_y, and ω times the radius of gyration.
+    """
     sizes: np.ndarray = np.linalg.norm((after - trials.after) * [1.0, 1.0, GYRATION], axis=1)
     return sizes
 
 
 def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str, Any]:
-    """Return the median error, the error that 90 % of trials stay below [m/s], and shares of the trials.
+    """Return the median error, the error that 90 % of trials stay below [m/s], and two shares of the trials.
 
-    The shares are of the trials in which the point moves along the wall afterwards in the measured direction,
-    and of those in which it moves back: against its direction before the impact.
+    The first share is that of trials in which the contact point moves along the wall after the impact in the
+    measured direction; the second share, in which it moves against its direction before the impact.
     """
     off = np.quantile(errors(trials, after), (0.5, 0.9))
     found = trials.at_contact(after)[:, 0]
@@ -180,7 +187,7 @@ def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str,
 
 
 def facts(trials: Trials) -> dict[str, float]:
-    """Return facts on the measurements: speeds, Newton's restitution, and how often the point moves back."""
+    """Return facts on the measurements: speeds, Newton's restitution, the share of points that move back."""
     before, after = trials.at_contact(trials.before), trials.at_contact(trials.after)
     low, middle, high = np.quantile(-after[:, 1] / before[:, 1], (0.05, 0.5, 0.95))
     numbers = {
@@ -196,7 +203,7 @@ def facts(trials: Trials) -> dict[str, float]:
 
 
 def measure(trials: Trials) -> dict[str, Any]:
-    """Return facts, and the errors of each law and of the model with a compliance at the odd trials."""
+    """Return facts on all trials, and the errors of each law and of the compliant model in the odd trials."""
     known, asked = trials[::2], trials[1::2]
     rows: dict[str, Any] = {}
     for one in fitted(ellipse(), known, laws=True).ranking:
@@ -213,7 +220,7 @@ def measure(trials: Trials) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Measure, and record the aggregates."""
+    """Fit and judge all models, and save the results."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="processed_data of mcubelab/planar-impact-dataset")
     folder = parser.parse_args().folder

@@ -8,7 +8,7 @@ import numpy as np
 
 from chain_impact.scene.scene import Scene, load_scene, scene_from_dict
 
-STEEL = 2.145e10  # N/m^1.5, a steel sphere of 20 mm on a steel wall
+STEEL = 2.145e10  # [N/m^1.5] stiffness of a steel sphere with a radius of 20 mm on a steel wall
 Onsets = list[tuple[int, float]]
 """Candidate and time [s] of each onset."""
 
@@ -23,11 +23,11 @@ class Problem:
     base: Scene
 
     def scene(self, tolerance: float | None = None) -> Scene:
-        """Return the scene, with a tolerance."""
+        """Return the scene, with another tolerance if one is given."""
         return self.base if tolerance is None else self.base.with_values({"solver.tolerance": tolerance})
 
     def tip(self, state: np.ndarray) -> np.ndarray:
-        """Return where the tip is [m] in a state: x₀, y₀, angles, and their rates."""
+        """Return the position of the tip [m] in a state: x₀, y₀ [m], angles [rad], and the rates of these."""
         lengths = np.array([link.length for link in self.base.chain.links])
         angles = state[2 : 2 + len(lengths)].astype(float)
         from_base = np.array([lengths @ np.cos(angles), lengths @ np.sin(angles)])

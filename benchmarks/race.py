@@ -18,7 +18,7 @@ Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]
 
 
 def judge(found: Outcome, problem: Problem, expected: dict[str, Any], stop: float) -> dict[str, Any]:
-    """Return errors of the tip [mm] and of the onsets [µs]; none of onsets where other impacts were found.
+    """Return the errors of the tip [mm] and of the onsets [µs]; the latter only if the impacts are right.
 
     A run that failed has ``failed`` in place of the errors.
     """
@@ -60,9 +60,10 @@ def race(entries: Entries, base: str, rounds: int, patience: float = 5.0) -> lis
 
 
 def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> float | None:
-    """Return the time [s] of a contender for an error, on straight lines between its runs in the chart.
+    """Return the time [s] that a contender needs for an error, interpolated between its runs.
 
-    If even the loosest run has a smaller error, return the time of this run; if no run is so accurate, None.
+    The logarithm of the time is interpolated over that of the error. If even the loosest run has a smaller
+    error, the result is the time of this run; if no run is so accurate, None.
     """
     line = _front(rows, key)
     if not line or error <= 0.0 or math.log(error) < line[0][0]:
@@ -71,21 +72,22 @@ def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> fl
 
 
 def above_loosest(error: float, rows: list[dict[str, Any]], key: str = "tip") -> float:
-    """Return an error relative to that of a contender's loosest run, but at least 1.
+    """Return an error divided by that of a contender's loosest run, but at least 1.
 
-    With 1, ``seconds_at`` is the time for an equal error; otherwise it is the time for this smaller error.
+    For a result of 1, ``seconds_at`` gives the time for an equal error; otherwise the time of the loosest
+    run, whose error is smaller.
     """
     line = _front(rows, key)
     return max(1.0, error / math.exp(line[-1][0]))
 
 
 def _front(rows: list[dict[str, Any]], key: str) -> list[tuple[float, float]]:
-    """Return the logarithms of error and time [s] of a contender's runs, the smallest error first."""
+    """Return the logarithms of error and time [s] of a contender's best runs, the smallest error first."""
     points = [
         (row[key], row["seconds"]["median"])
         for row in rows
         if row.get("right", True) and "seconds" in row and row.get(key, 0.0) > 0.0
     ]
-    # a run with a worse error and time than another run is not part of the front
+    # a run that has a larger error and takes more time than another run is left out
     front = [(x, y) for x, y in points if not any(a < x and b < y for a, b in points)]
     return sorted((math.log(x), math.log(y)) for x, y in front)

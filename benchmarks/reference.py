@@ -1,11 +1,11 @@
 """References independent of the kernel's equations: ``python -m benchmarks reference [problem …]``.
 
-Equations of motion assembled by the textbook (tests/helpers/models/textbook.py), integrated in 80-bit
+The equations of motion are those of tests/helpers/models/textbook.py. They are integrated in 80-bit
 arithmetic (round-off 5e-20) by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner
 1993, II.9) with error control, and restarted at every onset and end of a contact. Newton's method finds
-onsets and ends by the length of the step itself, not on an interpolant. The difference of two runs with
-different orders and tolerances is the stated error. The problems are in problems.py; problems that are not
-named keep their stored results.
+onsets and ends by changing the length of the step; there is no interpolant. The stated error is the
+difference of two runs with different orders and tolerances. The problems are in problems.py; problems that
+are not named on the command line keep their stored results.
 """
 
 from __future__ import annotations
@@ -24,18 +24,16 @@ from chain_impact.scene.scene import Scene
 from tests.helpers.models.textbook import Textbook
 
 REAL = np.longdouble
-LONGEST = 5e-3  # s, so that no visit to a wall is shorter than a few steps
-SETTINGS = {"reference": (7, 1e-14), "check": (6, 1e-13)}  # order / 2, tolerance
-MANY, LOOSER = (
-    10,
-    10.0,
-)  # number of links above which the mass matrix loses a further digit; factor of the tolerances
+LONGEST = 5e-3  # [s] longest step; a point that passes a wall without a force stays behind it for longer
+SETTINGS = {"reference": (7, 1e-14), "check": (6, 1e-13)}  # name of a run → half its order, its tolerance
+# with more than MANY links the mass matrix loses a further digit, so the tolerances are multiplied by LOOSER
+MANY, LOOSER = 10, 10.0
 
 
 def cholesky_solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return the solution of a symmetric positive definite system in the precision of its numbers.
 
-    NumPy has no such function.
+    NumPy's function does not have 80-bit arithmetic.
     """
     a = np.column_stack([matrix, right])
     n = len(right)
@@ -48,7 +46,7 @@ def cholesky_solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 class Bouncing:
-    """The scene as a sequence of smooth pieces."""
+    """The motion of a scene as a sequence of smooth pieces between onsets and ends of contacts."""
 
     def __init__(self, scene: Scene, rows: int, tolerance: float) -> None:
         self.rows, self.tolerance = rows, tolerance
@@ -89,7 +87,7 @@ class Bouncing:
         return self.book.rate(y, loads)
 
     def extrapolate(self, y: np.ndarray, h: REAL) -> tuple[np.ndarray, REAL]:
-        """Return one step of size h: result and error estimate."""
+        """Return the state after one step of size h, and an estimate of its error."""
         first = self.rate(y)
         table: list[np.ndarray] = []
         for row in range(self.rows):
@@ -106,7 +104,7 @@ class Bouncing:
         return table[-1], np.abs(table[-1] - last[-1]).max()
 
     def events(self, y: np.ndarray) -> list[tuple[REAL, REAL]]:
-        """Return the clearances and penetrations that fall through zero at events, and their rates."""
+        """Return the event function of each candidate, which falls through zero at an event, and its rate."""
         return [(-g, -v) if c in self.v0 else (g, v) for c, (g, v) in enumerate(self.clearances(y))]
 
     def advance(self, time: float) -> None:
@@ -125,7 +123,7 @@ class Bouncing:
             )
             start, end = self.events(self.y), self.events(y)
             for c, (value, slope) in enumerate(end):
-                # an undetected dip would need a fall and a rise inside this step
+                # a contact that begins and ends within this step would need a fall and a rise
                 assert not (start[c][1] < 0 < slope and min(start[c][0], value) < -start[c][1] * h / 4), "dip"
             falling = [c for c, (value, slope) in enumerate(end) if value < 0 and slope < 0]
             if falling:
@@ -137,7 +135,7 @@ class Bouncing:
                 self.step = min(REAL(LONGEST), h * grow) if not last else self.step
 
     def land(self, c: int, h: REAL, y: np.ndarray) -> tuple[REAL, np.ndarray]:
-        """Return the step whose end is the event of candidate c."""
+        """Return the length of the step that ends at the event of candidate c, and the state at its end."""
         for _ in range(12):
             value, slope = self.events(y)[c]
             change = value / slope

@@ -1,7 +1,7 @@
-"""Drop to rest against CVODE from C: ``python -m benchmarks rest``; needs libsundials-dev and gcc.
+"""A chain comes to rest, against CVODE from C: ``python -m benchmarks rest``; needs libsundials-dev and gcc.
 
-The default chain falls into its box and comes to rest; 10 s, tolerance 1e-6. CVODE has the kernel's own
-right-hand side, compiled the same way, and its events (peers/cvode.py).
+The default chain falls into its box and comes to rest, in 10 s at the tolerance 1e-6. CVODE integrates the
+kernel's own equations, compiled in the same way, with the kernel's events (peers/cvode.py).
 """
 
 from __future__ import annotations
@@ -26,12 +26,13 @@ from tests.helpers.kernel.kernel_calls import advance
 STIFFNESSES = (1e6, 1e8, 1e10, 1e12)
 RESTITUTIONS = (0.05, 0.1, 0.3, 0.7)
 TOLERANCE, FINE = 1e-6, 1e-9
-STOP = 10  # s
+STOP = 10  # [s] end of a run
 ROUNDS = 5
 USERS, CAREFUL, ADAMS = "BDF as users have it", "BDF, careful", "Adams, careful"
-CVODES = {USERS: (0, 0), CAREFUL: (0, 1), ADAMS: (1, 1)}  # name → (adams, careful)
+CVODES = {USERS: (0, 0), CAREFUL: (0, 1), ADAMS: (1, 1)}  # name → the arguments adams, careful of Cvode
 FINE_ONSETS = f"onsets at tolerance {FINE:g}"
-EXPLICIT_CASE = (0.1, 1e10)  # case in which our kernel also runs without implicit steps
+# restitution and stiffness [N/m^1.5] of the case in which our kernel also runs without implicit steps
+EXPLICIT_CASE = (0.1, 1e10)
 
 
 class Ours(OnInstance):
@@ -42,7 +43,7 @@ class Ours(OnInstance):
         self.rows = np.zeros(STOP, COUNTS)
 
     def run(self) -> None:
-        """Run once, and stop at each second to look at the counts; the stops cost nothing."""
+        """Run once, and stop at each second to look at the counts, which takes almost no time."""
         self.block[:] = self.fresh
         record = self.instance.record
         for second in range(STOP):
@@ -78,9 +79,9 @@ def outcome(run: Any) -> dict[str, Any]:
 
 
 def at_rest(rows: np.ndarray) -> float | None:
-    """Return evaluations a second, over the seconds with no event in them nor in the one before.
+    """Return the mean number of evaluations in a second at rest; None if there is none or the run failed.
 
-    Returns None if there are no such seconds, or the run failed.
+    A second counts as at rest if neither this second nor the one before has an event.
     """
     rhs = np.diff(rows["rhs"])
     events = np.diff(rows["restarts"])
@@ -112,7 +113,7 @@ def compare(scene: Scene) -> dict[str, Any]:
     return row
 
 
-SIZE = (10.5, 5.6)  # inches, of the chart
+SIZE = (10.5, 5.6)  # [inch] of the chart
 
 
 def draw(figure: Any, record: dict[str, Any]) -> None:

@@ -3,9 +3,9 @@
     python -m benchmarks robots [--joints NAMES] FILE…
 
 MuJoCo gives the forces and the mass matrix of each file, without contacts, limits and dry friction; SciPy
-integrates them, with held joints at rest. At the start each joint moves. A robot that is not a planar chain
-is tried with the joints that its refusal proposes. The table has the largest difference of a joint's angle,
-and what the conversion reports first.
+integrates the motion, with held joints at rest. All other joints move at the start. If a robot is not a
+planar chain, the joints that the refusal proposes are tried. The table has the largest difference of a
+joint's angle, and the first message of the conversion.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from chain_impact.conversion.robot import Robot
 from chain_impact.conversion.urdf import moving_parts, urdf_of
 from chain_impact.scene.scene import scene_from_dict
 
-DURATION = 0.5  # s
-SPEED = 0.3  # rad/s or m/s, speed of the joints at the start; the sign alternates from joint to joint
+DURATION = 0.5  # [s] of a run
+SPEED = 0.3  # [rad/s or m/s] speed of the joints at the start; the sign alternates from joint to joint
 TOLERANCE = 1e-11
-ALIKE = 1e-6  # rad, largest difference of equal angles
+ALIKE = 1e-6  # [rad] angles that differ by at most this count as equal
 TOUCHING = ("joint_min", "joint_max", "joint_friction", "slider_min", "slider_max", "slider_friction")
 """The properties of a link or a slider that MuJoCo treats otherwise, by soft constraints."""
 LIMITED = "the limit of its drives"
@@ -48,9 +48,9 @@ class Compared(NamedTuple):
     """A robot compared with MuJoCo.
 
     Attributes:
-        joints: those that move.
-        difference: the largest one of an angle [rad]; None where the file is refused.
-        cause: why the file is refused, or the first report on a difference.
+        joints: the names of the joints that move.
+        difference: the largest difference of a joint's angle [rad]; None if the file is refused.
+        cause: why the file is refused, or the first message on a difference; "" without a message.
     """
 
     joints: Sequence[str]
@@ -64,7 +64,7 @@ class Compared(NamedTuple):
 
 
 def compared(path: Path, choices: Choices = ALL) -> Compared:
-    """Return a robot's file beside MuJoCo; with the proposed joints, if all joints are no planar chain."""
+    """Return a robot's file compared with MuJoCo; if its joints form no chain, with the proposed joints."""
     try:
         robot = read_robot(path, choices.keyframe)
         try:
@@ -96,7 +96,7 @@ def _moving(robot: Robot, names: Sequence[str]) -> Robot:
 
 
 def turned_in_scene(done: Converted, robot: Robot, names: Sequence[str]) -> np.ndarray:
-    """Return how far each hinge turns in the scene [rad], with its sign in the file, by the note on signs."""
+    """Return how far each hinge turns in the scene [rad], with the sign that its angle has in the file."""
     data = {key: table for key, table in done.data.items() if key not in ("box", "walls", "contact", "stops")}
     links = [
         {key: value for key, value in link.items() if key not in TOUCHING} for link in data["chain"]["links"]
@@ -149,7 +149,7 @@ def mujoco_model(path: Path) -> Any:
 
 
 def turned_in_mujoco(path: Path, robot: Robot, names: Sequence[str], keyframe: str | None) -> np.ndarray:
-    """Return how far each hinge of some joints turns in MuJoCo [rad]; all others are held."""
+    """Return how far each hinge among the joints ``names`` turns in MuJoCo [rad]; other joints are held."""
     model = mujoco_model(path)
     data = mujoco.MjData(model)
     if model.nkey and keyframe != "none":
@@ -182,7 +182,7 @@ def turned_in_mujoco(path: Path, robot: Robot, names: Sequence[str], keyframe: s
 
 
 def main() -> None:
-    """Print the table."""
+    """Compare all files, and print the table."""
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("files", nargs="+", type=Path)
     arguments.add_argument("--joints", default="")

@@ -1,8 +1,8 @@
 """The success of methods at many stiffnesses and restitutions: ``python -m benchmarks stability``.
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
-impacts and sustained contact in 3 s. Each cell of the map is one run with a budget of CPU time. The peers are
-in the folder peers/.
+impacts and sustained contact in 3 s. Each cell of the map is one run with a limit of its CPU time. The other
+solvers are in the folder peers/.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ FIXED = {
 }
 METHODS = (*OURS, CVODE, *SCIPY, NUMBALSODA, *FIXED)
 TOLERANCE = 1e-8
-STOP = 3.0  # s
-SAMPLE = 1e-4  # s, interval of the checks of our run
-BUDGET = 2.0  # s of CPU time for a cell
-HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # m, rad, m
-# largest energy gain of a run, relative to its initial energy above rest; largest depth, relative to the
-# rod's length
+STOP = 3.0  # [s] end of a run
+SAMPLE = 1e-4  # [s] time between the checks of our runs and of CVODE's
+BUDGET = 2.0  # [s] largest CPU time of a cell
+HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # [m], [rad], [m]
+# the largest gain of energy of a run that counts as completed, divided by the energy at the start; and its
+# largest depth, divided by the rod's length
 GAIN, DEEPEST = 1e-3, 0.06
-OUTSIDE = 1e-9  # m, depth without a contact at which an onset was missed
+OUTSIDE = 1e-9  # [m] if a point without a contact is deeper than this, the run has missed an onset
 
 OUTCOMES = {
     "completed": GREEN,
@@ -65,7 +65,7 @@ OUTCOMES = {
 
 
 class OverBudgetError(Exception):
-    """The cell has used up its CPU time."""
+    """Raised when a cell has used up its CPU time."""
 
 
 def drop(stiffness: float, restitution: float, method: str = "auto") -> Scene:
@@ -86,7 +86,7 @@ def drop(stiffness: float, restitution: float, method: str = "auto") -> Scene:
 
 
 def energies() -> tuple[float, float]:
-    """Return the energy at the start [J], 0 for the rod at rest on the floor, and the most that is kept."""
+    """Return the energy at the start and the largest energy of a completed run [J]; at rest it would be 0."""
     available = 9.81 * (HEIGHT + 0.5 * LENGTH * math.sin(TILT))
     return available, available * (1.0 + GAIN)
 
@@ -114,7 +114,7 @@ def alarm(budget: float) -> Callable[[], None]:
 
 
 def run_fixed(scene: Scene, name: str, dt: float) -> dict[str, Any]:
-    """Return a cell of a fixed-step method; its steps are counted, and need no budget."""
+    """Return a cell of a fixed-step method, which has no limit of its CPU time."""
     peer, limits = OnKernel(scene, STOP), np.array([1e3 * energies()[1], 10.0])
     steps = fixed_steps(peer, name, dt, limits)
     seen = np.array([*limits, 0.0]) if np.isfinite(peer.y).all() else np.full(3, np.inf)
@@ -284,7 +284,7 @@ def cost_of(method: str, scene: Scene) -> float:
 
 @cache
 def warm_up(method: str) -> None:
-    """Let a process compile all functions of a method, in a run of 0.2 s with an onset."""
+    """Let this process compile all functions of a method, in a run of 0.2 s with an onset."""
     scene = drop(1e4, 0.7)
     if method in SCIPY:
         Scipy(scene, 0.2, "DOP853", watch=True).run()
@@ -296,7 +296,7 @@ def warm_up(method: str) -> None:
         Cvode(scene, np.array([0.2]), adams=0, careful=1).run()
 
 
-SIZE = (9.5, 8.2)  # inches, of the chart
+SIZE = (9.5, 8.2)  # [inch] of the chart
 # COST_COLOURS: the colour map for the ratio of a cost to the cheapest one, up to DEAREST; its last colour is
 # darker than the page, so that an expensive cell does not look empty
 COST_COLOURS = ListedColormap(colormaps["YlGn_r"](np.linspace(0.0, 0.88, 256)))
@@ -306,8 +306,8 @@ DEAREST, EDGES = 100.0, "#f4f4f4"
 def draw(figure: Any, record: Any) -> None:
     """Draw one map for each method: stiffness to the right, restitution upwards.
 
-    A completed run has the colour of the ratio of its cost to the cheapest completed run in the cell; other
-    runs have the colour of their outcome.
+    The colour of a completed run shows its cost, divided by that of the cheapest method at the same stiffness
+    and restitution; the colour of any other run shows its outcome.
     """
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]

@@ -1,12 +1,12 @@
 """The equations of a single step and its dense output, in ball arithmetic (Arb).
 
-The equations are derived independently: Lagrange's, with an assembled mass matrix, and with the centre of
-mass in place of a free base, x_k = x_C + Σ_j a_kj (cos θ_j, sin θ_j). The kernel's record gives the numbers
-of the scene, the state at the start of the step, the dense output, and the values that a contact has latched
-at its onset. The solution belongs to the phase of the step: a force that is cut off, or that damps on
-approach only, is continued smoothly across its kink, sliding keeps its direction, and in the variable of a
-contact its δ is δ* u². In this variable the verdicts on the other candidates hold up to the end of the
-contact, u = 0, until which time increases.
+The equations are derived independently of the kernel: they are Lagrange's, with an assembled mass matrix, and
+with the centre of mass in place of a free base, x_k = x_C + Σ_j a_kj (cos θ_j, sin θ_j). The kernel's record
+gives the numbers of the scene, the state at the start of the step, the dense output, and the values that a
+contact has latched at its onset. The equations are those of the step's phase: a force that is cut off, or
+that damps on approach only, is continued smoothly across its kink, and sliding keeps its direction. A step in
+the variable u of a contact has δ = δ* u² for this contact. In this variable the verdicts on the other
+candidates hold up to the end of the contact at u = 0.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Step:
     """The last step of a record: its dense output, and equations for q, q̇, and u in a contact's variable.
 
     Attributes:
-        size, kept: h [s of the step's variable], and the part of h that the step keeps.
+        size, kept: the length h of the step in its variable, and the part of h that the step keeps.
         polynomials: the coefficients of each variable in powers of x = s/h, with the base in place of x_C.
         marked: the candidates whose contact begins or ends at the end of the step.
     """
@@ -56,7 +56,7 @@ class Step:
         self.offsets = [arb(float(o)) + float(d["contact"]["radius"]) for o in d["candidate"]["offset"]]
         self.active = touch["active_index"][: touch["active_count"]].tolist()
         rubbing = d["element"]["index"][: d["friction"]["count"]].tolist()
-        # unit force against the direction of sliding
+        # element → −1 or 1: the sign of the dry friction, against the direction of sliding
         slides = {e: -float(d["element"]["mode"][e]) for e in rubbing}
         for i, joint in enumerate(self.joints):
             joint[0] = arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * d["drive"]["friction"][i]

@@ -1,8 +1,8 @@
 """Runs per second of a sweep with 1, 2 and 4 threads: ``python -m benchmarks sweep [--quick]``.
 
 The default scene to 0.6 s with two impacts, tolerance 1e-6, and many restitutions. The sweeps with 1, 2 and 4
-threads are timed in turn, so that other work on the machine slows all of them; CPU time counts this process
-only. A loop that calls ``simulate()`` is timed for comparison.
+threads are timed in turn, so that other work on the machine slows all of them; CPU time is that of this
+process only. A loop that calls ``simulate()`` is timed for comparison.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def loop() -> None:
 
 
 def measured(call: Callable[[], object], runs: int) -> tuple[float, float]:
-    """Return microseconds a run, by the clock and of CPU time."""
+    """Return the time and the CPU time of a run [µs]."""
     used, clock = time.process_time(), time.perf_counter()
     call()
     return 1e6 * (time.perf_counter() - clock) / runs, 1e6 * (time.process_time() - used) / runs

@@ -16,15 +16,13 @@ from benchmarks import common, fidelity, friction, peers, rest, stability, work_
 from benchmarks.problems import PROBLEMS, STEEL
 
 CHARTS = (fidelity, friction, rest, stability, work_precision)
-NO_DRIFT = 1e-9  # µm/s, below which a drift is round-off
-# rows of the tables: tolerances, steps of MuJoCo [s], and choices of fidelity.py
+NO_DRIFT = 1e-9  # [µm/s] smaller drifts are round-off
+# tolerances in the tables of ``works`` and ``slope``; steps of MuJoCo in the table of ``slope`` [s]
 WORK, OURS, STEPS = (1e-4, 1e-8), (1e-4, 1e-8), (1e-2, 1e-3)
+# stiffnesses [N/m^1.5], and tolerances at the stiffness of steel, in the table of ``choices``
 STIFFNESSES, TOLERANCES = (1e5,), (1e-4, 1e-8)
 DEFAULT_TOLERANCE = 1e-8
-AIM, RANDOM = (
-    1e-8,
-    "random scenes",
-)  # from certified.py: the tolerance in prose, and a name
+AIM, RANDOM = 1e-8, "random scenes"  # as in certified.py: the tolerance in the text of ``proven``, and a name
 LAWS = ("lankarani_nikravesh", "newton_impact")
 
 
@@ -45,14 +43,14 @@ def run(name: str, packages: Iterable[str] = ()) -> str:
 
 
 def digits(value: float | None) -> str:
-    """Return a number in three digits, without an exponent for large numbers; a dash for None."""
+    """Return a number as text with three digits, without an exponent if it is large; a dash for None."""
     if value is None:
         return "–"
     return f"{value:.3g}" if value < 1e3 else f"{float(f'{value:.3g}'):.0f}"
 
 
 def find(rows: list[dict[str, Any]], **key: object) -> dict[str, Any]:
-    """Return the first row that has these values, or an empty one."""
+    """Return the first row that has these values; {} if there is none."""
     return next((row for row in rows if all(row.get(k) == v for k, v in key.items())), {})
 
 
@@ -62,13 +60,13 @@ def milliseconds(row: dict[str, Any]) -> str:
 
 
 def span(values: Iterable[float]) -> str:
-    """Return the least and the largest of some ratios, in words."""
+    """Return the text "<least> to <largest>" for some ratios."""
     least, largest = min(found := list(values)), max(found)
     return f"{digits(float(f'{least:.2g}'))} to {digits(float(f'{largest:.2g}'))}"
 
 
 def headline() -> str:
-    """Return how many times as long the peers take at the default tolerance and equal error."""
+    """Return a sentence on how many times as long the peers take at the default tolerance and equal error."""
     rows = common.load("work_precision")["results"]["at equal error"]
     ratios = [row["times as long"] for row in rows if row["setting"] == DEFAULT_TOLERANCE]
     scipy, cvode, heyoka, numbalsoda = (
@@ -107,7 +105,7 @@ def brick() -> str:
 
 
 def works() -> str:
-    """Return times and errors of ours, and how many times as long peers take at equal error."""
+    """Return a table of our times and errors, and of how many times as long peers take at equal error."""
     results = common.load("work_precision")["results"]
     others = [name for name, family in peers.FAMILIES.items() if family != "ours"]
     rows = []
@@ -131,7 +129,7 @@ def works() -> str:
 
 
 def slope() -> str:
-    """Return the drift of a rod at rest on a slope, of ours and of MuJoCo's Euler settings, and the cost."""
+    """Return a table of the drift and the CPU time of a rod on a slope, ours and with MuJoCo's Euler."""
     results = common.load("friction")["results"]["slope"]
     rows = []
     for name in dict.fromkeys(
@@ -170,7 +168,7 @@ def choices() -> str:
 
 
 def shares(rows: list[dict[str, Any]]) -> dict[str, float]:
-    """Return the shares of all steps of some runs [%]: proven, and without equations of the certificate."""
+    """Return two shares of the steps of some runs [%]: proven, and with a feature the certificate lacks."""
     found = {"proven": 0.0, "without": 0.0}
     weights = [row["steps" if row["of"] == RANDOM else "steps of runs"] for row in rows]
     for row, weight in zip(rows, weights, strict=True):

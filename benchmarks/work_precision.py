@@ -1,9 +1,9 @@
 """Speed against accuracy: ``python -m benchmarks work_precision [--quick]``.
 
-Chains of 4, 10 and 30 links that hit walls, at tolerances from 1e-2 to 1e-12, judged by the references of
-reference.py: how far off the tip is at the end, and the onsets of impacts. *chain-impact* is a call of
-``simulate()`` with another tolerance; beside it are the steps of the FMU and the bare kernel. The start-up
-chart shows the time of a new process until its first result, with the compilation of peers that compile.
+Chains of 4, 10 and 30 links that hit walls are simulated at tolerances from 1e-2 to 1e-12. The references of
+reference.py give the errors of the tip at the end and of the onsets. *chain-impact* is a call of
+``simulate()`` with another tolerance; beside it are the steps of the FMU and the kernel alone. The start-up
+chart shows the CPU time of a new process until its first result, with the compilation of peers that compile.
 Peers that are not installed are named and left out. ``--quick``: two rounds, and the start-up with an empty
 cache, which compiles a kernel, is not timed.
 """
@@ -37,10 +37,10 @@ FIRST = """from benchmarks import peers
 from benchmarks.problems import PROBLEMS
 peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
-SIZE = (9.2, 8.4)  # inches, of the chart
-NAMES_IN_ROW = 5  # in the legend
+SIZE = (9.2, 8.4)  # [inch] of the chart
+NAMES_IN_ROW = 5  # number of names in a row of the legend
 ALL_ROUNDS: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
-"""The look of the range of the times of all rounds."""
+"""The look of the vertical line from the least to the largest time of all rounds."""
 
 
 def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, str]]:
@@ -89,7 +89,10 @@ def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def factors_told(equal: list[dict[str, Any]]) -> str:
-    """Return words for how long the fastest and the slowest peer take at equal error, default tolerance."""
+    """Return words for how many times ours the fastest and the slowest peer take at equal error.
+
+    The error is that of ours at the default tolerance.
+    """
     at = [row["times as long"] for row in equal if row["setting"] == DEFAULT]
     found = {}
     for name in LOOKS:

@@ -1,7 +1,7 @@
 """The compared solvers: one module for each family, each with ``contenders(problem, tolerance, stop)``.
 
-A contender runs one problem at one tolerance from the parameters to the end, once per call, and stores the
-outcome. Modules are imported on demand; a family without its package is named and left out.
+A contender runs one problem at one tolerance from the parameters to the end in each call. The modules are
+imported on demand; a family whose package is not installed is named and left out.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ PACKAGES = ("numbalsoda", "heyoka", "mujoco")
 
 
 class MissingError(RuntimeError):
-    """An error: a package that a family needs is not installed."""
+    """Raised when a family cannot run, because a package is not installed or the chain is too long."""
 
 
 @dataclass
 class Outcome:
     """The result of a run."""
 
-    state: np.ndarray  # x₀, y₀, angles, and their rates
+    state: np.ndarray  # x₀, y₀ [m], angles [rad], and the rates of these
     onsets: Onsets = field(default_factory=list)
     steps: int | None = None
-    rhs: int | None = None  # evaluations
-    failed: str = ""
+    rhs: int | None = None  # number of evaluations of the equations of motion
+    failed: str = ""  # why the run failed
 
 
 class Contender(Protocol):
@@ -56,7 +56,7 @@ class Contender(Protocol):
 def contenders(
     problem: Problem, tolerance: float, stop: float, families: Iterable[str] = tuple(FAMILIES.values())
 ) -> tuple[dict[str, Contender], dict[str, str]]:
-    """Return the contenders with installed packages, and for each missing contender: name → reason."""
+    """Return name → contender, and for each family that cannot run: name → reason."""
     found: dict[str, Contender] = {}
     missing = {}
     for name in dict.fromkeys(families):

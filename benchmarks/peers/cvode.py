@@ -1,6 +1,6 @@
-"""SUNDIALS' CVODE from C with the kernel's own functions; the module needs libsundials-dev and gcc.
+"""SUNDIALS' CVODE, called from C, with the kernel's own functions; it needs libsundials-dev and gcc.
 
-cvode.c has the driver, and kernel_model.py explains a careful CVODE.
+cvode.c calls CVODE. ``cvode_roots`` and ``cvode_weights`` in kernel_model.py explain a careful CVODE.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from chain_impact.scene.scene import Scene
 
 DRIVER = Path(__file__).with_suffix(".c")
 SUNDIALS = ("cvode", "nvecserial", "sunlinsoldense", "sunmatrixdense", "sunnonlinsolfixedpoint")
-BUDGET, OVER_BUDGET = 20.0, -100  # s of CPU time for a run; the flag of a run that needs more
+BUDGET, OVER_BUDGET = 20.0, -100  # [s] largest CPU time of a run; the flag of a run that needs more
 COUNTS = np.dtype(
     [(name, np.int64) for name in ("steps", "rejected", "rhs", "jacobians", "restarts", "flag")]
     + [("seconds", np.float64)]
 )
-"""The counts of cvode.c, in its order."""
+"""The type of the structure of counts in cvode.c."""
 
 
 class Settings(ctypes.Structure):
@@ -58,8 +58,8 @@ class Cvode(OnInstance):
         """Run once; return how many of the times are reached.
 
         Args:
-            seen: its numbers are raised to the energy [J], the penetration [m] and the depth without a
-                contact [m] at the times.
+            seen: the highest energy [J], the largest penetration [m] and the largest depth without a
+                contact [m] at the times replace smaller numbers in it.
         """
         self.block[:] = self.fresh
         times, rows = self.times.ctypes.data, self.rows.ctypes.data
@@ -93,7 +93,7 @@ def driver(links: int) -> ctypes.CDLL:
 
 
 def link_driver(library: Path, model: Path) -> None:
-    """Compile the library of the driver, which loads the model's library; by gcc, as SUNDIALS was."""
+    """Compile the library of the driver by gcc; it loads the model's library."""
     gcc = ["gcc", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wl,--no-undefined", "-o", str(library)]
     libraries = [f"-lsundials_{name}" for name in SUNDIALS]
     done = subprocess.run(
@@ -106,5 +106,5 @@ def link_driver(library: Path, model: Path) -> None:
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """Return the formulas that are best with impacts."""
+    """Return CVODE with the formulas that need the least time with impacts."""
     return {"CVODE Adams": Cvode(problem.scene(tolerance), np.array([stop]), adams=1, careful=0)}

@@ -1,9 +1,9 @@
 """heyoka: Taylor series, with its own event detection, compiled by LLVM for a tolerance.
 
-It needs the model as expressions: the recursion of kernel/chain/elimination.py once more. There is one
-integrator for each set of contacts that are active at once. A Taylor series cannot begin at an onset, where
-δ^{3/2} has no derivatives: for the first nanosecond, in which the force is nil, the integrator of the set
-without the new contact is used, and the steps grow from there.
+heyoka needs the model as expressions, so this module repeats the recursion of kernel/chain/elimination.py.
+There is one integrator for each set of contacts that are active at once. A Taylor series cannot begin at an
+onset, where δ^{3/2} has no second derivative. So for one nanosecond, in which the force is almost 0, the
+integrator of the set without the new contact goes on.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene
 
-SKIP = 1e-9  # s
-MOST_LINKS = 10  # the expressions grow with N²
+SKIP = 1e-9  # [s] time after an onset in which the new contact has no force
+MOST_LINKS = 10  # chains with more links are left out: the expressions grow with the square of this number
 hy.set_logger_level_critical()
 
 
@@ -120,7 +120,7 @@ class Taylor(OnKernel):
         return out
 
     def run(self) -> tuple[int, str]:
-        """Run once; return the steps, and why the run failed."""
+        """Run once; return the number of steps, and why the run failed, or ""."""
         self.start()
         t, steps = 0.0, 0
         while t < self.stop:

@@ -64,7 +64,7 @@ class Dop853(OnKernel):
         return steps
 
     def arguments(self, times: list[float]) -> tuple[Any, ...]:
-        """Return arguments of ``run_segment``, with times [s] of results, or [] for those of all steps."""
+        """Return the arguments of ``run_segment`` except the clock; ``times`` [s] becomes ``grid``."""
         state = self.address, self.y, self.found, self.stop, self.tolerance
         return self.rate, self.least, *state, np.array(times, np.float64)
 

@@ -35,16 +35,16 @@ class OnKernel(OnInstance):
         self.model.plain_start(self.address, self.y.ctypes.data)
 
     def look(self, states: np.ndarray) -> None:
-        """Raise ``seen`` to the values of states, one in each row."""
+        """Let the values of states, one in each row, replace smaller numbers in ``seen``."""
         for y in np.ascontiguousarray(states):
             self.model.plain_look(y.ctypes.data, self.seen.ctypes.data, self.address)
 
     def switch(self, time: float, y: np.ndarray, flight: float = 1.0) -> tuple[float, float]:
-        """Let the event at a time [s] take effect; return its time [s], and a first step [s] from there.
+        """Let the event near a time take effect; return its exact time [s], and a first step [s] from there.
 
         Args:
-            time: the time [s].
-            y: the state.
+            time: the time at which the solver found the event [s].
+            y: the state at this time.
             flight: the largest first step [s] of a flight.
         """
         self.y[:], self.clock[:] = y, (time, flight)
@@ -54,7 +54,7 @@ class OnKernel(OnInstance):
         return float(self.clock[0]), float(self.clock[1])
 
     def finished(self, steps: int | None, failed: str = "") -> Outcome:
-        """Return the outcome."""
+        """Return the outcome of a run that has come to its end, or has ``failed``."""
         rhs = int(self.instance.statistics["rhs_evaluations"])
         self.model.plain_stop(self.address, self.stop, self.y.ctypes.data)
         return Outcome(*self.observed(), steps, rhs, failed)

@@ -21,7 +21,7 @@ from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.simulate import simulate
 from tests.helpers.kernel.kernel_calls import kernel_of
 
-STEP = 1e-3  # s, of the FMU
+STEP = 1e-3  # [s] communication step of the FMU
 
 
 class OnInstance:
@@ -43,7 +43,7 @@ class OnInstance:
             [out["point_position"][0], out["angle"], out["point_velocity"][0], out["angular_velocity"]]
         )
         pairs = list(zip(candidate["point"], candidate["wall"], strict=True))
-        # ``count`` counts all contacts, but the log keeps the latest only: cut ``count`` to its rows
+        # ``count`` counts all contacts, but the log has only the latest, so ``count`` is cut to its rows
         log = record["contact_log"]
         log["count"] = min(log["count"], len(log["point"]))
         found = np.concatenate([self.instance.collect(), self.instance.open_contacts()])

@@ -24,14 +24,14 @@ def call(function, t, y, address, count):
 
 
 class Scipy(OnKernel):
-    """solve_ivp on a scene, restarted at every onset and end.
+    """solve_ivp on a scene, restarted at every event.
 
     Attributes:
-        time: up to where it has come, in whole segments between events [s].
-        steps: steps.
+        time: the time that the run has reached, at an event or at its end [s].
+        steps: the number of steps so far.
         watch: whether to look at energy and depth after each step (``seen``).
-        message: of an integrator that gave up.
-        tick: is called at each right-hand side, to stop a run that takes too long.
+        message: the message of an integrator that gave up; "" otherwise.
+        tick: function that is called before each evaluation; it may stop the run. None for no such function.
     """
 
     def __init__(self, scene: Scene, stop: float, method: str, *, watch: bool = False) -> None:
@@ -84,5 +84,5 @@ class Scipy(OnKernel):
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """Return the method that is best with impacts."""
+    """Return the method that needs the least time with impacts."""
     return {"SciPy DOP853": Scipy(problem.scene(tolerance), stop, "DOP853")}

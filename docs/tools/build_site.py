@@ -1,7 +1,7 @@
-"""Build the site in ``site/``: ``python -m docs.tools.build_site``. With ``--serve`` show it while you write.
+"""Build the site in ``site/``: ``python -m docs.tools.build_site``. ``--serve`` shows it while you write.
 
 Zensical reads ``mkdocs.yml``. Zensical cannot read notebooks, so this script first runs the notebooks and
-converts them into pages. The pages that simulate are written by ``try_it.py``.
+converts them into pages. ``try_it.py`` writes the pages that simulate.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ SITE = DOCS.parent / "site"
 SHIM = "https://unpkg.com/iframe-worker/shim"
 GITHUB = "https://github.com/"
 GLOSSARY, WORDS = DOCS / "glossary.md", DOCS / "words.txt"
-# words that nearly every page has, so that an explanation at each place would disturb
+# words of the glossary that many pages have; the site does not explain them, because this would disturb
 COMMON = {"base", "chain", "contact", "end", "event", "FMU", "impact", "input", "kernel", "link", "model"}
 COMMON |= {"parameter", "point", "scene", "stop", "tip", "tolerance"}
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
 
 
 def make_pages(notebooks: list[Path], folder: Path) -> None:
-    """Run notebooks and write each as a page with its pictures; RuntimeError if a cell fails."""
+    """Run notebooks, and write each as a page with its pictures; raise a RuntimeError if a cell fails."""
     convert = [sys.executable, "-W", "ignore", "-m", "nbconvert", "--log-level", "ERROR"]
     convert += ["--execute", "--to", "markdown", "--output-dir", str(folder)]
     done = subprocess.run([*convert, *map(str, notebooks)], check=False, capture_output=True, text=True)
-    # otherwise the output contains only warnings about the connection to the notebook's kernel
+    # without an error, stderr has only warnings about the connection to the process that runs the notebook
     if done.returncode != 0:
         raise RuntimeError(f"a notebook does not run:\n{done.stderr}")
 
@@ -41,7 +41,8 @@ def write_words() -> None:
     explained = re.findall(r"^- \*\*(.+?)\*\*: (.+)$", GLOSSARY.read_text(encoding="utf-8"), re.M)
     lines = []
     for words, meaning in explained:
-        text = re.sub(r"(: )?\[([^]]+)\]\([^)]*\)", "", meaning)  # a link only names further reading
+        # a link in a meaning leads to further reading, and is left out
+        text = re.sub(r"(: )?\[([^]]+)\]\([^)]*\)", "", meaning)
         text = re.sub(r"[*`]|\\\(.*?\\\)", "", text).strip(" :;")
         lines += [f"*[{word}]: {text}" for word in words.split(", ") if word not in COMMON]
     WORDS.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -65,12 +66,12 @@ def add_links(folder: Path, address: str) -> None:
 
 
 def finish() -> None:
-    """Make Zensical's output independent of the network and of the repository."""
+    """Make the pages that Zensical has written independent of the network and of the repository."""
     shutil.rmtree(SITE / "tools")  # Zensical copies every file of docs/
     (SITE / WORDS.name).unlink()
     for page in SITE.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
-        # links lead to the notebook in the repository, and to its page in the site
+        # in the repository, links lead to the file of a notebook; in the site, they must lead to its page
         text = text.replace('.ipynb"', '.html"')
         # without a server the search needs this script, in docs/javascripts
         top = "../" * (len(page.relative_to(SITE).parts) - 1)
@@ -83,7 +84,7 @@ def finish() -> None:
 def main() -> int:
     """Make the pages of the notebooks, then the site; return the exit code of Zensical."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--serve", action="store_true", help="serve the site and follow changes")
+    parser.add_argument("--serve", action="store_true", help="serve the site, and update it after changes")
     command = ["serve"] if parser.parse_args().serve else ["build", "--clean", "--strict"]
     make_pages(NOTEBOOKS, DOCS / "notebooks")
     add_links(DOCS / "notebooks", repository())

@@ -34,11 +34,12 @@ NAMED = {
     EXACT_LAW: "exact",
     "gharib_hurmuzlu": "differs most",
 }
-# duration of a free impact, relative to the elastic contact time, at which the simulation stops
+# [1] a run stops after a contact of LONGEST × (penetration without damping / impact speed)
 LONGEST = 200.0
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
-HEIGHT = 1e-3  # m, distance from the wall at the start of a free impact
-FROM, NEAR = 0.5, 0.05  # restitutions from which on, and largest error with which, a law counts as accurate
+HEIGHT = 1e-3  # [m] distance from the wall at the start of a free impact
+# a law counts as accurate if its error is at most NEAR at all restitutions from FROM on
+FROM, NEAR = 0.5, 0.05
 
 
 def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
@@ -48,9 +49,7 @@ def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
     """
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
     depth = lossless_depth(0.5 * mass * speed**2, contact.stiffness, contact.exponent)
-    stop = (
-        2.0 * HEIGHT + LONGEST * depth
-    ) / speed  # the formula also holds for a depth comparable with the height
+    stop = (2.0 * HEIGHT + LONGEST * depth) / speed
     data = {
         "name": "FreeImpact",
         "gravity": [0.0, 0.0],
@@ -72,7 +71,7 @@ def curve(law: ContactLaw) -> np.ndarray:
 
 
 def groups() -> dict[str, list[ContactLaw]]:
-    """Return laws with the same force and factor f(e), by their formulas; such laws share a curve."""
+    """Return formulas → the laws with these; laws with the same formulas share a curve."""
     found: dict[str, list[ContactLaw]] = {}
     for law in CONTACT_LAWS.values():
         if not law.impulsive:

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 
 from chain_impact import cli
 
-REPEATED = "; can be repeated"  # the page lists the repeatable options once
-WIDTH, SECOND = 88, 24  # columns of the text, and the start of the second column
-SHARED = {"help", "quiet", "source", "set"}  # options of several commands, which the page explains once
+REPEATED = "; can be repeated"  # these words are left out: the page lists once the options that have them
+WIDTH, SECOND = 88, 24  # number of characters in a line; number of those before the second column
+SHARED = {"help", "quiet", "source", "set"}  # arguments of several commands, which the page explains itself
 
 
 def command_line() -> str:
@@ -38,13 +38,13 @@ def _block(*lines: str) -> str:
 
 
 def _all_rows(parser: ArgumentParser) -> list[str]:
-    """Return the rows of each argument and option that the page does not explain once for all commands."""
+    """Return the rows of each argument and option that is not in SHARED."""
     actions = [action for action in parser._actions if action.dest not in SHARED]
     return [rows for action in actions if (rows := "\n".join(_rows(parser, action)))]
 
 
 def _usage(parser: ArgumentParser) -> str:
-    """Return the usage as one line with all arguments and the required options."""
+    """Return the usage as one line with all arguments, and with those options that are required."""
     parts = [parser.prog, "[options]"]
     for action in parser._actions:
         name = action.metavar or action.dest.upper()
@@ -57,7 +57,7 @@ def _usage(parser: ArgumentParser) -> str:
 
 
 def _rows(parser: ArgumentParser, action: Action) -> Iterator[str]:
-    """Return the two columns of an argument or option; for the command, the meaning of each command."""
+    """Yield the text of an argument or option in two columns; for the list of commands, a line for each."""
     if isinstance(action, _SubParsersAction):
         for verb in action._get_subactions():
             yield f"  {verb.dest}".ljust(SECOND) + str(verb.help)

@@ -25,9 +25,9 @@ from docs.tools.variables_page import statuses, variable_patterns, walls
 SCHEMA = DOCS / "scene.schema.json"
 WITH_LAW_COUNT = [DOCS.parent / name for name in ("README.md", "CITATION.cff")]
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
-RADIUS = 0.02  # m, radius of the spheres in the table of stiffness
+RADIUS = 0.02  # [m] radius of the spheres in the table of stiffness
 LAW_COUNT = re.compile(r"\b(?<!first )\d+(?= (?:contact )?laws\b(?!, see))")
-"""The number of all contact laws in a text, but not a number of some laws that a command prints."""
+"""Matches the number of all contact laws in a text, but not a number of some laws that a command prints."""
 METALS = {
     "mild steel": (207e9, 0.3, 7850.0, 300e6),
     "copper, annealed": (120e9, 0.34, 8960.0, 70e6),
@@ -55,7 +55,7 @@ def filled(page: str) -> str:
 
 
 def contact_laws() -> str:
-    """Return the registry of contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
+    """Return tables of all contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
     family = [law for law in CONTACT_LAWS.values() if law.in_family]
     rigid = [law for law in CONTACT_LAWS.values() if law.impulsive]
     others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.impulsive)]
@@ -94,7 +94,7 @@ def _accurate(low: float, high: float) -> str:
 
 
 def stiffnesses() -> str:
-    """Return the stiffness of a sphere of some materials on a plane."""
+    """Return a table of the stiffness of spheres of several materials on planes."""
     steel = MATERIALS["steel"]
     rows = (
         (
@@ -112,7 +112,7 @@ def stiffnesses() -> str:
 
 
 def restitutions() -> str:
-    """Return the restitution of a yielding sphere of some metals on a plane of the same metal."""
+    """Return a table of the restitution of a yielding sphere on a plane of the same metal."""
     rows = []
     for name, (young, poisson, density, stress) in METALS.items():
         combined = young / (2.0 * (1.0 - poisson**2))
@@ -130,9 +130,9 @@ RESULTS = DOCS.parent / "benchmarks" / "results"
 
 
 def measured_impacts() -> str:
-    """Return the errors of laws, and of a model with compliance, for measured impacts.
+    """Return a table of the errors of laws, and of a model with compliance, for measured impacts.
 
-    Equal errors share a row.
+    Laws with equal errors share a row.
     """
     record = json.loads((RESULTS / "measured_impacts.json").read_text(encoding="utf-8"))
     facts, found = record["results"]["facts"], record["results"]["odd trials"]
@@ -169,7 +169,10 @@ def _model(name: str, found: dict[str, float]) -> str:
 
 
 def measured_arm() -> str:
-    """Return fitted damping and friction of the measured arm, with and without dry friction, and errors."""
+    """Return a table of the damping and friction fitted to a measured arm, and of the errors.
+
+    The table has a column for the model with dry friction and one for the model without it.
+    """
     record = json.loads((RESULTS / "measured_arm.json").read_text(encoding="utf-8"))
     found = record["results"]
     names = max((list(one["parameters"]) for one in found.values()), key=len)

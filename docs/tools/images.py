@@ -1,6 +1,6 @@
 """Draw all images of the docs, with Chromium: ``python -m docs.tools.images``.
 
-Words after the command are parts of names: then only programs, models and pages with one of them are drawn.
+With words after the command, only programs, models and pages whose names have one of these words are drawn.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ PROGRAMS = (
     "-m docs.tools.charts",
     "-m benchmarks tables --charts",
 )
-"""The arguments of Python that draw images."""
+"""The arguments with which Python draws images."""
 OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
-"""The models whose image is not the picture of their motion; a program of PROGRAMS draws it."""
+"""The models without an image of their simulated motion; a program of PROGRAMS draws their images."""
 OF_PAGES = {
     "fit.md": {"fit.png": "fit.png"},
     "mount.md": {"joints.png": "joint_force.png"},
@@ -75,7 +75,7 @@ def main(wanted: list[str]) -> None:
 
 
 def chosen(names: list[str] | dict[str, dict[str, str]], wanted: list[str]) -> list[str]:
-    """Return the names that have a wanted part; all names if nothing is wanted."""
+    """Return the names that contain one of the texts ``wanted``; all names if ``wanted`` is empty."""
     return [name for name in names if not wanted or any(part in name for part in wanted)]
 
 
@@ -103,7 +103,7 @@ def draw_page(page: str) -> None:
 
 
 def shrink(image: Path) -> None:
-    """Write an image again with COLOURS colours and the same texts."""
+    """Write an image file again with COLOURS colours; the texts in the file stay."""
     with Image.open(image) as picture:
         words = PngInfo()
         for key, text in getattr(picture, "text", {}).items():

@@ -1,6 +1,7 @@
 """Draw curves of an impact of the default scene in the paper's layout: ``python -m docs.tools.paper_chart``.
 
-Deformation, its rate and acceleration, force, impulse and energy in the first impact, for some contact laws.
+The curves are deformation, its rate and acceleration, force, impulse and energy in the first impact, for some
+contact laws.
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "paper.png"
 SCENE, LAWS = "four_link_box", ("hertz", "hunt_crossley", "lankarani_nikravesh", "flores", "zhang_sharf")
-POINTS = 201  # number of times from onset to end; curves leave out both ends
+POINTS = 201  # number of times from the onset to the end of the contact; curves leave out these two
 WALL = "y_min"
 
 
 def curves(law: str) -> dict[str, np.ndarray]:
-    """Return the panels of the first impact with a law: title with unit → values, shape (POINTS − 2,)."""
+    """Return title with unit → values in the first impact with a law, shape (POINTS − 2,); first the time."""
     scene = load_scene(SCENE).with_values({"contact.model": law})
     first = simulate(scene, stop_time=0.52, output_step=0.52).impacts[0]
     contact, point = f"contact[{first['point']}].{WALL}", f"point[{first['point']}]"

@@ -26,7 +26,7 @@ def scene_reference() -> str:
             rule = entry.metadata
             meaning, _, missing = short_description(rule["description"]).partition("; if missing: ")
             default = _other(entry) or missing or _default(simple_default(rule))
-            if default == AS_IN_CONTACT:  # the allowed values and the meaning are the same, too
+            if default == AS_IN_CONTACT:  # the list has allowed values and meaning at the key of [contact]
                 rows.append((code(name), default, ""))
             else:
                 rows.append((code(name), _value(default, _allowed(entry.type, rule)), meaning))
@@ -39,7 +39,7 @@ def scene_reference() -> str:
     return "\n\n".join(blocks)
 
 
-SHORT = 5  # largest number of words of a meaning that counts as short
+SHORT = 5  # a meaning counts as short if it has at most this number of words
 AS_IN_CONTACT = "as in [contact]"  # default of keys that also exist in [contact]
 
 
@@ -57,7 +57,7 @@ def _value(default: str, allowed: str) -> str:
     if default and default in allowed.split(", "):
         return allowed.replace(default, f"**{default}**", 1)
     limits, unit = re.findall(r"^(.*?) ?(\[[^,]*\])?$", allowed)[0]
-    if "each" in limits:  # the unit of the items
+    if "each" in limits:  # the unit is that of each entry of a list, and stays at its place
         return ", ".join(filter(None, (default, allowed)))
     return ", ".join(filter(None, (f"{default} {unit}".strip(), limits)))
 
@@ -67,7 +67,7 @@ def _is_table(kind: Any) -> bool:
 
 
 def _other(entry: Any) -> str:
-    """Return the words "required without `x`" for a key that must be given if x is not; else ""."""
+    """Return "required without `x`" for a key that must be given if the key x is not; else ""."""
     pairs = ((dataclasses.fields(table), names) for table, names in ALTERNATIVES.items())
     others = (set(names) - {entry.name} for fields, names in pairs if entry in fields and entry.name in names)
     return next((f"required without {code(*other)}" for other in others), "")
@@ -89,7 +89,7 @@ def _default(default: Any) -> str:
 
 def _allowed(kind: Any, rule: Any) -> str:
     kind = without_none(kind)
-    if kind is bool:  # the default shows it
+    if kind is bool:  # the default, true or false, shows which values are allowed
         return ""
     item, *rest = get_args(kind) or (kind,)
     text = _readable(allowed(item, rule))

@@ -1,7 +1,7 @@
-"""The JSON schema of scene files, for editors: made from the fields of the dataclasses of ``scene/``.
+"""The JSON schema of scene files, for editors; it is made from the fields of the dataclasses of ``scene/``.
 
-The schema follows Draft 7, for Taplo and editors with Taplo. It describes the values of each key. Only the
-scene reader checks relations of keys, for example equal numbers of angles and links.
+The schema follows Draft 7, for Taplo and editors with Taplo. It describes the values of each key. Most
+relations of keys, such as equal numbers of angles and links, are checked by the reader of scenes only.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def _table(table: Any) -> dict[str, Any]:
     for entry in entries:
         file = entry.metadata.get("extended_by")
         if file in {one.name for one in entries}:
-            # without a law file only the registry's choices are allowed
+            # without a law file, only the laws of the package are allowed
             has_file = {"required": [file], "properties": {file: {"minLength": 1}}}
             choices = {"properties": {entry.name: {"enum": list(entry.metadata["choices"])}}}
             rules |= {"if": has_file, "else": choices}
@@ -86,7 +86,7 @@ def _value(kind: Any, rule: Any) -> dict[str, Any]:
     rules |= {name: rule[limit] for limit, name in LIMITS.items() if rule[limit] is not None}
     if rule["choices"] is not None:
         choices = {"enum": list(rule["choices"])}
-        # an editor offers the choices, and a file may contain another name
+        # an editor offers the choices, but a file may have the name of a user's law
         return rules | ({"anyOf": [choices, {"minLength": 1}]} if rule["extended_by"] else choices)
     if rule["pattern"] is not None:
         # TOML has no surrogates, and Taplo's regular expressions cannot contain surrogates

@@ -15,9 +15,9 @@ from docs.tools import DOCS
 
 IMAGES = DOCS / "images"
 SIZE: ViewportSize = {"width": 1280, "height": 760}
-# pixels, of the page that shows the parameters beside the scene
+# [pixels] for the page of `explore`, which has the parameters beside the picture of the scene
 WIDER: ViewportSize = {"width": 1366, "height": 760}
-KEYS = ["Shift+ArrowRight"] * 5  # keys that lead to the largest force of the fifth impact
+KEYS = ["Shift+ArrowRight"] * 5  # these keys move a page to the largest force of the fifth impact
 CHANGES = "#contact.restitution=0.5"
 
 

@@ -1,8 +1,8 @@
 """Draw the influence of the default scene's parameters over time: ``python -m docs.tools.sensitivity_chart``.
 
-The chart shows the motion of the tip, and the change of each impact's peak force, for a growth of one
-parameter by 1 %: to first order p ∂y/∂p, from one run with derivatives. Of parameters of a kind, the most
-influential one counts.
+The chart shows the displacement of the tip, and the change of each impact's peak force, if one parameter p
+grows by 1 %: to first order 0.01 p ∂y/∂p, from one run with derivatives. Of several parameters of a kind, the
+chart shows the largest effect.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from chain_impact.recording.text import number
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "sensitivity_chart.png"
-SCENE, STOP, TIP = "four_link_box", 1.2, 4  # six impacts
+SCENE, STOP, TIP = "four_link_box", 1.2, 4  # scene; stop time [s], after six impacts; number of the tip
 KINDS = {
     "contact stiffness": ("contact.stiffness",),
     "contact exponent": ("contact.exponent",),
@@ -40,18 +40,18 @@ KINDS = {
 TITLE = "Effect of 1 % of each parameter: on the tip [m] and on peak forces [%]"
 CONDITIONS = "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most"
 COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
-LEAST = 1e-6  # m, lower limit of the axis
-RANGE, WHOLE = (1e-2, 1e4), 100.0  # %, the range of the colours; from WHOLE on, numbers have three digits
+LEAST = 1e-6  # [m] lower limit of the axis of displacements
+RANGE, WHOLE = (1e-2, 1e4), 100.0  # [%] range of the colours; numbers from WHOLE on have three digits
 
 
 def slopes_of(result: Result) -> Sensitivities:
-    """Return the derivatives of a run that was made with them."""
+    """Return the derivatives of a run that has derivatives."""
     assert result.sensitivities is not None
     return result.sensitivities
 
 
 def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
-    """Return the largest change among the parameters of a kind, shape (…), from changes (…, P)."""
+    """Return kind → the largest of its parameters' changes, shape (…), from ``changes``, shape (…, P)."""
     names = list(slopes_of(result).parameters)
     return {
         kind: np.abs(changes[..., [names.index(name) for name in members]]).max(axis=-1)
@@ -60,7 +60,7 @@ def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
 
 
 def moved(result: Result) -> dict[str, np.ndarray]:
-    """Return the displacement of the tip for each kind, shape (T,) [m]; NaN within impacts."""
+    """Return kind → largest displacement of the tip, shape (T,) [m]; NaN within impacts."""
     slopes = slopes_of(result)
     sizes = np.hypot(slopes.changes(f"point[{TIP}].x"), slopes.changes(f"point[{TIP}].y"))
     sizes[~calm(result)] = np.nan
@@ -68,7 +68,7 @@ def moved(result: Result) -> dict[str, np.ndarray]:
 
 
 def message(result: Result) -> str:
-    """Return words for the ratio of the parameters' influences at the end."""
+    """Return words for the ratio of the largest to the smallest effect on the tip at the end."""
     ends = {kind: size[-1] for kind, size in moved(result).items()}
     most, least = max(ends, key=ends.__getitem__), min(ends, key=ends.__getitem__)
     ratio = float(f"{ends[most] / ends[least]:.2g}")
@@ -76,7 +76,7 @@ def message(result: Result) -> str:
 
 
 def draw_motion(axes: Axes, result: Result) -> None:
-    """Draw the displacement of the tip over time. The names of the colours are beside the table of forces."""
+    """Draw the displacement of the tip over time; ``draw_forces`` writes the kinds in the same colours."""
     for kind, size in moved(result).items():
         axes.plot(result.time, size, color=COLOURS[kind], linewidth=1.5)
     mark_impacts(axes, result)

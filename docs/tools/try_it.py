@@ -38,7 +38,7 @@ SCENE = "<details><summary>Its scene file</summary><pre><code>{}</code></pre></d
 
 
 def write_page() -> None:
-    """Write the page that has all models, before the site is built, in the groups of the gallery."""
+    """Write the page that lists all models, in the groups of the gallery, before the site is built."""
     groups = [
         f"## {title}\n\n" + '<ul class="try-list">\n' + "\n".join(map(row, names)) + "\n</ul>\n"
         for title, names in gallery()
@@ -47,7 +47,7 @@ def write_page() -> None:
 
 
 def gallery() -> Iterator[tuple[str, list[str]]]:
-    """Return the headings of the page of all models, with the models below each heading."""
+    """Yield each heading of the gallery, the page of all models, with the names of the models below it."""
     for section in GALLERY.read_text(encoding="utf-8").split("\n## ")[1:]:
         title, _, rest = section.partition("\n")
         if names := re.findall(r"\[`(\w+)`\]\(", rest):
@@ -62,9 +62,10 @@ def row(model: str) -> str:
 
 
 def lead_to_simulations(gallery: str) -> str:
-    """Return the page of all models with links from its pictures to the simulating pages.
+    """Return the gallery, with links from its pictures to the simulating pages.
 
-    RuntimeError if a link is missing.
+    Raises:
+        RuntimeError: when a picture has no link.
     """
     led, count = re.subn(r'<a href="(\w+\.html)">(?=<img )', rf'<a href="../{FOLDER}/\1">', gallery)
     if count != len(model_names()):
@@ -73,7 +74,7 @@ def lead_to_simulations(gallery: str) -> str:
 
 
 def begin_with_page(start: str) -> str:
-    """Return the start page with a simulation in place of the film; RuntimeError if no film exists."""
+    """Return the start page with a simulation in place of its film; without it, raise a RuntimeError."""
     begun, count = re.subn(r'<p><img [^>]*four_link_box\.gif"[^>]*></p>', FRAME, start)
     if count != 1:
         raise RuntimeError(f"the start page has {count} films of four links")

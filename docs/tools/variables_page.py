@@ -44,7 +44,7 @@ def _variables(meaning: str, kinds: Sequence[Kind]) -> str:
     return f"- {names}: {meaning}" + (f" [{units}]" if units else "")
 
 
-SCENE_KEY = "scene key"  # meaning of parameters that the page of the scene file explains
+SCENE_KEY = "scene key"  # the list has these words for parameters that the page of the scene file explains
 IN_GENERAL = {
     **OF_STOPS,
     **GENERAL,
@@ -55,7 +55,7 @@ IN_GENERAL = {
     "wall_numbers_if_any": "its [code](#codes)",
     "statuses": "see its [codes](troubleshooting.md#statuses-of-the-solver)",
 }
-"""Word of a scene or an owner → its general form in the table."""
+"""Word in braces in descriptions → the text for it in the list."""
 ALIKE = {
     "stops: least and largest angle": ("link[i].joint_min", "link[i].joint_max"),
     "position of the wall": tuple(f"box.{wall}" for wall in WALLS),
@@ -108,14 +108,14 @@ ALIKE = {
     ),
     "law of walls, and of stops without a law: its [number](contact_laws.md#the-laws)": ("contact.model",),
 }
-"""The common meaning of similar variables."""
+"""Meaning in the list → the variables that have this meaning in common."""
 MEANINGS = {name: meaning for meaning, names in ALIKE.items() for name in names}
 
 
 def _meaning(kind: Kind) -> str:
     """Return the description of a kind of variables for the list.
 
-    It leaves out what the variable's name or scene.md says already, and long lists of codes.
+    The description leaves out what the variable's name or scene.md tells, and long lists of codes.
     """
     if kind.pattern in MEANINGS:
         return MEANINGS[kind.pattern]
@@ -129,8 +129,9 @@ def walls() -> str:
     """Return the numbers of the walls in `impact.last_wall`."""
     box = ", ".join(f"{number} {code(wall)}" for number, wall in enumerate(WALLS, 1))
     return (
-        f"0 none, {box}, {len(WALLS) + 1} and on the `[[walls]]` of the scene in their order. In a scene "
-        "with stops the two numbers after these are `joint_min` and `joint_max`; the point is then the joint."
+        f"0 none, {box}, {len(WALLS) + 1} and on the `[[walls]]` in their order, if a point can touch a "
+        "wall; then `joint_min` and `joint_max`, if a joint has a stop: the point is then the joint; then "
+        "the stops of a slider."
     )
 
 
