@@ -1,6 +1,6 @@
 """Pictures of any outputs over time."""
 
-# Tests: pictures/curve_looks.py, recording/curves.py
+# Tests: pictures/curve_looks.py, pictures/curve_peaks.py, recording/curves.py
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,7 +8,8 @@ import pytest
 
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures.curve_looks import looks_of
-from chain_impact.pictures.curves import NO_FORCE, extremes, largest_vectors
+from chain_impact.pictures.curve_peaks import extremes, largest_vectors
+from chain_impact.pictures.curves import NO_FORCE
 from chain_impact.pictures.drawing.style import LOAD, PALETTE, PEAK_COLOUR
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.curves import CLOSE_TIMES, Curves
@@ -152,13 +153,19 @@ def test_an_owner_has_one_look_in_all_panels():
     places: dict[str, int] = {}
     assert looks_of(["link[1].angle", "link[2].angle", "link[3].angle"], places) == [0, 1, 2]
     assert looks_of(["link[3].angular_velocity", "point[1].vx"], places) == [2, 0]
+    points, links = [f"point[{k}].y" for k in range(3)], ["link[1].angle", "link[2].angle"]
+    places = {}
+    assert [looks_of(names, places) for names in (points, links)] == [[0, 1, 2], [1, 2]]
 
 
 def test_the_contacts_of_a_point_have_the_colour_of_the_point():
     places: dict[str, int] = {}
     assert looks_of(["point[2].y", "point[4].y"], places) == [0, 1]
     contacts = ["contact[4].x_max.force", "contact[4].y_min.force", "contact[2].y_min.force"]
-    assert looks_of(contacts, places) == [1, 1 + len(PALETTE), 0]  # the second wall has dashes
+    assert looks_of(contacts, places) == [1, 2, 0]  # the second wall has the colour of no point
+    assert looks_of(contacts[1:], places) == [2, 0]
+    places = {f"point[{k}]": k for k in range(len(PALETTE))}
+    assert looks_of(contacts[:2], places) == [4, 4 + len(PALETTE)]  # without such a colour, dashes
     assert looks_of([f"contact[4].wall{k}.force" for k in range(4)], places) == [0, 1, 2, 3]
 
 
@@ -180,9 +187,11 @@ def test_the_largest_value_of_each_force_stands_at_its_curve(arm):
         forces, places = page.axes
         told = {text.get_color(): text for text in forces.texts}
         assert not places.texts
-        assert len(told) == len(forces.texts) >= 4
+        # where the amount of a force has a curve, its components have no number
+        amounts = [line for line in forces.lines if line.get_label().startswith("|")]
+        assert len(told) == len(forces.texts) >= (3 if amounts else 4)
         for line in forces.lines[1:]:
-            if line.get_color() in told and not line.get_label().startswith("|"):
+            if line.get_color() in told and (not amounts or line in amounts):
                 text = told[line.get_color()].get_text()
                 value, prefix = (
                     text.replace("−", "-").removesuffix("N").split("\u00a0" if "\u00a0" in text else " ")
@@ -218,9 +227,28 @@ def test_amounts_of_forces_are_drawn_beside_their_components(arm):
 def test_the_largest_force_is_the_largest_finite_one():
     time = np.arange(4.0)
     drawn = [np.array([np.nan, 3.0, -5.0, np.inf]), np.full(4, np.nan), np.zeros(4), np.full(4, -np.inf)]
-    (label,) = extremes(time, drawn, "N", 1e-3, [{"color": "k"}] * 4)
+    (label,) = extremes(time, [(values, {"color": "k"}) for values in drawn], "N", 1e-3)
     assert (label.text, label.position) == ("−5.00 N", (2.0, -5e-3))
-    assert extremes(time[:0], [values[:0] for values in drawn], "N", 1.0, [{"color": "k"}] * 4) == []
+    assert extremes(time[:0], [(values[:0], {"color": "k"}) for values in drawn], "N", 1.0) == []
+
+
+def test_the_lower_one_of_two_close_curves_has_its_number_below_it():
+    lines = [(size * np.array([0.0, 1.0, 0.0]), {"color": "k"}) for size in (10.0, 9.5, 2.0)]
+    assert [label.away for label in extremes(np.arange(3.0), lines, "N", 1.0)] == [(0, 1), (0, -1), (0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        ("point[*].y", "FourLinkBox: 2 impacts in 0.6 s, 18.5 J dissipated"),
+        ("contact[4].*.force", "FourLinkBox: drawn forces up to 7.48 kN, 2 impacts in 0.6 s, "),
+        (FORCES, "FourLinkBox: peak force 19.1 kN, 2 impacts in 0.6 s, "),
+    ],
+)
+def test_the_headline_tells_no_force_without_a_curve(result, names, told):
+    page = result.plot(curves=names)
+    assert page.get_suptitle().replace("\n", " ").replace("\u00a0", " ").startswith(told)
+    assert not any("bears up to" in text.get_text() for text in page.texts)
 
 
 @pytest.mark.parametrize(

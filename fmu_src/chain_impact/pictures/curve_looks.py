@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from chain_impact.pictures.drawing.style import PALETTE
 
 DASHES = ("-", "--", ":")
+# for curves with peaks as narrow as a line, from which longer dashes would leave pieces
+SHORT_DASHES = ("-", (0.0, (1.6, 0.7)), (0.0, (0.8, 0.8)))
 
 
 def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
@@ -16,8 +18,11 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
     The colour is that of the index modulo the number of colours, the dashes those of the quotient. The index
     belongs to the ``body_of`` the output: ``places`` has body → index. A body keeps its index from earlier
-    panels. A new body gets an index that is free in this panel, and is added to ``places``. Of several
-    outputs of one body, such as contacts of a point with two walls, the later ones have other dashes.
+    panels. If all bodies of a panel are of one kind, such as links, a new body has the index of an earlier
+    body with the same number, such as the point at its end. Any other new body gets an index that is free in
+    this panel. Of several outputs of one body, such as contacts of a point with two walls, each later one has
+    a colour that no body has or, if none is left, other dashes. New bodies and these later owners are added
+    to ``places``.
 
     In four cases the outputs are numbered in their order, from 0, and ``places`` does not change: two outputs
     of the panel have the same owner; two bodies in the panel have the same index from earlier panels; an
@@ -26,13 +31,22 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
     owners = [owner_of(name) for name in names]
     bodies = [body_of(owner) for owner in owners]
     different = list(dict.fromkeys(bodies))
-    known = [places.get(body, -1) for body in different]
+    # number in brackets → index, for bodies of the only kind in the panel
+    alike: dict[str, int] = {}
+    if len({body.partition("[")[0] for body in different}) == 1:
+        alike = {body.partition("[")[2]: number for body, number in places.items() if "[" in body}
+    known = [places.get(body, alike.get(body.partition("[")[2], -1)) for body in different]
     earlier = [number for number in known if number >= 0]
     free = (number for number in range(2 * len(names)) if number not in earlier)
     numbers = {body: k if k >= 0 else next(free) for body, k in zip(different, known, strict=True)}
     looks, before = [], Counter[str]()
-    for body in bodies:
-        looks.append(numbers[body] + len(PALETTE) * before[body])
+    taken = {*places.values(), *numbers.values()}
+    left = (number for number in range(len(PALETTE)) if number not in taken)
+    for body, owner in zip(bodies, owners, strict=True):
+        look = places.get(owner, numbers[body] + len(PALETTE) * before[body])
+        if before[body] and owner not in places:
+            look = numbers[owner] = next(left, look)
+        looks.append(look)
         before[body] += 1
     is_unclear = len({*owners}) < len(owners) or len({*looks}) < len(looks)
     if is_unclear or max(known) >= len(PALETTE) or max(looks) >= len(PALETTE) * len(DASHES):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -11,7 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.curve_looks import DASHES, looks_of, owner_of, shared_part
+from chain_impact.pictures.curve_looks import DASHES, SHORT_DASHES, looks_of, owner_of, shared_part
+from chain_impact.pictures.curve_peaks import (
+    MARKED,
+    amount_lines,
+    drawn_peaks,
+    extremes,
+    largest_drawn,
+    largest_vectors,
+)
 from chain_impact.pictures.drawing.distinct_curves import hides, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
@@ -20,7 +27,6 @@ from chain_impact.pictures.drawing.style import (
     FULL,
     PALETTE,
     faint,
-    force_text,
     give_ticks,
     is_narrow,
     load_unit,
@@ -31,7 +37,7 @@ from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
-from chain_impact.pictures.words.headline import hit_words, write_head
+from chain_impact.pictures.words.headline import hit_words, peak_of, write_head
 from chain_impact.recording.contact_times import has_impulses
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
@@ -42,8 +48,8 @@ from chain_impact.scene.words.unit_text import in_brackets, unit_text
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
-# the largest number of characters of a curve's name in a legend beside the panel, and in the label of a panel
-# with one curve; a longer name stands in a legend above the panel
+# the largest number of characters of a curve's name in the label of a panel with one curve; a longer name
+# stands in a legend above the panel
 LONGEST_LEGEND_NAME = 28
 # unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
@@ -53,7 +59,6 @@ VECTORS = {
     for axis in AXES
 }
 """The last part of a component's name → the word for its vector."""
-MARKED = ("N", "N.m", "N.s")  # the units of curves whose largest values are written
 CONTACT_FORCES = ("force", "friction_force")
 NO_FORCE = "a rigid impact has an impulse, which no curve of a force shows"
 ZERO_ENDS = (-0.1, 1.0)  # the ends of an axis whose curves are all 0; the axis has no number but 0
@@ -62,16 +67,18 @@ END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
 TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
+LEGEND_HEIGHT = 0.2  # [inch] the height of a row of the legend above a panel
 PREFIX_BELOW = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
 LONGEST_LABEL = 14  # a name with more characters has two lines as the label of a panel with one curve
-# the largest number of curves for a legend beside the panel; with more curves the legend is above the panel
-SIDE = 8
+# the lower end of an axis whose values are all >= 0, relative to the upper end: a line at 0 is visible
+BELOW_ZERO = -0.03
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
     """Return the default size of a figure with curves: width and height [inches]."""
     told = TOLD_HEIGHT if largest_vectors(curves) else 0.0
-    return FULL, max(3.4, AROUND_PANELS + told + PANEL_HEIGHT * len(clear_panels(curves)))
+    height = PANEL_HEIGHT + LEGEND_HEIGHT
+    return FULL, max(3.8, AROUND_PANELS + told + height * len(clear_panels(curves)))
 
 
 def clear_panels(curves: Curves) -> list[list[str]]:
@@ -116,7 +123,8 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     """Draw the curves on an empty figure.
 
     If the title is "", the headline names the impact around which the curves are drawn (``in_view``); for
-    curves of the whole run, it summarizes the run. None means no headline.
+    curves of the whole run, it tells the largest force that is drawn, and summarizes the run. None means no
+    headline.
 
     Raises:
         ValueError: as ``check_curves``.
@@ -125,9 +133,10 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     if title is not None:
         seen = in_view(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
-        row = curves.number - 1 if seen else None
         told = (seen if title else "", largest_vectors(curves))
-        write_head(figure, recording, title or summary, *told, row=row)
+        most = peak_of(recording, curves.number - 1) if seen else drawn_peaks(recording, curves)
+        lead = None if most else largest_drawn(curves)
+        write_head(figure, recording, title or summary, *told, most=most, lead=lead)
     panels = clear_panels(curves)
     zero = always_zero(curves, panels)
     notes = [f"0 in the whole view: {few(zero, MOST_NAMED)}"] if zero else []
@@ -150,53 +159,6 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         place_labels(axes, labels, ink, lines=True, fontsize="small")
 
 
-def extremes(
-    time: np.ndarray, drawn: Sequence[np.ndarray], unit: str, scale: float, styles: Sequence[dict[str, Any]]
-) -> list[Label]:
-    """Return a label for each curve of a force, moment or impulse, at its value farthest from 0.
-
-    The label of the largest |value| is first. A curve without a value other than 0 has no label; if ``unit``
-    is not in MARKED, there are no labels.
-
-    Args:
-        time: the times in the unit of the axis, shape (T,).
-        drawn: the values of each curve in ``unit``, each of shape (T,).
-        unit: the unit of all values.
-        scale: the factor from values to the numbers of the axis.
-        styles: the properties of each curve, with matplotlib's names.
-    """
-    found = []
-    for values, style in zip(drawn if unit in MARKED else (), styles, strict=False):
-        if (row := largest_row(np.abs(values))) is not None:
-            value = float(values[row])
-            text = f"{'−' * (value < 0.0)}{force_text(abs(value), unit_text(unit))}"
-            look, position = {"color": style["color"]}, (float(time[row]), scale * value)
-            found.append((abs(value), Label(text, position, (0.0, math.copysign(1.0, value)), look=look)))
-    return [label for _, label in sorted(found, key=lambda each: -each[0])]
-
-
-def largest_row(sizes: np.ndarray) -> int | None:
-    """Return the row of the largest finite size, or None if no size is finite and above 0."""
-    finite = np.where(np.isfinite(sizes), sizes, 0.0)
-    return int(finite.argmax()) if finite.any() else None
-
-
-def largest_vectors(curves: Curves) -> str:
-    """Return words for the largest amounts of the forces whose components x and y both have a curve.
-
-    For example "largest |force|: joint[1] 636 N and joint[2] 670 N at 0.75 ms"; "" without such a force. The
-    times are those of the run [s] or, in a view of one impact, those after the onset [ms].
-    """
-    start, factor, unit = (0.0, 1.0, "s") if curves.onset is None else (curves.onset, 1e3, "ms")
-    told: dict[str, list[str]] = {}
-    for owner, sizes in amounts(curves, [name for names in curves.panels for name in names]).items():
-        if (row := largest_row(sizes)) is not None:
-            when = f"{factor * (curves.time[row] - start):.3g} {unit}"
-            told.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
-    parts = [f"{' and '.join(each)} at {when}" for when, each in told.items()]
-    return f"largest |force|: {', '.join(parts)}" if parts else ""
-
-
 def lacks_impulses(recording: Recording, curves: Curves) -> bool:
     """Return whether a curve is the force of a contact that acts by impulses, with an impact in the view."""
     parts = [name_parts(name) for names in curves.panels for name in names]
@@ -204,17 +166,6 @@ def lacks_impulses(recording: Recording, curves: Curves) -> bool:
     onsets = recording.impacts["onset"][~recording.at_stops]
     is_seen = (onsets >= curves.time[0]) & (onsets <= curves.time[-1])
     return is_force and bool(is_seen.any()) and has_impulses(recording.parameters.get("contact.model", ""))
-
-
-def amounts(curves: Curves, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return the amounts of the forces with both components in ``names``: owner → amounts, shape (T,) [N]."""
-    ends = (".force.x", ".force.y")
-    pairs = {name.removesuffix(ends[0]): name for name in names if name.endswith(ends[0])}
-    return {
-        owner: np.hypot(curves.values[name], curves.values[owner + ends[1]])
-        for owner, name in pairs.items()
-        if owner + ends[1] in names
-    }
 
 
 def in_view(recording: Recording, curves: Curves) -> str:
@@ -279,23 +230,28 @@ def draw_all(
             mark_end(axes, recording, curves.number, start, factor)
         drawn = [curves.values[name] for name in names]
         own = curves.units[names[0]]
-        hidden, (scale, unit) = hides(drawn), axis_unit(own, drawn)
-        styles: list[dict[str, Any]] = [
-            {"color": PALETTE[look % len(PALETTE)]}
-            | look_of_energy(name)
-            | {
-                "linestyle": DASHES[min(look // len(PALETTE) + hidden[k], len(DASHES) - 1)],
-                "label": name if wide else short_name(name, names),
-            }
-            for k, (name, look) in enumerate(zip(names, looks_of(names, places), strict=True))
-        ]
-        plot_curves(
-            axes, time, [(scale * values, style) for values, style in zip(drawn, styles, strict=True)]
-        )
-        for owner, sizes in amounts(curves, names if wide else []).items():
-            colour = styles[names.index(f"{owner}.force.x")]["color"]
-            axes.plot(time, scale * sizes, ":", color=colour, linewidth=1.2, label=f"|{owner}.force|")
-        found.append(extremes(time[seen], [values[seen] for values in drawn], own, scale, styles))
+        scale, unit = axis_unit(own, drawn)
+        looks = zip(names, looks_of(names, places), hides(drawn), strict=True)
+        lines = {
+            name: (
+                curves.values[name],
+                {"color": PALETTE[look % len(PALETTE)]}
+                | look_of_energy(name)
+                | {
+                    "linestyle": dashes(look // len(PALETTE) + hidden, own),
+                    "label": name if wide else short_name(name, names),
+                },
+            )
+            for name, look, hidden in looks
+        }
+        plot_curves(axes, time, [(scale * values, look) for values, look in lines.values()])
+        sizes = amount_lines(curves, lines) if wide else {}
+        for values, look in sizes.values():
+            axes.plot(time, scale * values, **look)
+        # where the amount of a force has a curve, its largest value is told, and not those of the components
+        parts = (line for name, line in lines.items() if name.partition(".force.")[0] not in sizes)
+        told = [(values[seen], look) for values, look in (*sizes.values(), *parts)]
+        found.append(extremes(time[seen], told, own, scale))
         quantity = shared_part(names) or QUANTITIES.get(own) or vector_of(names)
         is_alone = len(names) == 1 and len(names[0]) <= LONGEST_LEGEND_NAME
         axes.set_ylabel(f"{whole_name(names[0]) if is_alone else quantity}{in_brackets(unit)}".lstrip())
@@ -305,16 +261,13 @@ def draw_all(
         of_time = name_time(axes, ends[-1]) if curves.onset is None else ""
         axes.set_xlabel("; ".join(filter(None, (of_time, label))))
         axes.margins(y=0.16 if own in MARKED else 0.08)
+        if own in MARKED and all(not (values[seen] < 0.0).any() for values in drawn):
+            axes.set_ylim(BELOW_ZERO * axes.get_ylim()[1])
         if any(values.any() for values in drawn):
             give_ticks(axes)
         else:
             axes.set(ylim=ZERO_ENDS, yticks=[0.0])
-        widest = max(map(len, names))
-        if is_alone:
-            continue
-        if wide and len(names) <= SIDE and widest <= LONGEST_LEGEND_NAME:
-            axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
-        else:
+        if not is_alone:
             legend_above(axes)
     return found
 
@@ -322,6 +275,12 @@ def draw_all(
 def whole_name(name: str) -> str:
     """Return the label of a panel with one curve: ``name``, if long with the quantity in line 2."""
     return name if len(name) <= LONGEST_LABEL else f"{owner_of(name)}\n{shared_part([name])}"
+
+
+def dashes(number: int, unit: str) -> Any:
+    """Return the dashes of a curve in a ``unit``; short ones if the curve may have narrow peaks."""
+    row = min(number, len(DASHES) - 1)
+    return (SHORT_DASHES if unit in MARKED else DASHES)[row]
 
 
 def look_of_energy(name: str) -> dict[str, Any]:

@@ -61,6 +61,7 @@ class Label(NamedTuple):
         away: unit vector, in the plane of the page, of the best direction from the position to the label.
         short: the text that is written if ``text`` has no room; "" for none.
         look: properties of the text of this label alone, with matplotlib's names.
+        is_on_side: whether the label has no room behind its position, as seen in the direction ``away``.
     """
 
     text: str
@@ -68,6 +69,7 @@ class Label(NamedTuple):
     away: tuple[float, float] = (0.0, 1.0)
     short: str = ""
     look: dict[str, Any] = {}  # noqa: RUF012 - no one changes it
+    is_on_side: bool = False
 
 
 class Ink:
@@ -338,6 +340,8 @@ def _place(
         low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
         is_inside = ((low >= inside.min) & (high <= highest)).all(axis=-1)
         is_inside &= (high[..., 0] <= inside.x1) | (low[..., 0] >= inside.x1)
+        if label.is_on_side:
+            is_inside &= ways @ label.away > -CLOSE
         for home in spared:
             is_inside &= ~((low < home[1] + apart) & (home[0] - apart < high)).all(axis=-1)
         tried = np.argwhere(is_inside)

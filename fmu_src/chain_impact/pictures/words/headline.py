@@ -78,13 +78,16 @@ class Peak(NamedTuple):
         return f"{self.equal} equal {' at '.join([f'{quantity}s', *at])} of {self.value}"
 
 
-def message(recording: Recording, *, short: bool = False) -> str:
-    """Return the headline: name, first entry of ``peaks``, number of impacts, lost and supplied energy.
+def message(recording: Recording, first: str | None = None, *, short: bool = False) -> str:
+    """Return the headline: name, ``first``, number of impacts, lost and supplied energy.
 
-    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated". If ``short``, the headline
-    has only the name and the first entry of ``peaks`` or, if ``peaks`` is empty, the number of impacts.
+    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated". By default ``first`` is the
+    first entry of ``peaks``. If ``short``, the headline has only the name and ``first`` or, if ``first`` is
+    empty, the number of impacts.
     """
-    parts = [*(peak.text for peak in peaks(recording)[:1]), impact_count_text(recording)]
+    if first is None:
+        first = next((peak.text for peak in peaks(recording)), "")
+    parts = [*filter(None, [first]), impact_count_text(recording)]
     parts = parts[:1] if short else [*parts, *energy_texts(recording)]
     return f"{recording.name}: {', '.join(filter(None, parts))}"
 
@@ -123,37 +126,38 @@ def write_head(
     recording: Recording,
     title: str,
     *first: str,
-    row: int | None = None,
+    most: Sequence[Peak] | None = None,
+    lead: str | None = None,
     panels: Sequence[str] = (),
 ) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is ``title`` or, if ``title`` is "", the result of ``message``. ``first`` are texts that
-    stand before the results; with such a text, the results lack the largest force in a joint (``load_text``).
-    The results tell the impacts of ``peaks`` or, if ``row`` is given, the impact in this row. ``panels``: the
-    names of the panels of an overview.
+    The headline is ``title`` or, if ``title`` is "", the result of ``message`` with the words ``lead``, by
+    default those of the first told impact. ``first`` are texts that stand before the results. The results
+    tell the impacts of ``peaks`` and the largest force in a joint (``load_text``) or, if ``most`` is given,
+    only the impacts in ``most``. ``panels``: the names of the panels of an overview.
 
     In a narrow figure without a ``title``, the message is short. The first of the told impacts then has a
     line of its own below the message, and the rest of the message stands among the conditions. In any narrow
     figure, the largest force in a joint has a line of its own. A line has the colour of the mark if a panel
     has a mark.
     """
-    short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
+    short, load = is_narrow(figure), load_text(recording) if most is None else ""
+    most = peaks(recording) if most is None else most
+    lead = next((peak.text for peak in most), "") if lead is None else lead
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
     lines: list[tuple[str, str]] = []
     if short and most and not title:
         is_marked = most[0].equal == 1 and not {*panels}.isdisjoint(MARKING)
         first_told = told.pop(0).removeprefix(f"{most[0].words} in ")
         lines.append((first_told, PEAK_COLOUR if is_marked else INK))
-    # a picture of curves gives texts in ``first``, on what it draws, instead of the largest force in a joint
-    load = "" if any(first) else load_text(recording)
     if short and load:
         lines.append((load, LOAD if "motion" in panels and recording.loads else INK))
     results = [*first, *told, "" if short else load]
     if short and not title:
-        results += [*([impact_count_text(recording)] if most else []), *energy_texts(recording)]
+        results += [*([impact_count_text(recording)] if lead else []), *energy_texts(recording)]
     known = conditions(recording, *results, touches=has_contact(recording))
-    headline(figure, title or message(recording, short=short), known, *lines)
+    headline(figure, title or message(recording, lead, short=short), known, *lines)
 
 
 def peaks(recording: Recording) -> list[Peak]:

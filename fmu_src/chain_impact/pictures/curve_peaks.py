@@ -1,0 +1,143 @@
+"""The largest values of curves: at the curves of forces, moments and impulses, and in the headline."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from chain_impact.pictures.drawing.labels import Label
+from chain_impact.pictures.drawing.style import force_text
+from chain_impact.pictures.words.headline import Peak, peaks
+from chain_impact.recording.curves import Curves
+from chain_impact.recording.recording import Recording
+from chain_impact.scene.words.unit_text import unit_text
+
+AMOUNT_WIDTH = 1.2  # [points] the width of the line of a force's amount
+MARKED = {"N": "force", "N.m": "moment", "N.s": "impulse"}
+"""The units of curves whose largest values are written → quantity."""
+# a number stands at the inner side of its curve if another curve is nearer at the outer side, and nearer than
+# this, relative to the range of all curves in the panel
+NEAR_CURVE = 0.15
+
+
+def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
+    """Return those of ``peaks`` whose force or moment has a curve."""
+    found = []
+    for peak in peaks(recording):
+        impact = recording.impacts[peak.row]
+        point, wall = impact["point"], recording.wall_names[impact["wall"]]
+        is_stop = recording.is_stop(impact["wall"])
+        name = f"joint[{point}].stop_moment" if is_stop else f"contact[{point}].{wall}.force"
+        if peak.words.startswith("peak") and name in curves.values:
+            found.append(peak)
+    return found
+
+
+def largest_drawn(curves: Curves) -> str:
+    """Return words for the largest |value| of all curves of forces: "drawn forces up to 7.48 kN".
+
+    Without curves of forces, the words are on moments or, without these, on impulses. The components x and y
+    of a force count as one force. The result is "" without such curves, and if all values are 0.
+    """
+    for unit, word in MARKED.items():
+        names = [name for name in curves.values if curves.units.get(name) == unit]
+        sizes = [np.abs(curves.values[name]) for name in names] + list(amounts(curves, names).values())
+        most = [float(size[row]) for size in sizes if (row := largest_row(size)) is not None]
+        if most:
+            return f"drawn {word}s up to {force_text(max(most), unit_text(unit))}"
+    return ""
+
+
+def extremes(
+    time: np.ndarray, lines: Sequence[tuple[np.ndarray, dict[str, Any]]], unit: str, scale: float
+) -> list[Label]:
+    """Return a label for each curve of a force, moment or impulse, at its value farthest from 0.
+
+    The label of the largest |value| is first. A curve without a value other than 0 has no label; if ``unit``
+    is not in MARKED, there are no labels. A label stands at the side of its curve where no other curve is
+    near (NEAR_CURVE), so that it does not read as the number of this other curve.
+
+    Args:
+        time: the times in the unit of the axis, shape (T,).
+        lines: for each curve its values in ``unit``, shape (T,), and its properties with matplotlib's names.
+        unit: the unit of all values.
+        scale: the factor from values to the numbers of the axis.
+    """
+    found = []
+    near = NEAR_CURVE * float(np.ptp(_finite(lines)))
+    for k, (values, style) in enumerate(lines if unit in MARKED else ()):
+        if (row := largest_row(np.abs(values))) is not None:
+            value = float(values[row])
+            outwards = math.copysign(1.0, value)
+            ways = outwards * np.array([other[row] - value for n, (other, _) in enumerate(lines) if n != k])
+            outer = float(ways[ways >= 0.0].min(initial=math.inf))
+            inner = float(-ways[ways < 0.0].max(initial=-math.inf))
+            if outer < min(near, inner):
+                outwards = -outwards
+            text = f"{'−' * (value < 0.0)}{force_text(abs(value), unit_text(unit))}"
+            look, position = {"color": style["color"]}, (float(time[row]), scale * value)
+            found.append((abs(value), Label(text, position, (0.0, outwards), look=look, is_on_side=True)))
+    return [label for _, label in sorted(found, key=lambda each: -each[0])]
+
+
+def _finite(lines: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> np.ndarray:
+    """Return all finite values of some curves and 0, in one array."""
+    every = np.concatenate([np.zeros(1), *(values for values, _ in lines)])
+    return np.asarray(every[np.isfinite(every)])
+
+
+def largest_row(sizes: np.ndarray) -> int | None:
+    """Return the row of the largest finite size, or None if no size is finite and above 0."""
+    finite = np.where(np.isfinite(sizes), sizes, 0.0)
+    return int(finite.argmax()) if finite.any() else None
+
+
+def largest_vectors(curves: Curves) -> str:
+    """Return words for the largest amounts of the forces whose components x and y both have a curve.
+
+    For example "largest |force|: joint[1] 636 N and joint[2] 670 N at 0.75 ms"; "" without such a force. The
+    times are those of the run [s] or, in a view of one impact, those after the onset [ms].
+    """
+    start, factor, unit = (0.0, 1.0, "s") if curves.onset is None else (curves.onset, 1e3, "ms")
+    told: dict[str, list[str]] = {}
+    for owner, sizes in amounts(curves, [name for names in curves.panels for name in names]).items():
+        if (row := largest_row(sizes)) is not None:
+            when = f"{factor * (curves.time[row] - start):.3g} {unit}"
+            told.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
+    parts = [f"{' and '.join(each)} at {when}" for when, each in told.items()]
+    return f"largest |force|: {', '.join(parts)}" if parts else ""
+
+
+def amount_lines(
+    curves: Curves, lines: Mapping[str, tuple[np.ndarray, dict[str, Any]]]
+) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
+    """Return a dotted line for each of ``amounts``: owner → values and properties with matplotlib's names.
+
+    ``lines`` are the curves of the panel: output → values and properties.
+    """
+    return {
+        owner: (
+            sizes,
+            {
+                "color": lines[f"{owner}.force.x"][1]["color"],
+                "linestyle": ":",
+                "linewidth": AMOUNT_WIDTH,
+                "label": f"|{owner}.force|",
+            },
+        )
+        for owner, sizes in amounts(curves, list(lines)).items()
+    }
+
+
+def amounts(curves: Curves, names: Sequence[str]) -> dict[str, np.ndarray]:
+    """Return the amounts of the forces with both components in ``names``: owner → amounts, shape (T,) [N]."""
+    ends = (".force.x", ".force.y")
+    pairs = {name.removesuffix(ends[0]): name for name in names if name.endswith(ends[0])}
+    return {
+        owner: np.hypot(curves.values[name], curves.values[owner + ends[1]])
+        for owner, name in pairs.items()
+        if owner + ends[1] in names
+    }
