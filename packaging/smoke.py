@@ -35,8 +35,7 @@ from chain_impact import system
 from chain_impact.cli import main as main_of_command_line
 from chain_impact.compilation import compilers, ready
 from chain_impact.fmu.build import TARGET
-from chain_impact.simulation import instance
-from chain_impact.simulation.instance import load_kernel
+from chain_impact.simulation.kernels import kernel_for, load_kernel
 from chain_impact.variables.prepared import PreparedScene
 
 CHECKS: list[Callable[[], str | None]] = []
@@ -126,7 +125,7 @@ def a_process_that_rounds_upwards() -> None:
     scene, blocks = ci.load_scene("four_link_box"), []
     c, kernel = (
         ctypes.CDLL(C_LIBRARY.get(system.HOST, "libm.so.6")),
-        instance.kernel_for(scene, derivatives=False),
+        kernel_for(scene, derivatives=False),
     )
     for rounding in (0, UPWARDS.get(system.HOST, 0x400000)):
         memory = PreparedScene(scene).new_instance()

@@ -1,16 +1,16 @@
 """Helpers for the tests of progress messages."""
 
 from chain_impact.progress import log_once
-from chain_impact.simulation import instance
+from chain_impact.simulation import kernels
 
 
 def compiling(monkeypatch):
     """Let the cached kernel look as if it had to be compiled."""
-    cached = instance.kernel_library
+    cached = kernels.kernel_library
 
     def kernel_library(*arguments, **_):
         log_once("compiling the kernel", 17.0)
         return cached(*arguments)
 
-    monkeypatch.setattr(instance, "kernel_library", kernel_library)
-    monkeypatch.setattr(instance, "_loaded", {})
+    monkeypatch.setattr(kernels, "kernel_library", kernel_library)
+    monkeypatch.setattr(kernels, "_loaded", {})

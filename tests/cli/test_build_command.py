@@ -12,7 +12,7 @@ import pytest
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.scene.files.models import models_folder
-from chain_impact.simulation import instance
+from chain_impact.simulation import kernels
 from tests.cli.results import PNG, impact_lines, read_csv
 
 ROD = models_folder() / "rod_drop"
@@ -86,8 +86,8 @@ def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
     def kernel_library(*_, **__):
         raise BuildError("could not compile the kernel: zig cc said:\nld: out of memory")
 
-    monkeypatch.setattr(instance, "kernel_library", kernel_library)
-    monkeypatch.setattr(instance, "_loaded", {})
+    monkeypatch.setattr(kernels, "kernel_library", kernel_library)
+    monkeypatch.setattr(kernels, "_loaded", {})
     monkeypatch.setattr("chain_impact.fmu.build.kernel_library", kernel_library)
     for verb in ("build", "simulate"):
         code, _, said = run(verb)

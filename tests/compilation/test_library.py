@@ -13,7 +13,7 @@ from chain_impact.compilation import compilers, library, ready
 from chain_impact.compilation.library import kernel_library
 from chain_impact.extras import how_to_install
 from chain_impact.scene.scene import with_values
-from chain_impact.simulation.instance import load_kernel
+from chain_impact.simulation.kernels import load_kernel
 from chain_impact.system import HOST
 from chain_impact.user_laws.law_file import LawError
 from chain_impact.variables.prepared import PreparedScene

@@ -14,7 +14,8 @@ from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.duals import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
-from chain_impact.simulation.instance import Instance, spans_of
+from chain_impact.simulation.instance import Instance
+from chain_impact.simulation.output_rows import spans_of
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain, as_plain_python
 from tests.tiers import needs_compilers

@@ -19,7 +19,7 @@ from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.rules.refusals import REFUSALS, SENTENCES, SIGNAL_REFUSALS
 from chain_impact.scene.scene import scene_from_dict
-from chain_impact.simulation.instance import kernel_for
+from chain_impact.simulation.kernels import kernel_for
 from chain_impact.variables.prepared import PreparedScene
 from tests.pages.in_pages import page_contents, without_advice
 from tests.pages.javascript import function_of

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import Chain, DifferentiatedRun, SceneError, cli, simulate, sweep
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
-from chain_impact.simulation.instance import kernel_for
+from chain_impact.simulation.kernels import kernel_for
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.campaigns.random_scenes import RUBBED, SLANTED, SPRUNG, STOPPED, scene as random_scene
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger

@@ -19,7 +19,7 @@ from chain_impact.progress import log_once
 from chain_impact.recording.equality import equal
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.simulation import instance
+from chain_impact.simulation import instance, kernels
 from chain_impact.simulation.record_scene import RunError, record_scene
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.scenes import OnDemand
@@ -283,8 +283,8 @@ def test_a_scene_says_when_it_has_to_compile(monkeypatch, caplog):
         raise BuildError("out of luck")
 
     caplog.set_level("INFO", "chain_impact")
-    monkeypatch.setattr(instance, "kernel_library", kernel_library)
-    monkeypatch.setattr(instance, "_loaded", {})
+    monkeypatch.setattr(kernels, "kernel_library", kernel_library)
+    monkeypatch.setattr(kernels, "_loaded", {})
     with pytest.raises(BuildError, match="out of luck"):
         record_scene(load_scene("rod_drop"), {})
     assert caplog.messages == ["compiling (about 17 s, then kept)"]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.simulation.instance import Instance, spans_of
+from chain_impact.simulation.instance import Instance
+from chain_impact.simulation.output_rows import spans_of
 from tests.helpers.tools.processors import ON_X86
 from tests.helpers.tools.registers import FLUSH, TRAPS, USUAL, WITHOUT_TRAPS, make_library, registers
 from tests.tiers import needs_compilers

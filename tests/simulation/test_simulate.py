@@ -1,6 +1,6 @@
 """Whole simulations as seen by users: outputs, one result for any options, and faults."""
 
-# Tests: simulation/record_scene.py
+# Tests: simulation/record_scene.py, simulation/kernels.py, simulation/output_rows.py
 
 import math
 import subprocess
@@ -17,7 +17,7 @@ from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.record.instance import STATE_OUTPUTS
 from chain_impact.scene.files.models import models_folder
 from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
-from chain_impact.simulation import instance as instance_module
+from chain_impact.simulation import kernels
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.simulate import check_result_size
 from tests.helpers.kernel import kernel_calls
@@ -307,7 +307,7 @@ def test_a_scene_can_be_named(tmp_path):
 
 def test_a_kernel_that_is_loaded_is_not_looked_for_again(monkeypatch):
     before = simulate("rod_drop").outputs
-    monkeypatch.setattr(instance_module, "kernel_library", None)
+    monkeypatch.setattr(kernels, "kernel_library", None)
     assert simulate("rod_drop").outputs.tobytes() == before.tobytes()
 
 

@@ -24,7 +24,8 @@ from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.angles import in_radians, or_degrees
 from chain_impact.scene.words.names import input_key
-from chain_impact.simulation.instance import Instance, SimulationError, fault_text, spans_of
+from chain_impact.simulation.instance import Instance, SimulationError, fault_text
+from chain_impact.simulation.output_rows import spans_of
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene

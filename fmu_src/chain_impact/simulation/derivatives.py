@@ -26,8 +26,9 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.scene.words.names import DataPath
 from chain_impact.simulation.inputs import Given, InputCourse, by_name, input_course
-from chain_impact.simulation.instance import Instance, SimulationError, WordRows
+from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.one_sided import bends_at_start
+from chain_impact.simulation.output_rows import WordRows
 from chain_impact.simulation.reasons import (
     LEFT_OPEN,
     NO_LESS,

@@ -1,19 +1,11 @@
-"""An instance and the kernel that works on it, in this process."""
+"""An instance: a record, and the runs of a kernel on it."""
 
 from __future__ import annotations
 
-import ctypes
-import functools
-import os
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, Protocol
 
 import numpy as np
 
-from chain_impact.compilation import signatures
-from chain_impact.compilation.compilers import Sizes
-from chain_impact.compilation.library import kernel_library
 from chain_impact.deprecated import OlderName
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
@@ -24,16 +16,16 @@ from chain_impact.results.result import Result
 from chain_impact.scene.candidates import parts_in_words
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import InputCourse
+from chain_impact.simulation.kernels import kernel_for
+from chain_impact.simulation.output_rows import Rows, spans_of
 from chain_impact.variables.indices import HEAD, log_words
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.parameters import DERIVED_DURING_RUN
-from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared_scene
+from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
-# largest number of rows, and of bytes in these rows, that the kernel fills in one call; but at least one row
-CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
 
 
 class SimulationError(RuntimeError):
@@ -61,71 +53,6 @@ class SimulationError(RuntimeError):
 def fault_text(status: int, part: str) -> str:
     """Return the sentence for a status, with the part of the scene that is the reason, if there is one."""
     return f"{STATUS_TEXT[status]}: {part}" if part else STATUS_TEXT[status]
-
-
-class Rows(Protocol):
-    """The output buffer of a run, which is filled row by row.
-
-    Attributes:
-        chunk: largest number of rows that are filled between two reports of progress.
-    """
-
-    chunk: int
-
-    def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
-        """Advance an instance to each of the times [s] and fill rows from ``start`` on.
-
-        Returns the number of filled rows; ``Instance.trajectory`` says when fewer rows than times are filled.
-        """
-
-
-class WordRows:
-    """An output buffer with numbers of the record, one row for each communication point.
-
-    Attributes:
-        numbers: shape (T, W); rows that are not filled have arbitrary values.
-        spans: the indices of the numbers in the record, see ``spans_of``.
-        of_state: whether all numbers are outputs of ``STATE_OUTPUTS`` in kernel/record/instance.py.
-    """
-
-    def __init__(self, count: int, words: Sequence[int] | np.ndarray, *, of_state: bool = False) -> None:
-        """Make a buffer for ``count`` rows of the W numbers whose indices in the record are ``words``."""
-        self.numbers = np.empty((count, len(words)))
-        self.spans, self.of_state = spans_of(words), of_state
-        self.chunk = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
-
-    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
-        """Fill rows as ``Rows.fill`` describes."""
-        if self.numbers.shape[1]:
-            rows = self.numbers[start : start + len(times)]
-            return instance.trajectory(times, rows, self.spans, of_state=self.of_state)
-        # without numbers to store, it suffices to advance to the last time: output times do not change a run
-        done = instance.trajectory(times[-1:], self.numbers[:1], self.spans, of_state=True)
-        return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
-
-
-def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
-    """Return indices in a short form, shape (S, 2): first index and length of each span without gaps."""
-    return _spans_of(np.asarray(words, np.int64).tobytes())
-
-
-@functools.lru_cache(100)
-def _spans_of(indices: bytes) -> np.ndarray:
-    words = np.frombuffer(indices, np.int64)
-    if not len(words):
-        return np.zeros((0, 2), np.int64)
-    begins = np.flatnonzero(np.diff(words, prepend=words[0] - 2) != 1)
-    return np.column_stack([words[begins], np.diff(begins, append=len(words))]).astype(np.int64)
-
-
-def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
-    """Return rows of numbers, shape (T, W), as a structured array of shape (T,) over the same memory.
-
-    The fields of ``layout`` name the first numbers of a row; further numbers are left out.
-    """
-    if not layout.itemsize:
-        return np.zeros(len(numbers), layout)
-    return np.ndarray(len(numbers), layout, numbers, strides=numbers.strides[:1])
 
 
 class Instance:
@@ -219,8 +146,7 @@ class Instance:
             times: shape (T,).
             rows: result, T rows of W numbers.
             spans: the indices of a row's numbers in the record, see ``spans_of``; None for all outputs.
-            of_state: whether all numbers of a row are outputs in ``STATE_OUTPUTS``; the kernel then computes
-                no other outputs.
+            of_state: as for ``WordRows``; if true, the kernel computes no other outputs.
         """
         spans = spans_of(self.prepared.output_words) if spans is None else spans
         wanted, filled = (spans.ctypes.data, len(spans)), (rows.ctypes.data, rows.strides[0] // WORD)
@@ -353,45 +279,3 @@ class Instance:
         """The solver's counts, by name."""
         counts = self.record["statistics"]
         return dict(zip(counts.dtype.names, counts.item(), strict=True))
-
-
-_loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
-"""Loaded kernels without a user's law: (sizes, with derivatives, ``CHAIN_IMPACT_CACHE`` or None) → kernel."""
-
-
-def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctypes.CDLL:
-    """Return the kernel for a scene, and keep it for later calls if the scene has no user's law.
-
-    Args:
-        scene: the scene.
-        derivatives: whether the kernel carries derivatives.
-        sizes: which scenes the kernel can run: those of ``PreparedScene.kernel_size``, the default, or only
-            those with the counts of a tuple (``sizes_of``).
-
-    Raises:
-        BuildError: when the kernel cannot be compiled.
-    """
-    size, law = kernel_size(scene) if sizes is None else sizes, scene.contact.law_file
-    # a change of the cache folder makes another key, so that the kernel is loaded from that folder
-    key = (size, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
-    if not law and key in _loaded:
-        return _loaded[key]
-    kernel = load_kernel(kernel_library(size, law_file=law, derivatives=derivatives))
-    if not law:
-        _loaded[key] = kernel
-    return kernel
-
-
-def sizes_of(memory: np.ndarray) -> tuple[int, ...]:
-    """Return the counts and flags at the start of a record, for a kernel that runs only scenes with these.
-
-    The number of tangent instances, the last word of this start, is left out.
-    """
-    return tuple(memory.view(np.int64)[: HEAD - 1].tolist())
-
-
-def load_kernel(library: Path) -> ctypes.CDLL:
-    """Load a compiled kernel, and declare the types of its C functions (compilation/signatures.py)."""
-    kernel = ctypes.CDLL(str(library))
-    signatures.declare(kernel)
-    return kernel

@@ -26,7 +26,8 @@ from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import Given, InputCourse, Interpolation, input_course
-from chain_impact.simulation.instance import Instance, SimulationError, WordRows, structured
+from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.output_rows import WordRows, structured
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by

@@ -22,7 +22,8 @@ from chain_impact.results.animate import FILM_SIZE, write_animation
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Given, Interpolation, input_course
-from chain_impact.simulation.instance import Instance, WordRows, structured
+from chain_impact.simulation.instance import Instance
+from chain_impact.simulation.output_rows import WordRows, structured
 from chain_impact.simulation.simulate import simulate
 
 MOST_FILM_ROWS = 40_000

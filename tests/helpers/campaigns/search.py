@@ -27,7 +27,7 @@ import numpy as np
 from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.instance import load_kernel
+from chain_impact.simulation.kernels import load_kernel
 from chain_impact.variables.prepared import prepared_scene
 from tests.helpers.campaigns import oracle
 from tests.helpers.campaigns.oracle import CPU, Finding

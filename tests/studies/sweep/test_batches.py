@@ -15,7 +15,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.simulation import instance
+from chain_impact.simulation import kernels
 from chain_impact.studies.sweep.batches import (
     LONGEST_BATCH,
     LONGEST_BATCH_TIME,
@@ -117,7 +117,7 @@ def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, ow
 
     def kernel_for(scene, *, derivatives, sizes):
         asked.append(sizes)
-        return instance.kernel_for(scene, derivatives=derivatives)
+        return kernels.kernel_for(scene, derivatives=derivatives)
 
     monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", kernel_for)
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.OWN_KERNEL_FROM", 10)
@@ -130,7 +130,7 @@ def test_a_sweep_goes_on_with_a_general_kernel_where_a_compiler_fails(monkeypatc
     def kernel_for(scene, *, derivatives, sizes):
         if sizes:
             raise BuildError("could not compile the kernel: zig said no")
-        return instance.kernel_for(scene, derivatives=derivatives)
+        return kernels.kernel_for(scene, derivatives=derivatives)
 
     monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", kernel_for)
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.OWN_KERNEL_FROM", 10)

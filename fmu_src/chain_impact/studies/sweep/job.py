@@ -19,7 +19,7 @@ from chain_impact.scene.candidates import candidates, stop_pairs
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import SENSITIVITY, DataPath
-from chain_impact.simulation.instance import kernel_for, sizes_of
+from chain_impact.simulation.kernels import kernel_for, sizes_of
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS, word_index
 from chain_impact.variables.listing import BEHIND
