@@ -21,7 +21,7 @@ from chain_impact import Result, simulate
 from chain_impact.pictures.drawing.dark_ground import is_dark
 from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, headline
 from chain_impact.pictures.over_time.time_axis import mark_impacts
-from chain_impact.pictures.sensitivities import calm
+from chain_impact.pictures.rows_of_impacts import calm
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import number
 from docs.tools import DOCS

@@ -13,6 +13,7 @@ order says nothing after this time.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band
 from chain_impact.pictures.drawing.figures import settle
-from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.style import (
     GREY,
     INK,
@@ -31,12 +32,13 @@ from chain_impact.pictures.drawing.style import (
     headline,
     is_narrow,
     styled,
+    write_foot,
 )
 from chain_impact.pictures.over_time.energies import range_of
 from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
+from chain_impact.pictures.rows_of_impacts import calm, shifted, short_contacts
 from chain_impact.pictures.sensitivity_table import draw_impact_changes
 from chain_impact.pictures.words.headline import conditions, time_unit
-from chain_impact.recording.contact_times import SEEN_CONTACT
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
 from chain_impact.recording.text import WHOLE, number, plural, readable
@@ -51,12 +53,14 @@ RANGE_ROUND_OFF = 1e-9
 LARGEST_EFFECTS = 4
 TO_FIRST_ORDER = "changes to first order"
 ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
-# curves of parameters that are 0 leave the axes if they reach more than LEAVING times as far from 0 as
-# all other curves; the axis then extends ROOM_FOR_OTHERS times as far as these other curves
-LEAVING, ROOM_FOR_OTHERS = 3.0, 1.5
-LEAVES = "a curve that leaves its panel is that of a parameter that is 0: not comparable with + 1 %"
+# the steps of parameters that are 0 are so small that in any panel, their curves reach at most MOST_OF_ZERO
+# times as far from 0 as all other curves; STEP_PARTS are the tried factors of these steps
+MOST_OF_ZERO = 1.5
+STEP_PARTS = tuple(digit * 10.0**-power for power in range(1, 10) for digit in (10, 5, 2))
 LOW_TABLE = 0.6  # if the panels form one column: the height of the table below, relative to that of a panel
-JUMP_NOTE = "changes jump at impacts, whose times shift"
+SHIFT_NOTE = "gaps: the change shifts an impact"
+# the largest height of the sentences on missing derivatives at the foot, relative to that of the figure
+MOST_LIMITS = 0.4
 Looks = list[dict[str, Any]]
 
 
@@ -66,23 +70,23 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
-    sensitivities = recording.sensitivities
-    assert sensitivities is not None
-    names = sensitivities.drawn(outputs)
+    found = recording.sensitivities
+    assert found is not None
+    names = found.drawn(outputs)
+    sensitivities = with_small_steps(recording, found, names)
     parts = np.stack([shares(recording, sensitivities, name) for name in names])
     relative = parts.max(axis=0)
     known = hold_to_first_order(relative)
-    found, first_order = finding(recording, sensitivities, names, parts)
+    message, first_order = finding(recording, sensitivities, names, parts)
     start, end = recording.time[[0, -1]].tolist()
     lines = impact_lines(recording, start, end)
-    told = [first_order, JUMP_NOTE if lines else "", "" if known.all() else ENDED]
-    headline(figure, found, conditions(recording, *told))
+    told = [first_order, SHIFT_NOTE if lines else "", "" if known.all() else ENDED]
+    headline(figure, message, conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
     panels, table = panels_of(figure, len(names), across)
-    are_cut = False
     for axes, name in zip(panels, names, strict=True):
-        are_cut |= draw_changes(axes, recording, sensitivities, name, looks, known=known)
+        draw_changes(axes, recording, sensitivities, name, looks, known=known)
         mark_impacts(axes, recording)
         mark_unknown(axes, recording, sensitivities)
         give_ticks(axes)
@@ -93,15 +97,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         else:
             axes.set_xlabel("; ".join(filter(None, (name_time(axes, end), lines))))
     draw_impact_changes(table, recording, sensitivities, looks, known)
-    legend_above(panels[0])
-    figure.supxlabel(
-        "\n".join([*([LEAVES] if are_cut else []), *sensitivities.limits]),
-        x=0.01,
-        ha="left",
-        fontsize="small",
-        color=INK,
-        wrap=True,
-    )
+    legend_at_head(figure, panels[0].get_legend_handles_labels()[0])
+    if sensitivities.limits:
+        write_foot(figure, "\n".join(sensitivities.limits), most=MOST_LIMITS)
     settle(figure)
 
 
@@ -118,29 +116,6 @@ def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes
         first = panels[0] if panels else None
         panels.append(figure.add_subplot(grid[divmod(place, across)], sharex=first))
     return panels, figure.add_subplot(grid[count // across, count % across :])
-
-
-def calm(recording: Recording) -> np.ndarray:
-    """Return whether each row is outside of all impacts that end in the run, shape (T,).
-
-    A parameter also shifts impacts in time. Within an impact, where quantities change fast, the derivatives
-    are therefore very large.
-    """
-    return ~within(recording, recording.impacts)
-
-
-def short_contacts(recording: Recording) -> np.ndarray:
-    """Return whether each row is within an impact too short to be visible (SEEN_CONTACT), shape (T,)."""
-    impacts, span = recording.impacts, np.ptp(recording.time)
-    return within(recording, impacts[impacts["duration"] < SEEN_CONTACT * span])
-
-
-def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
-    """Return whether each row is within one of ``impacts``, except those without an end, shape (T,)."""
-    rows = np.zeros(len(recording.time), bool)
-    for impact in impacts:
-        rows |= (recording.time >= impact["onset"]) & (recording.time <= impact["end"])
-    return rows
 
 
 def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
@@ -180,6 +155,30 @@ def hold_to_first_order(relative: np.ndarray) -> np.ndarray:
     return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
 
 
+def with_small_steps(
+    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str]
+) -> Sensitivities:
+    """Return derivatives with smaller steps of parameters that are 0, whose curves suit those of the others.
+
+    1 % of 0 is 0, so that the step of such a parameter is arbitrary. The step gets the largest of STEP_PARTS
+    with which the changes of no output are more than MOST_OF_ZERO times those by all other parameters.
+    """
+    is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
+    for k in np.flatnonzero(is_zero) if not is_zero.all() else ():
+        name = list(sensitivities.parameters)[k]
+        for part in STEP_PARTS:
+            tried = replace(sensitivities, parts={**sensitivities.parts, name: part})
+            relative = np.max([shares(recording, tried, output) for output in outputs], axis=0)
+            is_shown = hold_to_first_order(relative) & calm(recording)[:, None]
+            sizes = [np.where(is_shown, np.abs(np.nan_to_num(tried.changes(one))), 0.0) for one in outputs]
+            most = np.max(sizes, axis=1)
+            others = most[:, ~is_zero].max(axis=1)
+            if (most[:, k] <= MOST_OF_ZERO * others)[others > 0.0].all():
+                sensitivities = tried
+                break
+    return sensitivities
+
+
 def finding(
     recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], parts: np.ndarray
 ) -> tuple[str, str]:
@@ -188,11 +187,11 @@ def finding(
     The most important parameter is the one by which a change of an output first exceeds the range of this
     output. If no change exceeds the range, it is the parameter with the largest change relative to the range;
     of all outputs with the unit of the output that changes so, the headline then names the one with the
-    largest change by this parameter. If the change in a run with the changed parameter differs from this
-    change to first order (``differs``), the headline has the change in the run, and the words have the change
-    to first order. A parameter with the value 0 is named only if no other parameter has an effect, because a
-    change by 0.01 of a unit cannot be compared with a change by 1 %. The headline tells if no parameter has
-    an effect, or if there are no derivatives after the start.
+    largest change by this parameter. The change in the headline is that in a run with the changed parameter;
+    if it differs from the change to first order (``differs``), the words have the latter. A parameter
+    with the value 0 is named only if no other parameter has an effect, because its step cannot be compared
+    with a change by 1 %. The headline tells if no parameter has an effect, or if there are no derivatives
+    after the start.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
     """
@@ -221,11 +220,12 @@ def finding(
     sizes, of_output = _change_sizes(recording, sensitivities, output, k), sensitivities.units[output]
     row = int(sizes.argmax())
     in_run = _change_in_run(recording, sensitivities, output, parameter, row)
-    most = _size_text(sizes[row], of_output)
-    if in_run is None or not differs(sensitivities.changes(output)[row, k], in_run):
-        return f"{what} up to {most}{until}", TO_FIRST_ORDER
-    at = f"{factor * recording.time[row]:.4g} {unit}"
-    return f"{what} {_size_text(abs(in_run), of_output)} at {at}{until}", f"{TO_FIRST_ORDER}, {most} there"
+    most, at = _size_text(sizes[row], of_output), f"{factor * recording.time[row]:.4g} {unit}"
+    if in_run is None:
+        return f"{what} about {most} at {at}{until}", TO_FIRST_ORDER
+    is_other = differs(sensitivities.changes(output)[row, k], in_run)
+    told = f"{TO_FIRST_ORDER}, {most} there" if is_other else TO_FIRST_ORDER
+    return f"{what} {_size_text(abs(in_run), of_output)} at {at}{until}", told
 
 
 def _change_in_run(
@@ -251,9 +251,11 @@ def _size_text(size: float, unit: str) -> str:
 def _change_sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: int) -> np.ndarray:
     """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
 
-    The result is 0 within impacts that end in the run, and where the derivative is unknown.
+    The result is 0 within impacts that end in the run, where a jump is ``shifted``, and where the derivative
+    is unknown.
     """
     sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
+    sizes[shifted(recording, sensitivities)[:, k]] = 0.0
     return np.where(calm(recording), sizes, 0.0)
 
 
@@ -261,7 +263,8 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     """Return the properties of each parameter's curves, with matplotlib's names.
 
     The LARGEST_EFFECTS parameters with the largest changes have colours, unless a change is round-off; all
-    others are grey. Of the grey curves, only the last has a label, which stands for all grey curves.
+    others are grey. Of the grey curves, only the last has a label, which stands for all grey curves: their
+    names or, if they are more than MOST_GREY, their number and the one with the largest change.
     ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P).
     """
     names = list(sensitivities.parameters)
@@ -269,9 +272,9 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     coloured = {k for k in order[:LARGEST_EFFECTS] if relative[:, k].max() > NO_CHANGE}
     others = sorted(set(order) - coloured)
     largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > NO_CHANGE), "")
-    rest = plural(len(others), "other")
-    if largest:
-        rest += f": {largest}" if len(others) == 1 else f", most {largest}"
+    rest = plural(len(others), "other") + (f", most {largest}" if largest else "")
+    if len(others) <= MOST_GREY:
+        rest = ", ".join(names[k] for k in others)
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in coloured:
@@ -291,28 +294,19 @@ def draw_changes(
     looks: Looks,
     *,
     known: np.ndarray,
-) -> bool:
+) -> None:
     """Draw the changes of an output over time, a curve for each parameter.
 
-    Return whether a curve leaves the axes: curves of parameters with the value 0, whose steps cannot be
-    compared with 1 %, do not determine the scale if they are much larger (LEAVING) than all other curves.
-
-    A curve has gaps within impacts that are too short to be visible, and where the derivative is unknown. A
-    curve ends where ``known``, the result of ``hold_to_first_order``, is False. If there are more than
-    MOST_GREY grey curves, they are drawn as a band. ``looks`` is the result of ``looks_of``.
+    A curve has gaps within impacts that are too short to be visible, where a jump is ``shifted``, and where
+    the derivative is unknown. A curve ends where ``known``, the result of ``hold_to_first_order``, is False.
+    If there are more than MOST_GREY grey curves, they are drawn as a band. ``looks`` is the result of
+    ``looks_of``.
     """
-    changes = np.where(known, sensitivities.changes(output), np.nan)
-    changes[short_contacts(recording)] = np.nan
-    least = NO_CHANGE * np.ptp(recording.columns[output])
-    scaling = changes[calm(recording)]
-    sizes = np.nanmax(np.abs(scaling), axis=0, initial=0.0)
-    is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
-    most = sizes[~is_zero].max(initial=0.0)
-    is_cut = bool(most > least and sizes.max(initial=0.0) > LEAVING * most)
-    if is_cut:
-        scaling = ROOM_FOR_OTHERS * scaling[:, ~is_zero]
-    largest = float(np.nanmax(np.abs(scaling), initial=0.0))
-    scale, unit = readable(largest, sensitivities.units[output])
+    is_shown = known & ~short_contacts(recording)[:, None] & ~shifted(recording, sensitivities)
+    changes = np.where(is_shown, sensitivities.changes(output), np.nan)
+    rows = calm(recording)
+    low, high = scale_ends(changes[rows])
+    scale, unit = readable(max(-low, high), sensitivities.units[output])
     changes *= scale
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
     if len(grey) > MOST_GREY:
@@ -321,25 +315,22 @@ def draw_changes(
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
     axes.set_ylabel(f"Δ {output}{in_brackets(unit)}")
-    fit_scale(axes, scale * scaling, scale * least)
-    return is_cut
-
-
-def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
-    """Set the range of the vertical axis for ``changes``, and draw a line at 0.
-
-    The scale is linear, because on a logarithmic scale each change of sign would be a vertical stroke. If no
-    |change| exceeds ``least``, all changes are round-off: the axis then has only the tick 0, and the axes
-    have the words "no change".
-    """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
-    if not np.nanmax(np.abs(changes), initial=0.0) > least:
+    if max(-low, high) > NO_CHANGE * np.ptp(recording.columns[output]):
+        axes.set_ylim(scale * low, scale * high)
+    else:  # all changes are round-off
         axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
         axes.text(0.5, 0.6, "no change", transform=axes.transAxes, ha="center", color=INK)
-        return
-    low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
+
+
+def scale_ends(changes: np.ndarray) -> tuple[float, float]:
+    """Return the ends of the vertical axis for some changes.
+
+    The scale is linear, because on a logarithmic scale each change of sign would be a vertical stroke.
+    """
+    low, high = float(np.nanmin(changes, initial=0.0)), float(np.nanmax(changes, initial=0.0))
     margin = 0.05 * (high - low)
-    axes.set_ylim(low - margin, high + margin)
+    return low - margin, high + margin
 
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:

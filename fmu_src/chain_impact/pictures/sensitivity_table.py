@@ -10,20 +10,26 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.drawing.dark_ground import ON_COLOUR, is_dark
 from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, OUTSIDE_COLOUR, is_narrow
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import signed
 
-# the colours of changes; blank cells have a colour of their own
-SIGNED = LinearSegmentedColormap.from_list("signed", [DECREASE, "white", INCREASE]).with_extremes(
-    bad=OUTSIDE_COLOUR
+STRONGEST = 0.6  # the opacity of the largest changes, from 0 to 1: so low that the text on it stays legible
+# the colours of changes, with the opacity 0 for no change, so that they suit a light and a dark ground; blank
+# cells have a colour of their own
+SIGNED_STOPS = (
+    (0.0, (DECREASE, STRONGEST)),
+    (0.5, (DECREASE, 0.0)),
+    (0.5, (INCREASE, 0.0)),
+    (1.0, (INCREASE, STRONGEST)),
 )
-# [%] |changes| up to LEAST_CHANGE are nearly white; from MOST_CHANGE on, the colour stays
+SIGNED = LinearSegmentedColormap.from_list("signed", SIGNED_STOPS).with_extremes(bad=OUTSIDE_COLOUR)
+# [%] |changes| below LEAST_CHANGE are written as 0; from MOST_CHANGE on, the colour stays
 LEAST_CHANGE, MOST_CHANGE = 0.01, 100.0
-# [%] the numbers at the bar that explains the colours
-BAR_TICKS = (-MOST_CHANGE, -1.0, 0.0, 1.0, MOST_CHANGE)
+# |changes| up to FAINT_CHANGE, relative to the largest one, have no colour; the colours of larger ones are
+# logarithmic
+FAINT_CHANGE = 0.01
 # [inch] the least width of a cell with a number, and the width of the names beside the cells
 CELL_WIDTH, ROW_NAMES_WIDTH = 0.38, 1.7
 MOST_NUMBERED = 12  # the largest number of impacts that are numbered below the table
@@ -57,21 +63,25 @@ def draw_impact_changes(
         quantity = "impulse"
     at = [recording.row_at(time) for time in onsets]
     changes = 100.0 * np.where(known[at], sensitivities.relative(quantity), np.nan).T[rows]
-    norm = SymLogNorm(LEAST_CHANGE, linscale=0.1, vmin=-MOST_CHANGE, vmax=MOST_CHANGE)
+    sizes = np.abs(changes[np.isfinite(changes)])
+    largest = sizes.max(initial=0.0)
+    most = min(MOST_CHANGE, largest) or MOST_CHANGE
+    norm = SymLogNorm(FAINT_CHANGE * most, linscale=0.1, vmin=-most, vmax=most)
     image = axes.imshow(np.ma.masked_invalid(changes), SIGNED, norm=norm, aspect="auto")
     figure = axes.get_figure(root=True)
     assert figure is not None
     if has_numbers(figure, len(onsets)):
         for (row, column), change in np.ndenumerate(changes):
             if np.isfinite(change):
-                look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small", "gid": ON_COLOUR}
-                colour = "white" if is_dark(image.to_rgba(np.asarray(change))) else "black"
-                axes.text(column, row, cell_text(change), color=colour, **look)
+                look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small"}
+                axes.text(column, row, cell_text(change), color="black", **look)
     else:
-        bar = figure.colorbar(image, ax=axes, ticks=BAR_TICKS)
-        least, *others, most = (cell_text(tick) for tick in BAR_TICKS)
+        ticks = [part * most for part in (-1.0, -0.1, 0.0, 0.1, 1.0)]
+        bar = figure.colorbar(image, ax=axes, ticks=ticks)
+        lowest, *others, highest = map(cell_text, ticks)
         # changes beyond an end of the bar have the colour of this end
-        bar.ax.set_yticklabels([f"≤{least}", *others, f"≥{most}"])
+        ends = (f"≤{lowest}", f"≥{highest}") if largest > most else (lowest, highest)
+        bar.ax.set_yticklabels([ends[0], *others, ends[1]])
         bar.ax.minorticks_off()
     every = -(-len(onsets) // MOST_NUMBERED)
     axes.set_xticks(range(0, len(onsets), every), [str(k + 1) for k in range(0, len(onsets), every)])

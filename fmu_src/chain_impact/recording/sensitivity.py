@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -55,6 +55,7 @@ class Sensitivities:
             exist or are one-sided, and why; and how large the errors are that dry friction causes in
             derivatives.
         given: the names of the inputs whose values over time the user gives.
+        parts: name of a parameter with the value 0 → factor of its ``step``; 1 for all others.
     """
 
     __eq__ = same
@@ -68,6 +69,7 @@ class Sensitivities:
     impact_slopes: Mapping[str, np.ndarray]
     limits: tuple[str, ...]
     given: Collection[str] = ()
+    parts: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def source(self) -> str:
@@ -180,15 +182,15 @@ class Sensitivities:
         }
 
     def step(self, parameter: str) -> float:
-        """Return a small change of a parameter, in its unit: ``step_of`` for the value of the parameter."""
-        return step_of(self.parameters[parameter])
+        """Return a small change of a parameter, in its unit: ``step_of`` its value, times its ``parts``."""
+        return step_of(self.parameters[parameter]) * self.parts.get(parameter, 1.0)
 
     def step_text(self, parameter: str) -> str:
         """Return the change that ``step`` gives, in words: "1 %", or "0.01 m/s"."""
         return (
             f"{100.0 * PART:g} %"
             if self.parameters[parameter]
-            else with_unit(f"{PART:g}", self.units[parameter])
+            else with_unit(f"{self.step(parameter):g}", self.units[parameter])
         )
 
     def changes(self, output: str) -> np.ndarray:

@@ -45,6 +45,15 @@ def number(value: float, digits: int = 4) -> str:
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")
 
 
+def span_text(low: float, high: float) -> str:
+    """Return two numbers with three significant digits each, as "0.750 to 1.12"; equal ones only once."""
+    texts = (
+        f"{end:#.3g}".rstrip(".") if abs(end) < LEAST_EXPONENT else number(end, 3) for end in (low, high)
+    )
+    return " to ".join(dict.fromkeys(texts))
+
+
+LEAST_EXPONENT = 999.5  # from this size on, a number with three digits has an exponent
 WHOLE = 99.5  # from this size on, a number with two digits would have an exponent, as in 1e+02
 
 

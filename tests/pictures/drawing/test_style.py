@@ -4,8 +4,11 @@ import itertools
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.drawing.dark_ground import Ground
+from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import LOAD, PALETTE, broken, headline
 from chain_impact.pictures.over_time.energies import ENERGIES
@@ -49,6 +52,16 @@ def test_the_colours_of_curves_differ_for_each_kind_of_sight(sight):
     """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
     for one, other in itertools.combinations(PALETTE, 2):
         assert np.linalg.norm(lab(one, SIGHTS[sight]) - lab(other, SIGHTS[sight])) > 15.0
+
+
+@pytest.mark.parametrize("sight", SIGHTS)
+def test_laws_with_the_same_dashes_differ_for_each_kind_of_sight(sight):
+    assert len({look["color"] for look in LAW_LOOKS.values()}) == len(LAW_LOOKS)
+    for one, other in itertools.combinations(LAW_LOOKS.values(), 2):
+        if one.get("linestyle") == other.get("linestyle"):
+            for shown, apart in ((to_hex, 15.0), (Ground("black", "white").suited, 12.0)):
+                first, second = (lab(shown(look["color"]), SIGHTS[sight]) for look in (one, other))
+                assert np.linalg.norm(first - second) > apart
 
 
 @pytest.mark.parametrize("conditions", ["", "4 links"])

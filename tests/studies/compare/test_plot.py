@@ -170,7 +170,7 @@ def test_the_range_of_peak_forces_is_told(comparison):
     forces = [1e-3 * run.peak_force for run in comparison.runs if run.peak_force > 0.0]
     for small in (False, True):
         told = message(comparison, small=small)
-        assert f"peak force {min(forces):.1f} kN to {max(forces):.1f} kN" in told
+        assert f"peak force {min(forces):.1f} to {max(forces):.1f} kN" in told
 
 
 def test_the_energy_has_the_zero_of_the_picture_of_the_motion():

@@ -56,7 +56,7 @@ TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to 
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten
 COARSE_STEPS = (1, 2, 4, 5, 10)
 
-# the label of an axis is broken into lines if it is longer than LONGER × the axis (``break_labels``)
+# the label of an axis x is broken into lines if it is longer than LONGER × the axis (``break_labels``)
 LONGER = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""
@@ -296,15 +296,15 @@ def look_like_one(first: Bbox, second: Bbox) -> bool:
 
 
 def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
-    """Break labels that are longer than their axes (LONGER), and thin out overlapping numbers along x.
+    """Break labels that are longer than their axes, and thin out overlapping numbers along x.
 
-    A label below axes is also broken if it would reach beyond the figure's edges. ``wanted``: the axes, by
-    default all axes of the figure. Returns whether the text of a label has changed.
+    Along x, a label may be LONGER, but is also broken if it would reach beyond the figure's edges.
+    ``wanted``: the axes, by default all axes of the figure. Returns whether the text of a label has changed.
     """
     before = labels_of(figure)
     for axes in figure.axes if wanted is None else wanted:
         label, inside = axes.yaxis.label, axes.get_window_extent()
-        if label.get_window_extent().height > LONGER * inside.height:
+        if label.get_window_extent().height > inside.height:
             label.set_text(label.get_text().replace(" [", "\n["))
         thin_ticks(axes)
         label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)

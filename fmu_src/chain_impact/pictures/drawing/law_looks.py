@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.pictures.drawing.dark_ground import OCHRE, PLUM, UMBER
-from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, INK, PURPLE, VERMILLION, VIOLET
+from chain_impact.pictures.drawing.dark_ground import PLUM, UMBER
+from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, INK, PURPLE, VERMILLION
 
 LAW_LOOKS: dict[str, dict[str, Any]] = {
     "zhang_sharf": {"color": BLACK},
@@ -13,23 +13,23 @@ LAW_LOOKS: dict[str, dict[str, Any]] = {
     "hunt_crossley": {"color": VERMILLION},
     "lankarani_nikravesh": {"color": GREEN},
     "flores": {"color": PURPLE},
-    "kelvin_voigt": {"color": OCHRE},
+    "kelvin_voigt": {"color": PLUM},
     "gharib_hurmuzlu": {"color": UMBER},
-    "carvalho_martins": {"color": PLUM},
-    "jankowski": {"color": VIOLET, "linestyle": "-."},
+    "carvalho_martins": {"color": "#590043", "linestyle": "-."},
+    "jankowski": {"color": "#e60000", "linestyle": "-."},
     "newton_impact": {"color": INK, "linestyle": ":"},
-    "herbert_mcwhannell": {"color": VERMILLION, "linestyle": "--"},
-    "lee_wang": {"color": BLUE, "linestyle": "--"},
-    "gonthier": {"color": GREEN, "linestyle": "--"},
-    "ye": {"color": PURPLE, "linestyle": "--"},
-    "tsuji": {"color": OCHRE, "linestyle": "--"},
-    "zhiying_qishao": {"color": UMBER, "linestyle": "--"},
-    "hu_guo": {"color": PLUM, "linestyle": "--"},
-    "kuwabara_kono": {"color": VIOLET, "linestyle": "--"},
+    "herbert_mcwhannell": {"color": "#802000", "linestyle": "--"},
+    "lee_wang": {"color": "#164959", "linestyle": "--"},
+    "gonthier": {"color": "#808020", "linestyle": "--"},
+    "ye": {"color": "#8729a6", "linestyle": "--"},
+    "tsuji": {"color": "#3900e6", "linestyle": "--"},
+    "zhiying_qishao": {"color": "#2d5938", "linestyle": "-."},
+    "hu_guo": {"color": "#cc33cc", "linestyle": "-."},
+    "kuwabara_kono": {"color": "#00a653", "linestyle": "-."},
 }
-"""Law → properties of its lines, with matplotlib's names. Lines are solid for the
-laws that are used most, dotted for newton_impact, dashed for all other laws; but dash-dotted
-for jankowski, as VIOLET looks like BLUE, the colour of hertz, to colour-blind readers."""
+"""Law → properties of its lines, with matplotlib's names. No two laws have the same colour. Lines are solid
+for the laws that are used most, dotted for newton_impact, and dashed or dash-dotted for all other laws.
+Colour-blind readers can distinguish the colours of all laws with the same dashes."""
 USER_LAW_LOOK: dict[str, Any] = {"color": BROWN}
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
 from chain_impact.pictures.drawing.line_breaks import HALVINGS, in_lines
-from chain_impact.pictures.drawing.style import LEFT, foot_of, is_narrow, reserve
+from chain_impact.pictures.drawing.style import LEFT, foot_of, head_of, is_narrow, reserve
 
 LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
 ABOVE_AXES: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
@@ -46,16 +46,32 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
     ``handles`` are the artists that get an entry, at least one; ``options`` are keywords of matplotlib's
     ``legend``.
     """
-    low, room = foot_of(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
-    legend = figure.legend(
-        handles=list(handles), ncols=1, loc="lower center", bbox_to_anchor=(0.5, low), **options
-    )
+    low = foot_of(figure)
+    height = _legend_of_figure(figure, handles, loc="lower center", bbox_to_anchor=(0.5, low), **options)
+    reserve(figure, 0.0, low + height)
+
+
+def legend_at_head(figure: Figure, handles: Sequence[Any]) -> None:
+    """Put a legend for all axes below the texts at the head of a figure, in as few rows as fit."""
+    top = head_of(figure)
+    place = (LEFT / figure.get_figwidth(), 1.0 - top)
+    height = _legend_of_figure(figure, handles, loc="upper left", bbox_to_anchor=place, **LOOK)
+    reserve(figure, top + height, 0.0)
+
+
+def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) -> float:
+    """Put a legend on a figure, and return its height relative to that of the figure.
+
+    The arguments are those of ``legend_at_foot``.
+    """
+    room = (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
+    legend = figure.legend(handles=list(handles), ncols=1, **options)
     texts = legend.get_texts()
     beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
     for text in texts:
         in_lines(text, room - beside)
     _fill_rows(legend, room)
-    reserve(figure, 0.0, low + legend.get_window_extent().height / figure.bbox.height)
+    return float(legend.get_window_extent().height / figure.bbox.height)
 
 
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:

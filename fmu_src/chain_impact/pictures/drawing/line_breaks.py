@@ -9,9 +9,9 @@ from collections.abc import Callable, Sequence
 
 from matplotlib.text import Text
 
-# pattern of a space at which a line may end: a space that is not beside =, ≤ or ±, not after +, and not
-# before a unit
-BREAKABLE_SPACE = re.compile(r"(?<![=≤±+]) (?![=≤±]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
+# pattern of a space at which a line may end: a space that is not beside =, ≤ or ±, not after +, not beside
+# the "to" between two numbers, and not before a unit
+BREAKABLE_SPACE = re.compile(r"(?<![=≤±+])(?<!\d to) (?![=≤±]|to \d|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions of a run; lines end here if possible
 COMMA = ", "  # the text between two parts of a headline
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line

@@ -285,6 +285,18 @@ def foot_of(figure: Figure) -> float:
     return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
 
 
+def head_of(figure: Figure) -> float:
+    """Return the height that is reserved for texts at the head, relative to the height of the figure.
+
+    The result is 0 if the figure's layout is not constrained.
+    """
+    engine = figure.get_layout_engine()
+    if not isinstance(engine, ConstrainedLayoutEngine):
+        return 0.0
+    _, low, _, height = engine.get()["rect"]
+    return 1.0 - float(low + height)
+
+
 def reserve(figure: Figure, top: float, bottom: float) -> None:
     """Keep at least the fractions ``top`` and ``bottom`` of a figure's height free above and below its axes.
 

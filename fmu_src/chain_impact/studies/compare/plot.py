@@ -28,10 +28,10 @@ from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import (
     GREY,
     INK,
-    force_text,
     give_ticks,
     headline,
     is_narrow,
+    load_unit,
     raised,
     styled,
 )
@@ -39,8 +39,8 @@ from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
-from chain_impact.recording.text import number, plural, prefixed
-from chain_impact.scene.words.unit_text import of_power
+from chain_impact.recording.text import number, plural, prefixed, span_text
+from chain_impact.scene.words.unit_text import of_power, with_unit
 from chain_impact.studies.compare.runs import LawRuns, grows_again, has_jump, with_jump
 from chain_impact.studies.other_law import LOSSLESS, compared_impact
 from chain_impact.variables.impact_units import unit_at
@@ -123,8 +123,11 @@ def peaks(comparison: LawRuns) -> str:
     """Return words for the range of the peak forces or moments that are above 0; "" if there is none."""
     found = [run.peak_force for run in comparison.runs if run.peak_force > 0.0]
     unit = unit_at("peak_force", stop=comparison.at_stop)
-    ends = " to ".join(dict.fromkeys(force_text(end(found), unit) for end in (min, max))) if found else ""
-    return f"peak {'moment' if comparison.at_stop else 'force'} {ends}" if ends else ""
+    if not found:
+        return ""
+    factor, unit = load_unit(max(found), unit)
+    ends = with_unit(span_text(factor * min(found), factor * max(found)), unit)
+    return f"peak {'moment' if comparison.at_stop else 'force'} {ends}"
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
@@ -195,7 +198,8 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
     Laws with equal loops share one line, under the first of these laws; its label names all of them. A label
     has the reasons of ``named_laws`` for the first of these laws that has any and, if the e′ describe the
     contact alone, e′ of the first impact. With ``small`` only the label of the reference law has reasons. The
-    label of a law that acts by impulses and has no colour is only the law's id with IMPULSIVE.
+    label of a law that acts by impulses and has no colour is only the law's id with IMPULSIVE. The laws are
+    in the order of their e′, the largest first.
     """
     why = named_laws(comparison)
     twins: dict[str, list[str]] = {}
@@ -203,7 +207,8 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
         twin = next((other for other in twins if _alike(comparison[other].loop, run.loop)), run.law)
         twins.setdefault(twin, []).append(run.law)
     looks: Looks = {}
-    for first, laws in twins.items():
+    for first in sorted(twins, key=lambda law: -np.nan_to_num(comparison[law].restitution)):
+        laws = twins[first]
         reasons = [why[law] for law in laws if law in why]
         first_reason = next(filter(None, reasons), "")
         if small and comparison.reference not in laws:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from chain_impact.recording.text import few, prefixed
+from chain_impact.recording.text import few, prefixed, span_text
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
@@ -98,7 +98,7 @@ class Quantity:
 
     def range_text(self, values: np.ndarray) -> str:
         """Return words with the smallest and the largest of ``values``: "peak force 1.2 to 3.4 kN"."""
-        return with_unit(f"{self.name} {np.nanmin(values):.3g} to {np.nanmax(values):.3g}", self.unit)
+        return with_unit(f"{self.name} {span_text(np.nanmin(values), np.nanmax(values))}", self.unit)
 
 
 COUNT = "impact.count"
