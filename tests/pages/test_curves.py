@@ -45,6 +45,12 @@ def test_a_slow_contact_that_lasts_has_its_peak_in_the_course_of_its_force(worke
     assert highest == pytest.approx(peaks, rel=0.01)
 
 
+def test_a_peak_soon_after_the_onset_of_a_long_contact_has_a_row(worker):
+    given = {"module": packed_module(), **page_contents(load_scene("rocking_block"))}
+    peaks, highest = np.array(worker.evaluate(COURSE, {**given, "values": {}})).T
+    assert highest[0] == pytest.approx(peaks[0], rel=0.005)
+
+
 def told(page, name):
     """Return the value of an output beside its name, without its unit."""
     row = page.locator("#outputs-over-time div").filter(has=page.get_by_text(name, exact=True))

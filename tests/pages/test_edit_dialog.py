@@ -88,7 +88,7 @@ def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
     edit(page, "box.x_min", "")
     page.get_by_role("button", name="Add a wall").click()
     assert page.evaluate("document.activeElement.ariaLabel") == "wall.wall1.x", "it goes to the new row"
-    edit(page, "wall.wall1.angle", "-0.2")
+    edit(page, "wall.wall1.angle", "-0.2 rad")
     assert refusal(page) == ""
     scene = downloaded(page, tmp_path)
     assert (len(scene.chain.links), scene.chain.links[4].length) == (5, 0.2)
@@ -187,16 +187,16 @@ def test_a_refused_text_stays_until_it_is_mended_or_given_up(show):
     page.get_by_role("button", name="Edit…").click()
     edit(page, "link[2].mass", "heavy")
     edit(page, "link[3].mass", "3")
-    edit(page, "link[3].joint_min", "2")
-    edit(page, "link[3].joint_max", "1")
-    assert refused_fields(page) == [["link[2].mass", "heavy"], ["link[3].joint_max", "1"]]
+    edit(page, "link[3].joint_min", "2 rad")
+    edit(page, "link[3].joint_max", "1 rad")
+    assert refused_fields(page) == [["link[2].mass", "heavy"], ["link[3].joint_max", "1 rad"]]
     page.get_by_role("button", name="Remove link 1").click()
-    assert refused_fields(page) == [["link[1].mass", "heavy"], ["link[2].joint_max", "1"]], (
+    assert refused_fields(page) == [["link[1].mass", "heavy"], ["link[2].joint_max", "1 rad"]], (
         "it follows its link"
     )
     reasons = page.locator("#edit .told .refusal").all_inner_texts()
     assert ["chain.links[1].mass" in reasons[0], "joint_max" in reasons[1]] == [True, True]
-    edit(page, "link[2].joint_min", "0.5")
+    edit(page, "link[2].joint_min", "30°")
     assert refused_fields(page) == [["link[1].mass", "heavy"]], "what another edit allows is taken"
     until(page, "chainImpact.parameters['link[2].joint_max'] === '1'")
     page.keyboard.press("Escape")

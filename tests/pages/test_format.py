@@ -75,7 +75,19 @@ def test_an_angle_is_shown_in_degrees(script):
     pairs, turned, half, length = script.evaluate(ANGLES)
     given, read = zip(*pairs, strict=True)
     assert read == pytest.approx(given, rel=1e-4)
-    assert (turned, half, length) == ("-25 deg", "28.648 deg", "3.141592653589793")
+    assert (turned, half, length) == ("-25", "28.648", "3.141592653589793")
+
+
+def test_a_typed_quantity_may_have_units_and_arithmetic(script):
+    cases = [
+        ("-90", "rad", -np.pi / 2), ("90\u00b0", "rad", np.pi / 2), ("90 deg/s", "rad/s", np.pi / 2),
+        ("1.5 rad", "rad", 1.5), ("120 cm", "m", 1.2), ("35 mm/s", "m/s", 0.035), ("200 g", "kg", 0.2),
+        ("2*0.6", "m", 1.2), ("-1/2*-3+1", "1", 2.5), ("1e-3", "s", 1e-3), ("0,5", "1", 0.5),
+    ]  # fmt: skip
+    wrong = [("45 grad", "rad"), ("2 kg", "m"), ("5 cm2", "m2"), ("2 3", "m"), ("", "m")]
+    found = script.evaluate("(cases) => cases.map(([text, unit]) => typed(text, unit))", [*cases, *wrong])
+    assert found[:-5] == pytest.approx([value for *_, value in cases], rel=1e-15)
+    assert found[-5:] == [text for text, _ in wrong]
 
 
 @pytest.mark.parametrize(

@@ -62,7 +62,7 @@ def test_the_scale_of_a_number_of_impacts_has_whole_numbers(show):
     page = show("rod_drop", {"simulation.stop_time": 0.25})
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-output").select_option("impact.count")
-    for end, angle in (("from", "-25 deg"), ("to", "25 deg")):
+    for end, angle in (("from", "-25°"), ("to", "25 deg")):
         page.locator(f"#map-y-{end}").fill(angle)
     draw_map(page)
     texts = page.locator("#map-scales text:not(.map-value)").all_text_contents()

@@ -91,7 +91,7 @@ def test_an_empty_field_and_a_wrong_word_for_degrees_are_told(show):
     page.locator("#list-of-parameters summary").click()
     for name, text, told in (
         ("contact.restitution", "", "Restitution is empty"),
-        ("initial.angle[1]", "45 grad", '"90 deg"'),
+        ("initial.angle[1]", "45 grad", "[°]; an angle in rad ends with rad"),
     ):
         field = page.locator(f"#list-of-parameters input[data-parameter='{name}']")
         field.fill(text)
@@ -115,7 +115,7 @@ def test_the_field_of_a_value_with_which_the_run_fails_tells_why(show):
     assert not row.locator(".refusal").is_visible()
 
 
-def test_typing_after_tab_replaces_a_rounded_angle(show):
+def test_typing_after_tab_replaces_a_rounded_angle_in_degrees(show):
     page = show()
     page.locator("#list-of-parameters summary").click()
     field = page.locator("#list-of-parameters input[data-parameter='initial.angle[1]']")
@@ -124,6 +124,6 @@ def test_typing_after_tab_replaces_a_rounded_angle(show):
         page.keyboard.press("Tab")
         if field.evaluate("one => one === document.activeElement"):
             break
-    page.keyboard.type("25 deg")
+    page.keyboard.type("25")
     page.keyboard.press("Enter")
     until(page, "Math.abs(chainImpact.parameters['initial.angle[1]'] - 25 * Math.PI / 180) < 1e-9")

@@ -41,9 +41,10 @@ def test_a_function_is_held_between_communication_points():
     assert close.columns["energy.total"][-1] == even.columns["energy.total"][-1]
 
 
-def test_each_contact_has_the_rows_that_its_peak_needs():
+@pytest.mark.parametrize("model", ["ramp", "rocking_block"])
+def test_each_contact_has_the_rows_that_its_peak_needs(model):
     """Also weak contacts, which are not shown in slow motion; the reference is the kernel's peak."""
-    scene = load_scene("ramp")
+    scene = load_scene(model)
     recording = record_slowly(scene)
     for impact in recording.impacts:
         (touch,) = (

@@ -9,6 +9,8 @@ import numpy as np
 
 from chain_impact.pages.inline import InlinePage
 from chain_impact.progress import Progress, silent
+from chain_impact.recording.contact_times import contact_ends
+from chain_impact.recording.curves import EARLY, LONG, SOON
 from chain_impact.recording.pacing import (
     CONTACT_SHARES,
     IMPACT_TIME,
@@ -105,6 +107,10 @@ def record_slowly(
     # peak force of this impact
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
+    touching = contact_ends(result) - onsets
+    is_long = touching > LONG * stop
+    early = onsets[is_long] + touching[is_long] * np.geomspace(SOON, 1.0, EARLY)[:, None]
+    others = np.append(others, early.ravel()[:MOST_FILM_ROWS])
     course = input_course(
         result.prepared,
         {} if inputs is None else inputs,

@@ -1,5 +1,5 @@
 // Functions that tests/pages/test_format.py runs in a page.
-import { inRadians, valueText } from "../../../fmu_src/chain_impact/pages/browser/scene/angles.js";
+import { inRadians, typed, valueText } from "../../../fmu_src/chain_impact/pages/browser/scene/angles.js";
 
 export const roundOff = () => {
   const shown = (all, largest) => withoutRoundOff(all.map((values) => ({ values })), largest).map(({ values }) => values);
@@ -8,6 +8,6 @@ export const roundOff = () => {
 
 export const angles = () => {
   const some = Array.from({ length: 200 }, (_, k) => (k - 100) * (k % 3 ? Math.PI / 180 : 0.0437));
-  return [some.map((value) => [value, Number(inRadians(valueText(value, "rad"), "rad"))]),
-    valueText(inRadians("-25 deg", "rad"), "rad"), valueText(0.5, "rad"), valueText(Math.PI, "m")];
+  return [some.map((value) => [value, typed(valueText(value, "rad"), "rad")]), valueText(inRadians("-25 deg", "rad"), "rad"),
+    valueText(0.5, "rad"), valueText(Math.PI, "m")];
 };

@@ -9,10 +9,10 @@ import {
 
 const AROUND = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
 const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
-// [pixels] height above all curves for the text of the peak force, and distance of the text's top from the upper edge of the plot
-const [PEAK_ROOM, PEAK_TOP] = [18, 4];
+// [pixels] height above all curves for the text of the peak force, distance of the text from the peak, and radius of the dot at the peak
+const [PEAK_ROOM, PEAK_ABOVE, PEAK_DOT] = [18, 4, 2.5];
 // largest extent of both axes, relative to the curves of the contact itself: parts of compared curves beyond it are cut off
-const MOST_BESIDE = 2;
+const MOST_BESIDE = 3;
 const [ONLY_IMPULSE, NO_COURSE] = ["an impulse only", "no known force over time"]; // why a contact has no curve
 const LEAST_IN = { m: 1, mm: 1e-4, µm: 0 }; // [m] least value of the last tick with which an axis of penetrations is in a unit
 const NO_FORCE = 1e-9; // [N], or [N·m] at a stop of a joint: if no force is larger, the axis goes up to about 1
@@ -81,8 +81,8 @@ export class ForceChart extends Chart {
         hooks: {
           draw: [(plot) => {
             if (this.loop) drawCurve(plot, this.loop, "force", "force-fill");
-            this.#writePeak(plot);
             this.curves?.forEach((curve) => drawCompared(plot, curve));
+            this.#writePeak(plot);
           }],
         },
         axes: [
@@ -107,19 +107,25 @@ export class ForceChart extends Chart {
     });
   }
 
-  /** Write the peak force of the shown contact above all curves, beside the time or, in a loop, the penetration of the largest force. */
+  /** Write the peak force of the shown contact directly above its largest force, which has a dot; other curves give way to the text. */
   #writePeak({ ctx, bbox, valToPos, data }) {
     const peak = this.shown?.peak;
     const [along, up] = this.loop ?? data;
     const top = up.indexOf(highest(up));
     if (!peak || top < 0) return;
-    const x = valToPos(along[top], "x", true);
-    const isAtLeft = x > bbox.left + 0.6 * bbox.width; // near the right edge, the number has room to the left of the peak only
+    const text = forceText(peak, 3, this.unit.force);
+    const [x, y] = [valToPos(along[top], "x", true), valToPos(up[top], "y", true)];
     ctx.save();
-    Object.assign(ctx, { textAlign: isAtLeft ? "right" : "left", textBaseline: "top" });
     ctx.font = `600 ${11 * devicePixelRatio}px system-ui, sans-serif`;
-    ctx.fillStyle = styleColour("force");
-    ctx.fillText(forceText(peak, 3, this.unit.force), x + (isAtLeft ? -8 : 8) * devicePixelRatio, bbox.top + PEAK_TOP * devicePixelRatio);
+    const half = ctx.measureText(text).width / 2;
+    Object.assign(ctx, { textAlign: "center", textBaseline: "bottom", lineJoin: "round", lineWidth: 4 * devicePixelRatio });
+    Object.assign(ctx, { fillStyle: styleColour("force"), strokeStyle: styleColour("panel") });
+    const at = [Math.min(Math.max(x, bbox.left + half), bbox.left + bbox.width - half), y - PEAK_ABOVE * devicePixelRatio];
+    ctx.strokeText(text, ...at);
+    ctx.fillText(text, ...at);
+    ctx.beginPath();
+    ctx.arc(x, y, PEAK_DOT * devicePixelRatio, 0, 2 * Math.PI);
+    ctx.fill();
     ctx.restore();
   }
 

@@ -1,8 +1,8 @@
 // The dialog in which the reader adds and removes links, points, walls and stops, and opens scene files.
 
 import { find, make } from "../base/dom.js";
-import { numberText, readable, unitText, withPoint } from "../base/format.js";
-import { shownIn, valueText } from "../scene/angles.js";
+import { numberText, readable, unitText } from "../base/format.js";
+import { inShownUnit, shownIn, typed, valueText } from "../scene/angles.js";
 import { contentsOf } from "../scene/changed_file.js";
 import {
   addLink, addPoint, addWall, moveToLink, ownPoint, removeLink, removePoint, removeWall, setBase, setBox, setOfLink, setOrRemove,
@@ -121,8 +121,7 @@ export class Editor {
 
   /** Return the function that puts the text of a field into a scene file. */
   #editOf(name, text) {
-    const given = text === "" ? undefined : Number.isNaN(Number(text)) ? text : Number(text);
-    return (file) => this.#edits.get(name)(file, given);
+    return (file) => this.#edits.get(name)(file, text);
   }
 
   /** Give up the refused text of a field: the field shows the value of the scene again. */
@@ -165,7 +164,7 @@ export class Editor {
       this.#fill(find("edit-slider"), this.#heads("slider"), [this.#keysIn("slider").map(cellOf)]);
     }
     this.#fill(find("edit-box"), this.#heads("box"), [this.#keysIn("box").map((key) =>
-      this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
+      this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value), this.tables.box[key].unit))]);
     const atPoint = ["x", "y"].map((axis) => `${axis}, ${unitText(this.tables.wall.point.each.unit)}`);
     const ofWalls = ["Wall", ...atPoint, ...this.#heads("wall"), ""];
     this.#fill(find("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
@@ -184,12 +183,11 @@ export class Editor {
     return this.#keysIn("link").filter((key) => hasJoints || !STOPS.includes(key));
   }
 
-  /** Return the heads of the columns for some keys (`shown`) of a table: their labels, with units except for angles. */
+  /** Return the heads of the columns for some keys (`shown`) of a table: their labels, with units. */
   #heads(table, shown = this.#keysIn(table)) {
     return shown.map((key) => {
       const { label, unit } = this.tables[table][key];
-      // a field shows the unit beside the value of an angle, so the head has no unit
-      return unit && shownIn({ unit }).factor === 1 ? `${label}, ${unitText(unit)}` : label;
+      return [label, unit && shownIn({ unit }).text].filter(Boolean).join(", ");
     });
   }
 
@@ -217,8 +215,8 @@ export class Editor {
     const label = `point[${number}]`;
     const pointOf = (all) => ownPoint(all, link, entry);
     const of = this.#field(`${label}.link`, link + 1, (value, all) => moveToLink(all, link, entry, value));
-    const fields = this.#keysIn("point").map((key) =>
-      this.#field(`${label}.${key}`, site[key] === "" ? undefined : site[key], (value, all) => setOrRemove(pointOf(all), key, value)));
+    const fields = this.#keysIn("point").map((key) => this.#field(`${label}.${key}`, site[key] === "" ? undefined : site[key],
+      (value, all) => setOrRemove(pointOf(all), key, value), this.tables.point[key].unit));
     const remover = this.#remover(`point ${number}`, (all) => removePoint(all, link, entry));
     return [`${number}`, of, ...fields, remover];
   }
@@ -226,7 +224,7 @@ export class Editor {
   #wallRow({ name, point, angle }, k) {
     const coordinates = ["x", "y"].map((axis, index) => this.#field(`wall.${name}.${axis}`, point[index], (value, all) => {
       all.walls[k].point[index] = value;
-    }));
+    }, this.tables.wall.point.each.unit));
     const turn = this.#field(`wall.${name}.angle`, angle, (value, all) => {
       all.walls[k].angle = value;
     }, this.tables.wall.angle.unit);
@@ -248,8 +246,8 @@ export class Editor {
     // an empty field shows as its placeholder the value that applies without the key, if this value is a number
     const derived = value === undefined && this.changes.valueOf(name);
     if (Number.isFinite(derived)) field.placeholder = valueText(Number(derived.toPrecision(4)), unit);
-    this.#edits.set(name, (file, given) => set(given, file));
-    field.addEventListener("change", () => this.#take(name, withPoint(field.value.trim())));
+    this.#edits.set(name, (file, given) => set(given === "" ? undefined : typed(given, unit), file));
+    field.addEventListener("change", () => this.#take(name, field.value.trim()));
     field.addEventListener("keydown", (event) => {
       if (event.key !== "Escape" || !this.#refused.has(name)) return;
       event.preventDefault(); // the dialog stays
@@ -301,7 +299,7 @@ export class Editor {
 }
 
 function refusalText(error) {
-  return readable(`Not taken: ${error.message}.`);
+  return readable(inShownUnit(`Not taken: ${error.message}.`));
 }
 
 /** Return a cell that stores the head of its column: on a narrow screen the style sheet shows the head above the cell. */

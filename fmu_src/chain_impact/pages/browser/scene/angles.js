@@ -1,7 +1,6 @@
-// Angles: texts in degrees, which the page accepts beside numbers in radians, and in which it shows angles.
-// `scene/words/angles.py` reads the same texts.
+// Angles, which the page shows in degrees, and what a reader types for a quantity. `scene/words/angles.py` reads texts in degrees, too.
 
-import { numberText, unitText } from "../base/format.js";
+import { numberText, unitText, withPoint } from "../base/format.js";
 
 // rad, rad/s or rad/s2 → the word for this unit in degrees, the pattern of a text in degrees, and words for an error
 const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern, advice]]) =>
@@ -11,6 +10,8 @@ const DEGREE = Math.PI / 180; // [rad] one degree
 export const DEGREE_DIGITS = 5;
 /** The number of significant digits that determine each double. */
 export const ALL_DIGITS = 17;
+const [SUM, TOKEN] = [/^([-+*/\s]|(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)*/i, /[-+*/]|[\d.]+(?:e[-+]?\d+)?/gi];
+const SI_PREFIXES = { n: 1e-9, µ: 1e-6, u: 1e-6, m: 1e-3, c: 1e-2, d: 0.1, "": 1, k: 1e3, M: 1e6, G: 1e9 };
 const ROOM = 9; // number of characters for which the field of a parameter has room
 
 /** Return the number in a `unit` (rad, rad/s, rad/s2) for a text such as "90 deg"; return any other value unchanged. */
@@ -24,10 +25,54 @@ export function orDegrees(unit) {
   return IN_DEGREES[unit]?.advice ?? "";
 }
 
-/** Return a value as text with at most `digits` significant digits; an angle is written in degrees, with at most DEGREE_DIGITS. */
+/** Return the value of sums and products of numbers, a list of numbers and signs such as 2 * 0.6 − 1 / 3; NaN for any other list. */
+function calculated(tokens) {
+  const factor = () => {
+    const token = tokens.shift();
+    return token === "-" ? -factor() : token === "+" ? factor() : Number(token ?? NaN);
+  };
+  const product = () => {
+    let value = factor();
+    while (tokens[0] === "*" || tokens[0] === "/") value = tokens.shift() === "*" ? value * factor() : value / factor();
+    return value;
+  };
+  let value = product();
+  while (tokens[0] === "-" || tokens[0] === "+") value = tokens.shift() === "+" ? value + product() : value - product();
+  return tokens.length ? NaN : value;
+}
+
+/** Return the factor from a typed unit `word` to a `unit`: no word stands for the unit that is shown; NaN for an unknown word. */
+function factorOf(word, unit) {
+  const plain = word.replaceAll("²", "2").replaceAll("·", ".");
+  if (unit in IN_DEGREES) return plain === unit ? 1 : ["", IN_DEGREES[unit].word, unit.replace("rad", "°")].includes(plain) ? DEGREE : NaN;
+  if (plain === "") return 1;
+  const [base, own] = unit.startsWith("kg") ? [unit.slice(1), SI_PREFIXES.k] : [unit, 1];
+  const prefix = plain.endsWith(base) && /^[a-z]+($|[./])/i.test(base) ? plain.slice(0, -base.length) : "none";
+  return (SI_PREFIXES[prefix] ?? NaN) / own;
+}
+
+/**
+ * Return what a reader types for a quantity with a `unit` as a number in this unit: "90" and "90°" for an angle, "1.5 rad", "2*0.6",
+ * "120 cm". Return any other text as it is, so that it is refused.
+ */
+export function typed(given, unit) {
+  const text = withPoint(given).trim();
+  const [sum] = SUM.exec(text);
+  const [tokens, factor] = [sum.match(TOKEN) ?? [], factorOf(text.slice(sum.length), unit)];
+  const isExact = factor === DEGREE || (factor === 1 && tokens.length < 3); // else without round-off in the last digit
+  const value = calculated(tokens) * factor;
+  return Number.isFinite(value) ? Number(value.toPrecision(isExact ? ALL_DIGITS : 15)) : given;
+}
+
+/** Return a sentence on an allowed value with the unit in which a field shows an angle, and without the words on texts in degrees. */
+export function inShownUnit(sentence) {
+  return sentence.replace(/, or text in degrees as "[^"]*"/, "; an angle in rad ends with rad").replace(/(?<=\[)rad/, "°");
+}
+
+/** Return a value as text with at most `digits` significant digits; an angle in degrees, with at most DEGREE_DIGITS. */
 export function valueText(value, unit, digits = ALL_DIGITS) {
-  if (!(unit in IN_DEGREES)) return numberText(Number(value.toPrecision(digits)));
-  return `${numberText(Number((value / DEGREE).toPrecision(Math.min(digits, DEGREE_DIGITS))))} ${IN_DEGREES[unit].word}`;
+  const [shown, most] = unit in IN_DEGREES ? [value / DEGREE, Math.min(digits, DEGREE_DIGITS)] : [value, digits];
+  return numberText(Number(shown.toPrecision(most)));
 }
 
 /** Return a value as text with all its digits if a field has room for them, else with the most digits from 6 to 3 that fit, at least 3. */

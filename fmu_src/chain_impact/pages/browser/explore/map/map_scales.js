@@ -1,8 +1,7 @@
 // The scales of a map: ranges and ticks of the axes, titles and units of parameters and outputs.
 
-import { withPoint } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-import { shownIn, shownUpTo } from "../../scene/angles.js";
+import { inShownUnit, shownUpTo, typed } from "../../scene/angles.js";
 import { MAIN_PARAMETERS } from "../parameters/main_parameters.js";
 
 /** Return whether the axis of a parameter is logarithmic, as the parameter's entry in MAIN_PARAMETERS says. */
@@ -23,17 +22,14 @@ export function rangeOf({ name, low, high }, value) {
 }
 
 /**
- * Return the end of an axis that the text of a field stands for. For an angle, a number without a unit is in degrees, and the result in
- * radians. A field with a refused value is marked, and an error tells why, with `words` in place of the parameter's name.
+ * Return the end of an axis that the text of a field stands for (`typed`). A field with a refused value is marked, and an error tells why,
+ * with `words` in place of the parameter's name.
  */
 export function limitOf(changes, name, field, words) {
-  const { factor } = shownIn(changes.parameters.get(name));
-  const text = withPoint(field.value);
-  const isShown = factor !== 1 && text.trim() !== "" && Number.isFinite(Number(text));
   try {
-    return changes.numberOf(name, isShown ? Number(text) / factor : text);
+    return changes.numberOf(name, typed(field.value, changes.parameters.get(name).unit));
   } catch ({ message }) {
-    throw refused(field, message.replace(name, words));
+    throw refused(field, inShownUnit(message.replace(name, words)));
   }
 }
 

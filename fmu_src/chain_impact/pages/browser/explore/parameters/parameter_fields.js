@@ -1,8 +1,8 @@
 // The fields for values of parameters. Each shows why a value is refused, and has a button that restores the scene's value.
 
 import { make } from "../../base/dom.js";
-import { raised, readable, unitOfPower, unitText, withPoint } from "../../base/format.js";
-import { shortText, shownIn, valueText } from "../../scene/angles.js";
+import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
+import { inShownUnit, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
 import { withControls } from "./main_parameters.js";
 
 /** Remove the marks of a refused and of a failing value from a field. */
@@ -22,7 +22,7 @@ export function attempt(changes, field, change) {
     change();
   } catch (error) {
     const advice = /\d,\d/.test(field.value) ? "; the decimal sign is a point" : "";
-    field.setCustomValidity(withControls(error.message, changes) + advice);
+    field.setCustomValidity(inShownUnit(withControls(error.message, changes)) + advice);
   }
   const row = field.closest(".main-parameter, .parameter");
   explain(row);
@@ -79,10 +79,11 @@ export function valueField(changes, parameter) {
   const field = items.length
     ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
     : make("input", { type: "text", autocomplete: "off", spellcheck: false });
-  field.title = readable(`${name}: ${text}; ${allowed}${derived?.text ?? ""}`);
+  field.title = readable(inShownUnit(`${name}: ${text}; ${allowed}${derived?.text ?? ""}`));
   field.setAttribute("aria-label", name);
   field.dataset.parameter = name;
-  field.addEventListener("change", () => attempt(changes, field, () => changes.set({ [name]: withPoint(field.value) })));
+  field.addEventListener("change", () => attempt(changes, field, () =>
+    changes.set({ [name]: items.length ? field.value : typed(field.value, unit) })));
   const isActive = () => document.activeElement === field;
   let written;
   const write = (value = written) => {

@@ -5,7 +5,7 @@ import { breakable, readable } from "../../base/format.js";
 import { nearestText } from "../../base/similar_names.js";
 import { capitalized } from "../../scene/words.js";
 import { wordsFor } from "./main_parameters.js";
-import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
+import { explain, presentlyShown, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 const CHANGED = "Changed"; // the title of the group of changed parameters, which comes first
 // first part of a name → title of the group of such parameters, if it is not this part with a capital letter
@@ -98,8 +98,7 @@ function listRow(changes, parameter) {
       texts[1] = shown;
       words.textContent = changes.isChanged(name) ? shown : shown.replace(ofGroup, "");
       field.setAttribute("aria-label", `${shown}, ${name}`);
-      // a text such as "90 deg" contains its unit, so no unit is shown beside it
-      unitElement.textContent = /deg/.test(field.value) ? "" : breakable(presentUnit(changes, name));
+      unitElement.textContent = breakable(presentlyShown(changes, name).text);
       explain(row);
       row.classList.toggle("changed", changes.isChanged(name));
     },

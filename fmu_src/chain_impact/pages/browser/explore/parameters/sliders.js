@@ -1,9 +1,9 @@
 // The sliders of the main parameters, of inputs and of signals.
 
 import { make } from "../../base/dom.js";
-import { numberText, readable } from "../../base/format.js";
+import { numberText, readable, textWithUnit } from "../../base/format.js";
 import { idleLaw, lawOf, mainParametersOf, signalSliders } from "./main_parameters.js";
-import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
+import { attempt, explain, presentlyShown, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 const STEPS = 400; // number of steps from one end of a slider to the other
 
@@ -30,21 +30,20 @@ function rounded(value) {
 }
 
 /**
- * Return for a main parameter: `label`, an element; `text`, a function that returns the parameter's unit; and `relabel`, a function that
- * shows words and unit in the label, without the unit if the text in the field, which is the argument, is in degrees.
+ * Return for a main parameter: `label`, an element; `shown`, a function that returns the factor and the unit with which the parameter is
+ * shown; and `relabel`, a function that shows words and unit in the label.
  */
 function labelOf(changes, entry) {
   const { name } = entry;
-  const text = () => presentUnit(changes, name);
-  const [words, element] = [make("span"), make("small", { textContent: text() })];
+  const shown = () => presentlyShown(changes, name);
+  const [words, element] = [make("span"), make("small")];
   const label = make("label", { className: "main-parameter-label", title: name }, words);
-  if (text()) label.append(" ", element);
-  const relabel = (shown) => {
+  if (shown().text) label.append(" ", element);
+  const relabel = () => {
     words.textContent = entry.label.replace(/ (?=\d)/g, "\u00a0"); // the line is not broken before a number
-    // a text such as "90 deg" contains its unit, so no unit is shown beside it
-    element.textContent = /deg/.test(shown) ? "" : text();
+    element.textContent = shown().text;
   };
-  return { label, text, relabel };
+  return { label, shown, relabel };
 }
 
 /**
@@ -56,13 +55,13 @@ function mainParameter(changes, entry, now) {
   const { name } = entry;
   const parameter = changes.parameters.get(name);
   const { field, write, refresh } = valueField(changes, parameter);
-  const { label, text, relabel } = labelOf(changes, entry);
+  const { label, shown, relabel } = labelOf(changes, entry);
   const row = make("div", { className: "main-parameter" }, label, resetButton(changes, name, field), field);
   field.id = `main-${name}`;
   label.htmlFor = field.id;
   const { element, since, follow, show } = parameter.items.length
     ? choiceSentence(changes, parameter)
-    : slider(changes, entry, { field, write, now, unit: text });
+    : slider(changes, entry, { field, write, now, shown });
   row.classList.toggle("choice-parameter", parameter.items.length > 0);
   const noEffect = make("p", { className: "no-effect", id: `no-effect-${name}` });
   field.setAttribute("aria-describedby", noEffect.id);
@@ -70,7 +69,7 @@ function mainParameter(changes, entry, now) {
   return { name, row, follow, refresh: () => {
     refresh();
     show();
-    relabel(field.value);
+    relabel();
     field.setAttribute("aria-label", `${entry.label}, ${name}`); // the label contains the words that are seen, and the name in the scene
     explain(row);
     const law = idleLaw(changes, name.split(".").at(-1), name.startsWith("stop."));
@@ -112,7 +111,7 @@ function sinceText({ inputSteps }, name, time) {
  * `follow` sets slider and field to the value at the present time; `show`, for use after a change, also removes the slider's mark of a
  * refused value.
  */
-function slider(changes, entry, { field, write, now, unit }) {
+function slider(changes, entry, { field, write, now, shown }) {
   const { name } = entry;
   const { toPosition, toValue } = scaleOf(entry, changes.starts[name]);
   const element = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
@@ -141,9 +140,9 @@ function slider(changes, entry, { field, write, now, unit }) {
     if (document.activeElement !== field && field.checkValidity()) write(value);
     if (!isDragged && chosen() !== value) element.value = String(STEPS * toPosition(value));
     element.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
-    element.setAttribute("aria-label", [entry.label, unit()].filter(Boolean).join(", "));
+    element.setAttribute("aria-label", [entry.label, shown().text].filter(Boolean).join(", "));
     if (since) since.textContent = sinceText(changes, name, now().time);
-    element.setAttribute("aria-valuetext", [numberText(value), unit()].filter(Boolean).join(" "));
+    element.setAttribute("aria-valuetext", textWithUnit(value, shown()));
   };
   return { element, since, follow, show: () => {
     element.setCustomValidity("");
