@@ -76,7 +76,7 @@ def page(scene: Scene, command: Sequence[str]) -> str:
         begin=joined(BEGIN),
         kernel=packed(module),
         toml=text_of(TOML),
-        worker=program(WORKER),
+        worker=packed(program(WORKER).encode()),
     )
 
 

@@ -5,6 +5,10 @@ const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
 // for small speeds and impulses: least value for a prefix, in the unit without prefix; factor on the value; prefix of the unit
 const SMALL_PREFIXES = [[1e-1, 1, ""], [1e-3, 1e3, "m"], [1e-6, 1e6, "µ"], [1e-10, 1e9, "n"]];
 
+const LEAST_PLAIN = 1e-3; // smaller values in a column have an exponent
+// least time [s], factor on the time, its unit
+const SHORT_TIMES = [[1, 1, "s"], [1e-3, 1e3, "ms"], [1e-6, 1e6, "µs"], [1e-9, 1e9, "ns"], [1e-18, 1e15, "fs"]];
+
 /** Return a unit as a reader sees it, as `unit_text.py` does; "" for a pure number. */
 export function unitText(unit) {
   return unit === "1" ? "" : unit.replaceAll(PRODUCT, "·").replaceAll(SQUARE, "²");
@@ -84,9 +88,32 @@ export function forceTicks(ticks, unit) {
   return ticks.map((tick) => (tick ? `${+(tick / factor).toPrecision(6)}\u202f${prefix}${unit}` : "0"));
 }
 
+/**
+ * Return {unit, textOf} for a list of quantities, pairs [value, unit]: all values with one unit have one prefix, which suits the largest.
+ * `unit` is the only unit with its prefix; if there are several units it is "", and the texts from `textOf`, of a pair, contain their units.
+ */
+export function inOneUnit(pairs) {
+  const most = new Map();
+  pairs.forEach(([value, unit]) => Number.isFinite(value ?? NaN) && most.set(unit, Math.max(most.get(unit) ?? 0, value)));
+  const scales = new Map([...most].map(([unit, largest]) => {
+    const [least, prefix] = PREFIXES.find(([from]) => largest >= from) ?? [1, ""];
+    const [, factor, small] = SMALL_PREFIXES.find(([from]) => largest >= from) ?? [0, 1, ""];
+    return [unit, largest >= 1 ? [1 / least, prefix + unit] : [factor, small + unit]];
+  }));
+  const unit = scales.size === 1 ? [...scales.values()][0][1] : "";
+  const textOf = ([value, own]) => {
+    if (!Number.isFinite(value ?? NaN)) return "–";
+    const [factor, text] = scales.get(own);
+    const scaled = factor * value;
+    const number = scaled !== 0 && Math.abs(scaled) < LEAST_PLAIN ? scaled.toExponential(1) : digits(scaled);
+    return unit ? number : `${number}\u202f${text}`;
+  };
+  return { unit, textOf };
+}
+
 /** Return a time [s] as text with its unit, for example 620 µs. */
 export function durationText(seconds, count = 3) {
-  const [factor, unit] = seconds < 1e-3 ? [1e6, "µs"] : seconds < 1 ? [1e3, "ms"] : [1, "s"];
+  const [, factor, unit] = SHORT_TIMES.find(([least]) => Math.abs(seconds) >= least) ?? [0, 1e6, "µs"];
   return `${digits(seconds * factor, count)}\u202f${unit}`;
 }
 

@@ -6,7 +6,7 @@ const LABEL_ROOM = 12; // [pixels] the size of a label: a number beside a wall a
  * A map from metres, with y upwards, to pixels of a drawing, with y downwards. It shows the `view` of a recording (a rectangle in metres)
  * below the strip at the top of the drawing, whose height is `strip` [pixels], with a margin of LABEL_ROOM. If there is more room, there is
  * free space beside the view, or above and below it. The recording's `anchor` is [the fraction of the space beside the view that lies at
- * the left, the fraction of the space above and below the view that lies below].
+ * the left, the fraction of the space above and below the view that lies below]. `inner` is the rectangle [m] without the margin.
  */
 export class Camera {
   constructor({ view: [[x0, y0], [x1, y1]], anchor: [beside, below] }, width, height, strip) {
@@ -18,6 +18,7 @@ export class Camera {
       [-this.left / this.scale, (this.bottom - height) / this.scale],
       [(width - this.left) / this.scale, this.bottom / this.scale],
     ];
+    this.inner = [[LABEL_ROOM, height - LABEL_ROOM], [width - LABEL_ROOM, strip + LABEL_ROOM]].map((corner) => this.toMetres(...corner));
   }
 
   /** Return the position in the drawing [pixels] of a position [m]. */

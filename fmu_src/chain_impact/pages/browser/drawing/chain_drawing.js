@@ -141,10 +141,10 @@ export class ChainDrawing {
 
   /** Fit the camera to the size of the drawing, and draw again what is the same in all frames. */
   #fit() {
-    this.isFitted = true;
+    [this.isFitted, this.shownLens] = [true, this.lens];
     const [width, height] = this.size;
     this.drawing.size(width, height).viewbox(0, 0, width, height);
-    this.camera = new Camera(this.recording, width, height, STRIP);
+    this.camera = new Camera(this.lens ? { view: this.lens, anchor: [0.5, 0.5] } : this.recording, width, height, STRIP);
     this.arrowScale = new ArrowScale(this.recording.peakForce, width, height);
     this.ground.clear();
     this.ground.rect(width, height).fill(this.hatch);
@@ -192,7 +192,7 @@ export class ChainDrawing {
 
   /** Draw everything at a frame. The camera changes only at the start of this function, so that all parts of a frame have the same one. */
   draw(frame) {
-    if (!this.isFitted) this.#fit();
+    if (!this.isFitted || this.lens !== this.shownLens) this.#fit(); // lens: the rectangle [m] in place of the recording's view
     const { recording, camera } = this;
     const all = Array.from({ length: recording.pointCount }, (_, point) => camera.toScreen(...recording.pointAt(frame, point)));
     const chain = all.slice(0, recording.links + 1);

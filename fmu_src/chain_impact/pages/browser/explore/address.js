@@ -1,5 +1,6 @@
-// The address of the page, which contains the open scene, the reader's changes, the chosen outputs, the pins and the time of a pause.
+// The address of the page: the open scene, the reader's changes, the chosen outputs, the pins, the time of a pause, and the switches.
 
+import { find } from "../base/dom.js";
 import { numberText } from "../base/format.js";
 import { Changes } from "../scene/changes.js";
 import { inputStepsIn } from "../scene/input_steps.js";
@@ -11,7 +12,16 @@ const REST = 300; // [ms] the changes are put into the address when nothing has 
 // signs in an address that need no "%": BETWEEN_PINS separates pins, and AFTER_LETTER a pin's letter from its changes
 const [BETWEEN_PINS, AFTER_LETTER] = ["!", "~"];
 
+// the switches of the page by their ids, besides the speed: those that differ from a new page are in the address
+const SWITCHES = ["force-loop", "zoom-impact", "at-contact", "slow", "trace", "loop"];
+const isOn = (id) => find(id).matches(":checked, [aria-pressed=true]");
+
+/** Return the ids of the switches of a new page that are on, and its speed. */
+const usualSwitches = () => ({ on: SWITCHES.filter(isOn), speed: find("speed").value });
+
 export class Address {
+  #usual = usualSwitches();
+  #isRunning = false; // whether the pins of the last address are being simulated
   #timer;
   #awaited = {}; // pins and time of the last address, until `takeAwaited` returns them
 
@@ -26,9 +36,13 @@ export class Address {
     if (location.hash) this.#apply(location.hash);
     changes.onChange(() => this.updateSoon());
     changes.onOpen(() => {
-      this.#awaited = {}; // pins and time of an address are of its own scene
+      [this.#awaited, this.#isRunning] = [{}, false]; // pins and time of an address are of its own scene
     });
-    comparedMotions.onPin = () => this.updateSoon();
+    comparedMotions.onPin = () => {
+      if (this.#isRunning) [this.#awaited, this.#isRunning] = [{}, false];
+      this.updateSoon();
+    };
+    SWITCHES.forEach((id) => find(id).addEventListener("click", () => this.updateSoon()));
     let isPlaying = clock.playing;
     clock.onChange(() => {
       if (!clock.playing || !isPlaying) this.updateSoon();
@@ -48,14 +62,36 @@ export class Address {
       curves: choice.names.join(),
       pins: pins.map((pin) => pin.letter + AFTER_LETTER + hashOf(changes, {}, pin)).join(BETWEEN_PINS),
       time: time && numberText(Number(time.toFixed(7))),
+      view: this.#awaited.view ?? this.#view,
     });
     return location.href.split("#")[0] + (hash && `#${hash}`);
   }
 
-  /** Return the `pins` and the `time` of an address that has been used since the last call; without such an address both are undefined. */
+  /** Return the switches that differ from those of a new page, and the speed if it does, as text for the address. */
+  get #view() {
+    const { on, speed } = this.#usual;
+    const differing = SWITCHES.filter((id) => isOn(id) !== on.includes(id));
+    return [...differing, find("speed").value !== speed && find("speed").value].filter(Boolean).join();
+  }
+
+  /** Set switches and speed as the text `view` of an address tells; a switch or speed that it does not name is as on a new page. */
+  set #view(view) {
+    const [parts, { on, speed }] = [view.split(","), this.#usual];
+    SWITCHES.filter((id) => isOn(id) !== (on.includes(id) !== parts.includes(id))).forEach((id) => find(id).click());
+    find("speed").value = parts.find((part) => Number(part)) ?? speed;
+    find("speed").dispatchEvent(new Event("change"));
+  }
+
+  /**
+   * Return the `pins` and the `time` of an address that has been used since the last call, and set its switches; without such an address
+   * both are undefined. The address has these pins until they are pinned.
+   */
   takeAwaited() {
+    if (this.#isRunning) return {};
     const awaited = this.#awaited;
-    this.#awaited = {};
+    if (awaited.view !== undefined) this.#view = awaited.view;
+    this.#isRunning = Boolean(awaited.pins);
+    this.#awaited = this.#isRunning ? { pins: awaited.pins } : {};
     return awaited;
   }
 
@@ -78,13 +114,14 @@ export class Address {
   #apply(hash) {
     const { changes, choice, openScene } = this;
     try {
-      const { scene: text = "", curves = "", pins = "", time = "", ...parts } = changesIn(hash);
+      const { scene: text = "", curves = "", pins = "", time = "", view = "", ...parts } = changesIn(hash);
       if (text && text !== openScene.text) openScene.open(contentsIn(text));
       else if (text !== openScene.text) openScene.openFirst();
       const { values, inputSteps } = changedBy(parts, changes);
       const awaited = pins.split(BETWEEN_PINS).filter(Boolean).map((pin) => pinIn(pin, changes));
       choice.take(curves);
-      this.#awaited = { ...(awaited.length && { pins: awaited }), ...(Number(time) > 0 && { time: Number(time) }) };
+      this.#isRunning = false;
+      this.#awaited = { view, ...(awaited.length && { pins: awaited }), ...(Number(time) > 0 && { time: Number(time) }) };
       changes.replace(values, inputSteps);
     } catch (error) {
       this.refuse(`The link cannot be used: ${error.message}.`);

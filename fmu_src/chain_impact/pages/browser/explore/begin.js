@@ -9,7 +9,8 @@ const LONGEST_LOAD = 5000; // [ms] a page without a motion counts as loaded afte
 
 const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) => !(name in window));
 if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
-const program = URL.createObjectURL(new Blob([find("worker").textContent], { type: "text/javascript" }));
+const program = decompressed(find("worker").textContent)
+  .then((text) => URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
 const compiled = decompressed(find("kernel").textContent).then((bytes) => WebAssembly.compile(bytes));
 const startEngine = () => new Engine(program, compiled);
 // the page counts as not loaded while it contains this frame, because the document of the frame is open

@@ -129,7 +129,9 @@ export class ComparedMotions {
       });
       if (!recording.isPoint) behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
     }
-    for (const { kind, letter, at: [x, y] } of shown) { // above all lines, which may cross them
+    for (const { recording, kind, letter, positions, at: [x, y] } of shown) { // above all lines, which may cross them
+      const tip = positions[recording.traced];
+      if (Math.hypot(tip[0] - x, tip[1] - y) > 1) behind.line([tip, [x, y]]).addClass(`pin-leader ${kind}`);
       behind.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);
       if (letter) behind.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
     }
@@ -152,7 +154,9 @@ export class ComparedMotions {
     const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
     const all = [{ recording: player.recording, text }, ...listed];
     const isPresent = !document.body.classList.contains("stale"); // else the present values have no motion
-    table.replaceChildren(...comparisonTable(all.map((motion) => ({ ...motion, title: this.#title(motion) })), isPresent));
+    const columns = alignedImpacts(all.map(({ recording: { impacts } }) => impacts));
+    panel.style.setProperty("--columns", columns.length);
+    table.replaceChildren(...comparisonTable(all.map((motion) => ({ ...motion, title: this.#title(motion) })), columns, isPresent));
   }
 
   #title(motion) {
@@ -214,11 +218,10 @@ function besideOthers(position, others, size) {
 
 /**
  * Return the parts of the table that compares `motions`, the present one first: each motion has a `recording`, a `title` and, if it is
- * pinned, a `letter`. The columns of the table are those of `alignedImpacts`. If `isPresent` is false, the motion of the present values is
+ * pinned, a `letter`. The `columns` of the table are those of `alignedImpacts`. If `isPresent` is false, the motion of the present values is
  * unknown, and dashes replace the changes to it.
  */
-function comparisonTable(motions, isPresent) {
-  const columns = alignedImpacts(motions.map(({ recording: { impacts } }) => impacts));
+function comparisonTable(motions, columns, isPresent) {
   const lettersOf = (column) => motions.filter((_, k) => column[k]).map(({ letter }) => letter).join(", ");
   const headOf = (column) => (column[0] ? `${column[0].number}` : `only ${lettersOf(column)}`);
   const heads = ["Impact", "largest", ...columns.map(headOf)];

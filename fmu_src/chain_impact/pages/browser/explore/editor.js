@@ -24,8 +24,9 @@ export class Editor {
     find("edit-open").addEventListener("click", () => {
       this.#draw();
       this.#say("");
-      this.dialog.showModal();
+      this.#show();
     });
+    this.dialog.addEventListener("close", () => document.querySelector("main").after(find("status")));
     Object.entries({ link: addLink, point: addPoint, wall: addWall }).forEach(([part, add]) =>
       find(`add-${part}`).addEventListener("click", () => this.#add(add, find(`edit-${part}s`))));
     find("edit-base").addEventListener("change", ({ target }) => this.#change((file) => setBase(file, target.value)));
@@ -46,7 +47,13 @@ export class Editor {
       take([...event.dataTransfer.files]);
     });
     onFiles("dragover", () => {});
-    onFiles("drop", ([file]) => file && this.#read(file, () => this.dialog.open || this.dialog.showModal()));
+    onFiles("drop", ([file]) => file && this.#read(file, () => this.dialog.open || this.#show()));
+  }
+
+  /** Open the dialog, which has the line on the last run while it covers the page. */
+  #show() {
+    find("edit-text").after(find("status"));
+    this.dialog.showModal();
   }
 
   /** Show the present scene in the open dialog, without refused texts, after the scene has changed elsewhere. */

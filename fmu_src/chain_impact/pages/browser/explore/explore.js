@@ -26,6 +26,7 @@ import { keepChartsWhole } from "./whole_charts.js";
 
 // The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is its longer side.
 const KEPT = 0.5;
+const FILES_OF_RUN = ["csv", "impacts-csv", "png"]; // buttons that save what only a run has
 
 const { file, kit, command } = JSON.parse(find("data").textContent);
 const changes = new Changes(describe(kit, complete(file, kit), command));
@@ -58,8 +59,9 @@ const beginEngine = () => (window.begun.engines.pop() ?? window.begun.startEngin
 const choice = new CurveChoice(changes);
 const showOutcome = outcomeBeside(find("main-parameters"));
 const simulation = new Simulation(beginEngine, changes, choice, (parts, about, overlap) => {
-  refusedStart.overlap = overlap;
   document.querySelector("footer").inert = !parts && Boolean(player.recording);
+  FILES_OF_RUN.forEach((id) => Object.assign(find(id), { disabled: !parts }));
+  refusedStart.show(overlap, player, Boolean(parts), handles.dragged);
   if (parts) {
     player.show(Object.assign(new Recording(withSteadyView(parts)), about));
     comparedMotions.show();
@@ -67,7 +69,6 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about, o
     if (about.values === changes.values) bringBack(address.takeAwaited()); // else the link is newer than the run
     simulation.addCurves(comparedMotions.pins).then((isNew) => isNew && comparedMotions.show());
   } else if (player.recording) {
-    player.clock.set({ playing: false });
     comparedMotions.show();
   }
   showOutcome(parts ? player.recording : undefined);
@@ -78,9 +79,8 @@ function bringBack({ pins, time }) {
   if (time !== undefined) player.clock.set({ playing: false, frame: player.recording.frameAt(time) });
   if (!pins) return;
   simulation.motionsOf(pins).then((motions) => {
-    if (!motions.length) return;
     comparedMotions.pinAll(motions);
-    simulation.soon();
+    if (motions.length) simulation.soon();
   });
 }
 

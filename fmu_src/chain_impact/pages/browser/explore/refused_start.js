@@ -6,6 +6,7 @@ import { shownUpTo } from "../scene/angles.js";
 import { radiusOf, sitesAt, startOf, wallsAt } from "../scene/geometry.js";
 import { faultText } from "./console.js";
 
+const REFUSED_MARGIN = 0.04; // free space around a refused chain, relative to the width of the view
 const BEYOND_RING = 20; // [pixels] diameter of the ring around the point
 // inputs whose signals move walls, or the base, away from where the parameters put them
 const MOVES = /^(base|wall)\./;
@@ -41,6 +42,30 @@ export class RefusedStart {
 
   constructor(drawing) {
     this.drawing = drawing;
+  }
+
+  /**
+   * Show a refused start, `overlap`: the clock goes to the start, and the view contains the refused chain, unless a handle `isDragged`. With
+   * the next motion (`isMotion`), the view and the time of before come back.
+   */
+  show(overlap, { clock, drawing, recording }, isMotion, isDragged) {
+    this.overlap = overlap;
+    if (!recording) return;
+    if (isMotion) {
+      if (this.time !== undefined && !isDragged) clock.seek(this.time);
+      if (this.isFitted) drawing.lens = null;
+      [this.time, this.isFitted] = [undefined, false];
+      return;
+    }
+    if (isDragged) return clock.set({ playing: false });
+    this.time ??= clock.time;
+    clock.set({ playing: false, frame: 0 });
+    if (!overlap) return;
+    const all = [...overlap.positions, overlap.at];
+    const margin = REFUSED_MARGIN * (recording.view[1][0] - recording.view[0][0]);
+    drawing.lens = recording.view.map((end, k) => end.map((value, axis) =>
+      (k ? Math.max : Math.min)(value, ...all.map((position) => position[axis] + (k ? margin : -margin)))));
+    this.isFitted = true;
   }
 
   /** Draw the chain at the refused start, the wall and a ring around the point beyond it; nothing if there is no refused start. */

@@ -150,15 +150,16 @@ export class Simulation {
     return last?.scene === scene ? Object.keys({ ...last.values, ...values }).filter((name) => last.values[name] !== values[name]) : [];
   }
 
-  /** Offer to take back the changes of the parameters that `#newNames` returns, and name these parameters. */
+  /** Offer to take back the changes of the parameters that `#newNames` returns, and name these parameters; or to undo an edit. */
   #offerUndo() {
     const { changes } = this;
     const last = this.#last;
     const names = this.#newNames();
-    if (!names.length) return;
-    const textContent = `Undo the change of ${names.map(wordsFor(changes)).join(", ")}`;
+    const isEdited = last && last.scene !== changes.scene;
+    if (!names.length && !isEdited) return;
+    const textContent = isEdited ? "Undo the edit" : `Undo the change of ${names.map(wordsFor(changes)).join(", ")}`;
     const button = make("button", { type: "button", className: "action", textContent });
-    button.addEventListener("click", () => changes.replace(last.values, last.inputSteps));
+    button.addEventListener("click", () => (isEdited ? find("undo").click() : changes.replace(last.values, last.inputSteps)));
     find("status").append(" ", button);
   }
 

@@ -4,11 +4,17 @@ import { find } from "../base/dom.js";
 import { speedText } from "../base/format.js";
 import { SPEEDS } from "./clock.js";
 
+// key → the button or box that it presses
+const BUTTON_KEYS = {
+  s: "slow", t: "trace", l: "loop", f: "full", z: "at-contact",
+  p: "pin", e: "edit-open", m: "map-open", c: "curves-open", x: "export-open",
+};
+
 /**
  * Connect buttons, slider and keys with the clock. Without a recording, the keys, the slider and the buttons that change the time
  * do nothing. Return a function that must be called when the clock has another recording.
  */
-export function connect(clock, drawing) {
+export function connect(clock, drawing, zoom) {
   const actions = {
     " ": () => clock.toggle(),
     ArrowLeft: () => clock.step(-1),
@@ -19,16 +25,24 @@ export function connect(clock, drawing) {
     ArrowDown: () => clock.shift(-1),
     Home: () => clock.seek(clock.recording.start),
     End: () => clock.seek(clock.recording.end),
-    s: () => find("slow").click(),
-    t: () => find("trace").click(),
-    l: () => find("loop").click(),
-    f: () => find("full").click(),
+    "+": () => zoom.press(1),
+    "=": () => zoom.press(1),
+    "-": () => zoom.press(-1),
+    0: () => zoom.fit(),
     "?": () => find("help").showModal(),
+    "/": () => {
+      find("list-of-parameters")?.setAttribute("open", "");
+      document.querySelector("#list-of-parameters input")?.focus();
+    },
   };
+  // the page of a recording lacks some of the buttons
+  Object.entries(BUTTON_KEYS).forEach(([key, id]) => {
+    actions[key] ??= () => find(id)?.click();
+  });
   document.addEventListener("keydown", (event) => {
     const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift${event.key}` : event.key;
     const action = actions[name.length === 1 ? name.toLowerCase() : name];
-    const isReady = clock.recording && !document.querySelector("footer").inert;
+    const isReady = (clock.recording && !document.querySelector("footer").inert) || "emx/".includes(name);
     if (!action || !isReady || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
     event.preventDefault();
     action();

@@ -1,7 +1,8 @@
 // The list of impacts; a click on a row goes to the impact's `peakTime`: the time of its largest force, or the onset if this is unknown.
 
 import { find, make } from "../base/dom.js";
-import { fixed, forceText, impulseText, speedWithUnit, unitsOf, withMinus } from "../base/format.js";
+import { fixed, forceText, impulseText, inOneUnit, speedWithUnit, unitsOf, withMinus } from "../base/format.js";
+import { mapped } from "../base/mapped.js";
 import { capitalized, placeText, toucherText, wallText } from "../scene/words.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
@@ -40,6 +41,13 @@ function reboundCell(impact) {
   const title = `Other forces act during the contact: the separation speed is ${speedWithUnit(rebound, unitsOf(impact).speed)}`;
   return { textContent: ">\u00a01", title };
 }
+
+/** The columns with a unit: head → function from an impact to the pair [value, unit]. */
+const QUANTITIES_OF = {
+  speed: (impact) => [impact.speed, unitsOf(impact).speed],
+  peak: (impact) => (impact.peak === null ? [impact.impulse, unitsOf(impact).impulse] : [impact.peak, unitsOf(impact).force]),
+  [JOINT_FORCE]: ({ joint, jointForce }) => [joint > 0 ? jointForce : null, "N"],
+};
 
 export class ImpactList {
   constructor(element, goTo) {
@@ -88,8 +96,12 @@ export class ImpactList {
     element.parentElement.style.setProperty("--rows", recording.impacts.length);
     const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
     const areImpulses = recording.impacts.every((impact) => impact.peak === null && impulseText(impact));
-    const names = columns.map((name) => (areImpulses && name === "peak" ? "impulse" : name));
-    const heads = names.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" }));
+    this.columns = mapped(QUANTITIES_OF, (quantityOf) => inOneUnit(recording.impacts.map(quantityOf)));
+    const heads = columns.map((column) => {
+      const name = areImpulses && column === "peak" ? "impulse" : column;
+      const textContent = [name, this.columns[column]?.unit].filter(Boolean).join(", ");
+      return make("th", { textContent, scope: "col", title: TITLES[name] ?? "" });
+    });
     table.createTHead().insertRow().append(...heads);
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, columns, impact));
@@ -127,15 +139,16 @@ export class ImpactList {
     const button = make("button", { type: "button", tabIndex: -1, textContent: String(impact.number) });
     button.setAttribute("aria-label", `Go to impact ${impact.number}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
+    const textIn = (column) => this.columns[column].textOf(QUANTITIES_OF[column](impact));
     const texts = [
       impact.onset.toFixed(5),
       toucherText(impact),
       impact.boxWall?.replace(" wall", "") ?? wallText(impact),
-      approachText(impact),
+      textIn("speed"),
     ].map((textContent) => ({ textContent }));
-    [...texts, reboundCell(impact), { textContent: peakText(impact) }].forEach((cell) => Object.assign(row.insertCell(), cell));
-    const { jointForce, joint } = impact;
-    const ofJoint = joint > 0 ? { textContent: forceText(jointForce), title: `In joint ${joint}` } : { textContent: "–" };
+    [...texts, reboundCell(impact), { textContent: textIn("peak") }].forEach((cell) => Object.assign(row.insertCell(), cell));
+    const { joint } = impact;
+    const ofJoint = { textContent: textIn(JOINT_FORCE), title: joint > 0 ? `In joint ${joint}` : "" };
     if (columns.includes(JOINT_FORCE)) row.append(make("td", ofJoint));
     row.addEventListener("click", () => {
       this.goTo(impact);

@@ -9,6 +9,7 @@ import { ChainDrawing } from "../drawing/chain_drawing.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { ImpactList, impactText } from "./impact_list.js";
+import { Zoom } from "./zoom.js";
 
 // [s] Longest time on the screen by which one frame of the browser advances the motion. After a longer pause of the browser, the motion
 // goes on nearly where it stood.
@@ -38,7 +39,8 @@ export class Player {
         new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"))],
     ];
     this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
-    this.showControls = connect(this.clock, this.drawing);
+    this.zoom = new Zoom(this);
+    this.showControls = connect(this.clock, this.drawing, this.zoom);
     this.clock.onChange(() => this.drawSoon());
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
@@ -97,6 +99,7 @@ export class Player {
   draw() {
     const { clock, recording } = this;
     const { frame, time, contact } = clock;
+    this.zoom.follow(contact);
     this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
     [this.drawing, this.impacts, ...this.layers].forEach((part) => part.draw(frame, contact));
     find("time").textContent = `${time.toFixed(5)} s`;

@@ -15,7 +15,8 @@ const FEWEST_FRAMES = 200; // number of frames that a recording may have in any 
  * follows from the largest penetration and the impact speed.
  */
 export function impactsUntil(impacts, stop) {
-  return impacts.map(({ end, peak, depth, ...impact }) => {
+  return impacts.map(({ end, peak, ...impact }) => {
+    const { depth } = impact;
     const until = end ?? stop;
     const lasting = (PACING.LONGEST_IMPACT * depth) / Math.max(impact.speed, PACING.SLOWEST);
     return { ...impact, end: until, impactEnd: Math.min(until, impact.onset + lasting), peak: peak > 0 && depth !== 0 ? peak : null };

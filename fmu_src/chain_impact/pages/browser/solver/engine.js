@@ -7,9 +7,12 @@ export class Engine {
   #fault; // the error with which the worker has ended, if any
   #ended = false;
 
-  /** Start a worker with the program at an address. `compiled` is a promise of the compiled kernel, which all workers share. */
-  constructor(address, compiled) {
-    this.compiled = compiled;
+  /** Start a worker with a `program`, a promise of its address. `compiled`: a promise of the compiled kernel, which all workers share. */
+  constructor(program, compiled) {
+    this.started = Promise.all([compiled, program.then((address) => this.#start(address))]);
+  }
+
+  #start(address) {
     this.worker = new Worker(address);
     this.worker.onmessage = ({ data }) => this.#receive(data);
     this.worker.onerror = ({ message }) => this.#fail(new Error(message || "the browser does not let it begin"));
@@ -17,7 +20,7 @@ export class Engine {
 
   /** Send a scene to the worker, which answers all later requests for this scene; return this engine. */
   open(scene) {
-    this.#sceneSent = this.compiled.then((module) => this.worker.postMessage({ kind: "scene", scene, module }));
+    this.#sceneSent = this.started.then(([module]) => this.worker.postMessage({ kind: "scene", scene, module }));
     return this;
   }
 
@@ -41,7 +44,7 @@ export class Engine {
   /** End the worker; requests without an answer get the result null. */
   end() {
     this.#ended = true;
-    this.worker.terminate();
+    this.started.then(() => this.worker.terminate(), () => {});
     this.#waiting.forEach(({ resolve }) => resolve(null));
   }
 
