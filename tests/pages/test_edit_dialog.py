@@ -176,6 +176,19 @@ def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
     assert page.evaluate("chainImpact.parameters") == before
 
 
+def test_an_edit_with_which_no_run_starts_is_told_in_the_dialog_and_undone(show):
+    page = show()
+    page.keyboard.press("e")
+    edit(page, "box.y_max", "50 cm")
+    told = page.locator("#edit").get_by_text("point 0 starts 0.9\u202fm beyond the ceiling")
+    told.wait_for()
+    page.locator("#edit").get_by_role("button", name="Undo the edit").click()
+    told.wait_for(state="hidden")
+    assert page.locator("#edit").get_by_role("textbox", name="box.y_max").input_value() == "2.5"
+    page.keyboard.press("Escape")
+    assert page.locator("#edit #status").count() == 0
+
+
 def refused_fields(page):
     return page.locator("#edit input:invalid").evaluate_all(
         "fields => fields.map((field) => [field.getAttribute('aria-label'), field.value])"

@@ -65,6 +65,8 @@ def test_a_link_brings_back_pins_and_time(show):
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.3})")
     until_told(page, impacts_of({"contact.restitution": 0.3}))
+    page.get_by_label("Speed").select_option("0.25")
+    page.get_by_role("button", name="F(δ)").click()
     go_to(page, 0.625)
     page.get_by_role("button", name="Export…").click()
     link = page.get_by_label("A link to this page as it is")
@@ -77,7 +79,12 @@ def test_a_link_brings_back_pins_and_time(show):
     assert other.evaluate(named) == page.evaluate(named)
     assert [row[:1] for row in other.locator("#pins tbody .dot").all_inner_texts()] == ["", "B", "A"]
     assert time_of(other) == 0.625
-    until(other, "location.hash.startsWith('#pins=B~!A~contact.restitution%3D0.4&time=0.625&')")
+    until(
+        other,
+        "location.hash.startsWith('#pins=B~!A~contact.restitution%3D0.4&time=0.625&view=force-loop%2C0.25&')",
+    )
+    assert other.get_by_label("Speed").input_value() == "0.25"
+    assert other.get_by_role("button", name="F(δ)").get_attribute("aria-pressed") == "true"
     other.locator(".unpin").first.click()
     until(other, "location.hash.startsWith('#pins=A~contact.restitution%3D0.4&')")
     press(other, "Home")

@@ -158,10 +158,10 @@ def test_a_value_with_which_no_run_starts_is_marked_until_it_is_undone(show):
     page = show()
     enter(page, "Restitution", "0")
     row = page.locator(".main-parameter").filter(has=page.get_by_role("slider", name="Restitution"))
-    row.locator(".refusal").get_by_text("No motion: ").wait_for()
+    row.locator(".refusal").get_by_text("Cannot start: ").wait_for()
     assert row.locator("input:invalid").count() == 1
     page.keyboard.press("Control+z")
-    row.locator(".refusal").get_by_text("No motion: ").wait_for(state="detached")
+    row.locator(".refusal").get_by_text("Cannot start: ").wait_for(state="detached")
     assert row.locator("input:invalid").count() == 0
 
 

@@ -270,7 +270,7 @@ def test_a_map_goes_by_the_keyboard(show):
     page.get_by_role("button", name="Map…").click()
     draw_map(page)
     page.locator("#map-canvas").focus()
-    page.keyboard.press("ArrowRight")  # the run in the middle
+    page.keyboard.press("ArrowRight")  # the present run, in the middle
     middle = page.text_content("#map-text")
     assert "Largest force at a wall = " in middle
     page.keyboard.press("ArrowRight")

@@ -226,7 +226,7 @@ def test_the_texts_of_a_map_are_whole_on_a_phone(show, model):
     if model == "four_link_box":
         page.locator("#map-output").select_option("peak_force")
         titles = [text for text, *_ in page.evaluate(TEXTS, "text:not(.map-value)")]
-        assert titles[-2:] == ["Largest force at a wall, kN", "(each colour for as many runs)"]
+        assert titles[-2:] == ["Largest force at a wall, kN", "(an equal number of runs for each colour)"]
 
 
 def test_values_that_differ_by_round_off_have_one_colour(script):

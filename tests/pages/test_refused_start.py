@@ -47,8 +47,17 @@ def test_the_wall_is_dashed_and_the_point_beyond_it_has_a_ring(show, size):
     pale = "one => Number(getComputedStyle(one.parentNode).opacity)"
     assert page.locator("#scene .pose").evaluate(pale) == 1.0
     assert page.locator("#scene .link").first.evaluate(pale) == 0.45
+    assert page.inner_text("#time") == "0.00000 s"
+    assert page.locator("#csv").evaluate("one => one.disabled")
+    page.evaluate("chainImpact.show({'initial.y': -30})")
+    until(page, "document.getElementById('status').textContent.includes('30')")
+    inside, view = page.locator("#scene .pose").bounding_box(), page.locator("#view").bounding_box()
+    for at, length in (("x", "width"), ("y", "height")):
+        assert view[at] < inside[at] < inside[at] + inside[length] < view[at] + view[length]
     page.get_by_role("button", name="Undo the change of Position of the right wall").click()
     until(page, "document.querySelectorAll('#scene .refused').length === 0")
+    assert page.inner_text("#time") == "0.30000 s"
+    assert not page.locator("#csv").evaluate("one => one.disabled")
 
 
 @needs_browser

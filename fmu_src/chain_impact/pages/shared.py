@@ -9,6 +9,7 @@ For these things, tests/pages/test_twins.py compares the values of both language
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from functools import cache
 from types import ModuleType
@@ -47,6 +48,7 @@ from chain_impact.scene.signal_polynomials import NUMBERS
 from chain_impact.scene.words import angles, names, similar_names, unit_text
 from chain_impact.variables import indices
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
+from chain_impact.variables.units import UNITS
 
 FINEST = 65535  # the largest unsigned integer of 16 bits, for the largest value of packed numbers
 
@@ -132,6 +134,11 @@ def shared() -> dict[str, Any]:
         "drawn": {"GROUPS": GROUPS, "OF_IMPACT": OF_IMPACT},
         "contactLog": {"REALS": [name for name in LOG_DTYPE.names or () if LOG_DTYPE[name] == np.float64]},
         "packed": {"FINEST": FINEST},
+        "quantities": {
+            name: re.sub(r"\B(?=[A-Z])", " ", unit.quantity).lower()
+            for name, unit in UNITS.items()
+            if name != "1"
+        },
     }
 
 

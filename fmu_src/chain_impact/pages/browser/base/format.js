@@ -90,7 +90,7 @@ export function forceTicks(ticks, unit) {
 
 /**
  * Return {unit, textOf} for a list of quantities, pairs [value, unit]: all values with one unit have one prefix, which suits the largest.
- * `unit` is the only unit with its prefix; if there are several units it is "", and the texts from `textOf`, of a pair, contain their units.
+ * `unit` is the only unit with its prefix; with several units it is "", and the texts that `textOf` returns for pairs contain units.
  */
 export function inOneUnit(pairs) {
   const most = new Map();

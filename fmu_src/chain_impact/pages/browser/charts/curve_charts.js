@@ -57,7 +57,8 @@ class UnitChart extends TimeChart {
     const [{ time }, [{ unit }]] = [this.curvesOf(recording), curves];
     const { factor, text } = shownUpTo({ unit }, largestIn(curves.map(({ values }) => values)));
     this.factor = factor;
-    this.unit.textContent = text;
+    this.unitText = text;
+    this.unit.textContent = [SHARED.quantities[unit], text].filter(Boolean).join(", ");
     const scaled = curves.map((curve) => ({ ...curve, values: curve.values.map((value) => this.factor * value) }));
     Object.assign(this, { recording, time, curves: withoutRoundOff(scaled, unit === "N" ? this.factor * recording.peakForce : 0) });
     Object.assign(this, { writers: writersOf(this.curves), isOfCounts: this.curves.every(isCount) });
@@ -88,7 +89,7 @@ class UnitChart extends TimeChart {
         const curve = curves.find((one) => one.name === name);
         return curve ? [`${letter} ${this.writers[k](this.factor * valueAt(time, curve, now))}`] : [];
       });
-      writeValues(value, [own, this.unit.textContent].filter((text) => text !== "").join("\u202f"), others);
+      writeValues(value, [own, this.unitText].filter((text) => text !== "").join("\u202f"), others);
     });
   }
 }

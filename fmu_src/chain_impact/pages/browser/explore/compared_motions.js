@@ -218,8 +218,8 @@ function besideOthers(position, others, size) {
 
 /**
  * Return the parts of the table that compares `motions`, the present one first: each motion has a `recording`, a `title` and, if it is
- * pinned, a `letter`. The `columns` of the table are those of `alignedImpacts`. If `isPresent` is false, the motion of the present values is
- * unknown, and dashes replace the changes to it.
+ * pinned, a `letter`. The `columns` of the table are those of `alignedImpacts`. If `isPresent` is false, the motion of the present values
+ * is unknown, and dashes replace the changes to it.
  */
 function comparisonTable(motions, columns, isPresent) {
   const lettersOf = (column) => motions.filter((_, k) => column[k]).map(({ letter }) => letter).join(", ");

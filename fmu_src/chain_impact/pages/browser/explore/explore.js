@@ -120,7 +120,7 @@ find("by-hand").addEventListener("click", ({ detail }) => {
 const tellByHand = () => {
   const hasWalls = Object.keys(changes.scene.walls).length > 0;
   const dragged = hasWalls ? "joints, arrows of velocity, and walls" : "joints and arrows of velocity";
-  find("by-hand-text").textContent = `At the start, drag ${dragged}.`;
+  find("by-hand").title = find("by-hand-text").textContent = `At the start, drag ${dragged}.`;
 };
 changes.onOpen(tellByHand);
 tellByHand();

@@ -45,8 +45,8 @@ export class RefusedStart {
   }
 
   /**
-   * Show a refused start, `overlap`: the clock goes to the start, and the view contains the refused chain, unless a handle `isDragged`. With
-   * the next motion (`isMotion`), the view and the time of before come back.
+   * Show a refused start, `overlap`: the clock goes to the start, and the view contains the refused chain, unless a handle `isDragged`.
+   * With the next motion (`isMotion`), the view and the time of before come back.
    */
   show(overlap, { clock, drawing, recording }, isMotion, isDragged) {
     this.overlap = overlap;
@@ -68,14 +68,13 @@ export class RefusedStart {
     this.isFitted = true;
   }
 
-  /** Draw the chain at the refused start, the wall and a ring around the point beyond it; nothing if there is no refused start. */
+  /** Draw the wall of a refused start and a ring around the point beyond it; the handles draw the chain there. */
   draw() {
     if (!this.overlap) return;
-    const { at, positions, wall } = this.overlap;
+    const { at, wall } = this.overlap;
     const { above, camera } = this.drawing;
     const screen = (points) => points.map((point) => camera.toScreen(...point));
     edgesOf({ wall }, "wall", camera.rectangle).forEach((ends) => above.polyline(screen(ends)).addClass("refused").fill("none"));
-    above.polyline(screen(positions)).addClass("pose").fill("none");
     above.circle(BEYOND_RING).center(...camera.toScreen(...at)).addClass("refused").fill("none");
   }
 }

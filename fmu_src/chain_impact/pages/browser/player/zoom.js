@@ -7,7 +7,8 @@ import { STRIP } from "../drawing/scale_strip.js";
 const KEY_FACTOR = 1.5; // factor of one press of a key
 const MOST_ENLARGED = 1e6; // largest factor
 const WHEEL_RATE = 2e-3; // [1/pixel] exponent of the factor for a turn of the wheel
-const [HALF_DEPTHS, LEAST_HALF, MOST_HALF] = [8, 1e-4, 0.2]; // half the view of a contact: penetrations, and limits relative to the whole view
+// half the view of a contact: number of penetrations, and limits relative to the whole view
+const [HALF_DEPTHS, LEAST_HALF, MOST_HALF] = [8, 1e-4, 0.2];
 
 /** Return the middle of two positions [pixels] and their distance; for one position the distance is 1. */
 function spread([[x0, y0], [x1, y1] = [x0 + 1, y0]]) {
@@ -94,7 +95,8 @@ export class Zoom {
     const { point, wall, depth, peakTime, atStop } = contact;
     const [low, high] = recording.view;
     const whole = Math.max(high[0] - low[0], high[1] - low[1]);
-    const half = atStop || !(depth > 0) ? MOST_HALF * whole : Math.min(Math.max(HALF_DEPTHS * depth, LEAST_HALF * whole), MOST_HALF * whole);
+    const wanted = atStop || !(depth > 0) ? Infinity : HALF_DEPTHS * depth;
+    const half = Math.min(Math.max(wanted, LEAST_HALF * whole), MOST_HALF * whole);
     const frame = recording.frameAt(peakTime);
     const [centre, side] = [recording.pointAt(frame, point), recording.sidesAt(frame)[wall]];
     const gap = side ? side.normal[0] * centre[0] + side.normal[1] * centre[1] - side.offset : 0;

@@ -100,6 +100,8 @@ export function framesOf(rows, { times, frameRate }) {
   const at = (values, width = 1) => (places && values ? interpolatedColumn(values, places, width) : values);
   const spansAbove = (values) => spansOf(places ? places.map(([row]) => values[row]) : values);
   const [x, y] = [rows.x, rows.y].map((all) => at(all, pointCount));
+  // of a ball without a radius, the centre alone is seen
+  const positions = ball === null || radius > 0 ? [x, y] : [x, y].map((all) => all.filter((_, k) => k % pointCount === ball));
   const atWalls = drawn.contacts.map(({ n, name: wall, columns }) => ({ point: n, wall, ...columns }));
   const forces = [...atWalls, ...drawn.stops.flatMap(ofStops)]
     .filter(({ force }) => force.some((value) => value > 0))
@@ -119,6 +121,6 @@ export function framesOf(rows, { times, frameRate }) {
     traced: ball ?? links, // the point with a trace: the centre of a ball, else the tip
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: largest(peaks),
-    ...viewOf(x, y, pointCount, walls, radius, rows.pinned, rail?.carriage),
+    ...viewOf(...positions, ball === null || radius > 0 ? pointCount : 1, walls, radius, rows.pinned, rail?.carriage),
   };
 }

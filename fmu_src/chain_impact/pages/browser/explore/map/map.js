@@ -327,18 +327,25 @@ export class GridMap {
     return this.shown?.results[index] === undefined ? undefined : index;
   }
 
-  /** Go from run to run with the arrow keys, beginning with the run in the middle; open a run with Enter. */
+  /** Return column and row of the present run, if the map has it, or else of the run in the middle. */
+  get #first() {
+    const { names, axes, points } = this.shown;
+    const shares = names.map((name, k) =>
+      axisScale(axes[k][0], axes[k].at(-1), isLogarithmic(name)).shareOf(this.changes.valueOf(name)));
+    return shares.map((share) => Math.round((points - 1) * (this.#hasRing && share >= 0 && share <= 1 ? share : 0.5)));
+  }
+
+  /** Go from run to run with the arrow keys, beginning with the present run; open a run with Enter. */
   #press(event) {
     const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [];
     if (!this.shown || (right === undefined && event.key !== "Enter")) return;
     event.preventDefault();
     const { points } = this.shown;
-    const middle = (points * points - 1) / 2;
     if (event.key === "Enter") {
       this.#open(this.#chosen);
       return;
     }
-    const [column, row] = this.#chosen === undefined ? [middle % points, Math.floor(middle / points)]
+    const [column, row] = this.#chosen === undefined ? this.#first
       : [this.#chosen % points + right, Math.floor(this.#chosen / points) + up].map((number) => Math.min(Math.max(number, 0), points - 1));
     this.#mark(row * points + column);
   }

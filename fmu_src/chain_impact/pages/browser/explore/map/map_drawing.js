@@ -115,7 +115,7 @@ export class MapDrawing {
       this.#write(label, at, top + 17, "middle");
     });
     const beyond = scale ? beyondEnds(scale, factor) : "";
-    const equal = scale?.knots ? " (each colour for as many runs)" : "";
+    const equal = scale?.knots ? " (an equal number of runs for each colour)" : "";
     this.#writeTitle(titleOf(quantityOf(output.name), text), beyond + equal, left + width / 2, top + 32);
   }
 }

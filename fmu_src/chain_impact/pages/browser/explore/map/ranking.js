@@ -108,7 +108,7 @@ export class Ranking {
     const largest = Math.abs(some[0]?.change);
     this.#fill((base === null ? [] : some.slice(0, MOST_EFFECTS)).map(({ name, change }) => {
       const ends = [50, 50 + (50 * change) / largest].sort((a, b) => a - b).map((end) => `${end}%`);
-      const bar = make("span", { className: "effect-bar" });
+      const bar = make("span", { className: `effect-bar ${change < 0 ? "less" : ""}` });
       ["--from", "--to"].forEach((key, k) => bar.style.setProperty(key, ends[k]));
       const sign = change > 0 ? "+" : "";
       const share = base ? `${sign}${withMinus(digits((100 * change) / Math.abs(base), 2))}\u202f%` : "";

@@ -5,6 +5,8 @@ import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { inShownUnit, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
 import { withControls } from "./main_parameters.js";
 
+const EXAMPLES = "; sums, products and other units are taken, too: 2*0.6, 120 cm, 1.5 rad";
+
 /** Remove the marks of a refused and of a failing value from a field. */
 function release(field) {
   field.setCustomValidity("");
@@ -49,7 +51,7 @@ export function markFailing(name, reason) {
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   const reason = refused?.validationMessage ?? "";
-  const told = reason && readable(`${refused.dataset.fails ? "No motion" : "Not taken"}: ${reason}.`);
+  const told = reason && readable(`${refused.dataset.fails ? "Cannot start" : "Not taken"}: ${reason}.`);
   // in the sentence, a stiffness has the unit that is shown beside the field, with the present exponent
   row.querySelector(".refusal").textContent = told.replace(/(?<=\[)[^\]]*\^exponent(?=\])/, row.querySelector("small")?.textContent);
 }
@@ -79,7 +81,7 @@ export function valueField(changes, parameter) {
   const field = items.length
     ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
     : make("input", { type: "text", autocomplete: "off", spellcheck: false });
-  field.title = readable(inShownUnit(`${name}: ${text}; ${allowed}${derived?.text ?? ""}`));
+  field.title = readable(inShownUnit(`${name}: ${text}; ${allowed}${derived?.text ?? ""}${items.length ? "" : EXAMPLES}`));
   field.setAttribute("aria-label", name);
   field.dataset.parameter = name;
   field.addEventListener("change", () => attempt(changes, field, () =>

@@ -139,6 +139,7 @@ function slider(changes, entry, { field, write, now, shown }) {
     const value = changes.valueAt(name, now().time);
     if (document.activeElement !== field && field.checkValidity()) write(value);
     if (!isDragged && chosen() !== value) element.value = String(STEPS * toPosition(value));
+    element.classList.toggle("outside", Math.abs(toPosition(value) - 0.5) > 0.501);
     element.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
     element.setAttribute("aria-label", [entry.label, shown().text].filter(Boolean).join(", "));
     if (since) since.textContent = sinceText(changes, name, now().time);
