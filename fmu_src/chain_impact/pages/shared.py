@@ -65,7 +65,7 @@ CONSTANTS = {
     ),
     "jointStops": (joint_stops, "OPEN RANGE_POINTS RANGE_RADIUS RANGE_TICK"),
     "bodies": (bodies, "CARRIAGE CIRCLE_CORNERS FREE_END STOP_MARK"),
-    "curves": (curves, "CLOSE_BEFORE EARLY FOLLOWED LONG SOON WITHIN"),
+    "curves": (curves, "CLOSE_BEFORE EARLIEST_SHARE EARLY_TIMES FOLLOWED LONG_CONTACT WITHIN"),
     "mapColours": (map_colours, "BEYOND_QUANTILES LARGE_QUANTILE MOST_COLOURS WIDE_COLOURS"),
 }
 """Name of a part of ``SHARED`` → a module, and the names of the module's constants that are in the part."""

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.pages.inline import InlinePage
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.contact_times import contact_ends
-from chain_impact.recording.curves import EARLY, LONG, SOON
+from chain_impact.recording.curves import EARLIEST_SHARE, EARLY_TIMES, LONG_CONTACT
 from chain_impact.recording.pacing import (
     CONTACT_SHARES,
     IMPACT_TIME,
@@ -108,8 +108,8 @@ def record_slowly(
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
     touching = contact_ends(result) - onsets
-    is_long = touching > LONG * stop
-    early = onsets[is_long] + touching[is_long] * np.geomspace(SOON, 1.0, EARLY)[:, None]
+    is_long = touching > LONG_CONTACT * stop
+    early = onsets[is_long] + touching[is_long] * np.geomspace(EARLIEST_SHARE, 1.0, EARLY_TIMES)[:, None]
     others = np.append(others, early.ravel()[:MOST_FILM_ROWS])
     course = input_course(
         result.prepared,

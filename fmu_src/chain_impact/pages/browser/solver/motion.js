@@ -16,8 +16,8 @@ const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: about two for each pixel of a chart
 // The second run has additional rows within the first impacts. FOLLOWED: number of these impacts; WITHIN: number of additional rows in each
-// of two parts of an impact: the part that is shown slowly, and the part after it. LONG, EARLY, SOON: see `curves.py`.
-const { EARLY, FOLLOWED, LONG, SOON, WITHIN } = SHARED.curves;
+// of two parts of an impact: the part that is shown slowly, and the part after it. `recording/curves.py` describes the others.
+const { EARLY_TIMES, FOLLOWED, LONG_CONTACT, EARLIEST_SHARE, WITHIN } = SHARED.curves;
 
 /** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
 export function impactsOf(impacts, scene, valueOf) {
@@ -174,8 +174,8 @@ function withFurther(times, impacts) {
   const inside = impacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
     [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
       Array.from({ length: WITHIN }, (_, k) => from + ((to - from) * k) / (WITHIN - 1))));
-  const early = impacts.slice(0, FOLLOWED).filter(({ onset, end }) => end - onset > LONG * (stop - start)).flatMap(({ onset, end }) =>
-    Array.from({ length: EARLY }, (_, k) => onset + (end - onset) * SOON ** (1 - k / EARLY)));
+  const early = impacts.slice(0, FOLLOWED).filter(({ onset, end }) => end - onset > LONG_CONTACT * (stop - start)).flatMap(({ onset, end }) =>
+    Array.from({ length: EARLY_TIMES }, (_, k) => onset + (end - onset) * EARLIEST_SHARE ** (1 - k / EARLY_TIMES)));
   const all = Float64Array.from([...times, ...even, ...[...inside, ...early].filter((time) => time < stop)]).sort();
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
