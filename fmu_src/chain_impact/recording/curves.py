@@ -17,8 +17,8 @@ from chain_impact.variables.prepared import PreparedScene
 # WITHIN: number of additional times within an impact; FOLLOWED: largest number of impacts that get them
 WITHIN, FOLLOWED = 50, 400
 # In films and pages, a contact that lasts longer than LONG_CONTACT, relative to the run's duration, has
-# EARLY_TIMES further times in geometric progression, from EARLIEST_SHARE times its duration after the onset on,
-# because its largest force may come soon.
+# EARLY_TIMES further times in geometric progression, from EARLIEST_SHARE times its duration after the onset
+# on, because its largest force may come soon.
 LONG_CONTACT, EARLY_TIMES, EARLIEST_SHARE = 0.01, 100, 1e-3
 CLOSE_TIMES = 1000  # number of equally spaced times in a picture of one impact (a close view)
 # [1] time that a close view shows before and after the impact, relative to the impact's duration

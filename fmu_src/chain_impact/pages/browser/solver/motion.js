@@ -174,7 +174,8 @@ function withFurther(times, impacts) {
   const inside = impacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
     [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
       Array.from({ length: WITHIN }, (_, k) => from + ((to - from) * k) / (WITHIN - 1))));
-  const early = impacts.slice(0, FOLLOWED).filter(({ onset, end }) => end - onset > LONG_CONTACT * (stop - start)).flatMap(({ onset, end }) =>
+  const long = impacts.slice(0, FOLLOWED).filter(({ onset, end }) => end - onset > LONG_CONTACT * (stop - start));
+  const early = long.flatMap(({ onset, end }) =>
     Array.from({ length: EARLY_TIMES }, (_, k) => onset + (end - onset) * EARLIEST_SHARE ** (1 - k / EARLY_TIMES)));
   const all = Float64Array.from([...times, ...even, ...[...inside, ...early].filter((time) => time < stop)]).sort();
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
