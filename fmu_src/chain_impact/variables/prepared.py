@@ -270,9 +270,8 @@ def field_at(outputs: Any, path: DataPath) -> Any:
 def kernel_size(scene: Scene) -> int:
     """Return the argument ``links`` of ``kernel_library`` for a scene: the number of links, or ``GENERAL``.
 
-    It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, the base is on a slider, or a
-    link has points beside its ends or a given ``center_of_mass_offset``: other kernels have no code for
-    these.
+    It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or the fact "body" holds
+    (scene/facts.py): other kernels have no code for these.
     """
     facts = SceneFacts(scene)
     is_general = scene.signals or facts["body"] or facts["motions"]
