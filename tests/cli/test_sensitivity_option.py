@@ -128,10 +128,11 @@ def test_a_ranking_by_the_force_in_joints_needs_no_key_of_the_scene(run):
 
 def test_rank_tells_which_effects_a_run_with_the_new_value_refutes(run):
     said = run("simulate", "four_link_box", "--stop-time", "0.52", "--rank", "peak_force")[1]
-    assert "confirm 16 of " in said
+    assert "for 16 of 37 effects: all agree within 25 %" in said
     late = run("simulate", "four_link_box", "--rank", "point[4].x", "--sensitivity", "initial.*")[1]
-    refuted = late.partition("effects that differ in a run")[2].splitlines()[2:]
+    head, *rows = late.partition("to first order")[2].splitlines()[1:]
+    assert head.endswith("in a run")
     assert "differ by more than" in late.partition("effect   of 1 %")[0]  # the news stands at the top
-    name, _, simulated = refuted[0].split()
+    name, *_, simulated = rows[0].split()
     assert name.startswith("initial.")
     assert abs(float(simulated)) < 3.0  # m, the width of the box

@@ -156,9 +156,19 @@ def test_collision_shapes_are_points(tmp_path, geometry, xyz, rpy, expected):
     assert not [text for text in done.left_out if "shapes" in text]
 
 
-def test_a_mesh_is_told_to_touch_with_joints_and_tip_only(tmp_path):
-    shape = SHAPE.format(name="skin", geometry='<mesh filename="no.stl"/>', xyz="0 0 0", rpy="0 0 0")
-    parts = [link("u").replace("</link>", f"{shape}</link>"), joint("a", "base", "u")]
-    scene, done = read(tmp_path, urdf(*parts))
+def test_ends_of_a_link_touch_in_place_of_its_mesh(tmp_path):
+    shapes = {
+        name: SHAPE.format(name=name, geometry=geometry, xyz="0 0 0", rpy="0 0 0")
+        for name, geometry in (("skin", '<mesh filename="no.stl"/>'), ("heel", '<sphere radius="0.02"/>'))
+    }
+    links = {name: link(name).replace("</link>", f"{shape}</link>") for name, shape in shapes.items()}
+    first = joint("a", "base", "skin")
+    scene, done = read(tmp_path, urdf(links["skin"], first))
     assert not scene.chain.links[0].points
-    assert any("do not touch as shapes" in text for text in (*done.left_out, *done.notes, *done.differs))
+    assert scene.contact.points == (1,)
+    assert any("a: outlines of shapes (mesh) are not known: the two ends" in text for text in done.differs)
+    # beside a link with points, too
+    scene, done = read(tmp_path, urdf(*links.values(), first, joint("b", "skin", "heel", ".3 0 0")))
+    assert len(scene.chain.links[1].points) == 1
+    assert scene.contact.points == (1,)
+    assert any("a: outlines of shapes (mesh) are not known: the two ends" in text for text in done.differs)

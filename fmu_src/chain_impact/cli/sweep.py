@@ -59,8 +59,8 @@ def add(verbs: Verbs) -> None:
     )
     add_set(sweep)
     add_inputs(sweep)
-    what = "add the value of an output at the end of each run"
-    complete(add_repeated(sweep, "--columns", "NAME", what, alias="--output"), outputs)
+    what = "add the values of these outputs at the end of each run: point[4].x,impact.last_wall"
+    complete(add_repeated(sweep, "--columns", "NAMES", what, alias="--output"), outputs, listed=True)
     sweep.add_argument(
         "--scheduler",
         metavar="ADDRESS",
@@ -84,7 +84,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Simulate the runs, write the files that the options name, and print the result; return 0."""
-    from chain_impact.studies.sweep.interrupted import partial_path
+    from chain_impact.studies.sweep.interrupted import is_complete, partial_path
     from chain_impact.studies.sweep.job import job_of
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
@@ -96,7 +96,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(table, options.plot, inputs=filter(None, (options.source, options.inputs)))
     scene = scene_of_options(options)
     vary = variations(options.vary, settings_of(options.set))
-    panels, wanted = names_in(*options.panels), list(options.columns)
+    panels, wanted = names_in(*options.panels), names_in(*options.columns)
     if panels and not options.plot:
         raise UsageError("--panels: they are panels of a picture: give --plot FILE too")
     if options.plot:
@@ -122,8 +122,10 @@ def run(options: argparse.Namespace) -> int:
                 progress=advance,
             )
     except KeyboardInterrupt:
-        if (table if is_folder(options.table) else partial_path(table)).exists():
-            complain(f"{table} has the finished runs; the same command continues")
+        target = table if is_folder(options.table) else partial_path(table)
+        if target.exists():
+            kept = target if is_folder(options.table) or is_complete(table) else table
+            complain(f"{kept} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
     # the result is printed first, because drawing the picture fails if --size is too small

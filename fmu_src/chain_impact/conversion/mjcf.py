@@ -20,6 +20,7 @@ from chain_impact.conversion.mjcf_fields import flag_notes, unsupported_fields
 from chain_impact.conversion.mjcf_files import Compiled, compiled, warned_by
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.extras import require
+from chain_impact.recording.text import plural
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
 CARRIED = "chain_impact"
@@ -229,7 +230,7 @@ class _Reader:
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})
         if counts:
-            what = ", ".join(f"{count} {kind}{'s' * (count > 1)}" for kind, count in counts.items())
+            what = ", ".join(plural(count, kind) for kind, count in counts.items())
             yield Difference(kind=what, text="not in the scene", effect=Effect.NONE)
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:

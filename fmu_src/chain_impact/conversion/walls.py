@@ -27,6 +27,7 @@ from chain_impact.conversion.points import (
 )
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
 from chain_impact.kernel.rows.geometry import NORMALS, OVERLAP, WALLS
+from chain_impact.recording.text import plural
 
 Points = list[dict[str, Any]]
 """The tables of the points of one link."""
@@ -141,7 +142,8 @@ class Walls:
         """
         if not any(balls) and len(touching) in (0, len(self.parts)):
             return {}
-        ends = {end for i in touching if not balls[i] for end in (i, i + 1)}
+        able = touching if self.robot.planes else {i for i in range(len(self.parts)) if self._can_touch(i)}
+        ends = {end for i in able if not balls[i] for end in (i, i + 1)}
         ends -= {0} if self.chosen.base == "pinned" else set()
         return {"points": [end for end in sorted(ends) if not self._is_covered(end, balls)]}
 
@@ -150,6 +152,10 @@ class Walls:
         point = Ball(self.places[end], 0.0, "")
         around = chain(*balls[max(end - 1, 0) : end + 1])
         return any(is_within(point, ball, point.at) for ball in around)
+
+    def _can_touch(self, i: int) -> bool:
+        """Return whether the link with index ``i`` has a shape that can touch another shape in the file."""
+        return any(shape.touches for b in self.parts[i] for shape in self.robot.bodies[b].shapes)
 
     def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
@@ -236,25 +242,29 @@ class Walls:
         return True
 
     def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
-        """Report shapes that points do not replace, and how far shapes reach beyond the scene's points.
+        """Report shapes that points do not replace, and how far shapes reach beyond the points of the scene.
 
         Bodies that slide with the base, but belong to no link, are reported if they can touch walls in the
         file. The arguments are those of ``_points``.
         """
         shapes = [shape for b in self.link_of for shape in self.robot.bodies[b].shapes]
         for touches, text in (
-            (True, "do not touch as shapes: only points, joints and the tip touch walls"),
+            (True, "do not touch as shapes: only points and ends of links touch walls"),
             (False, "touch nothing in the file, and are not in the scene"),
         ):
             counts = Counter(
-                shape.kind for shape in shapes if shape.touches is touches and not self._is_point(shape)
+                shape.kind
+                for shape in shapes
+                if shape.touches is touches and not (self._is_point(shape) or _has_unknown_outline(shape))
             )
             if counts:
-                what = ", ".join(f"{count} {kind}{'s' * (count > 1)}" for kind, count in counts.items())
+                what = ", ".join(plural(count, kind) for kind, count in counts.items())
                 effect = Effect.CONTACT if touches and touching else Effect.NONE
                 self.differences.append(
-                    Difference(kind="shapes", name=what.replace("boxs", "boxes"), text=text, effect=effect)
+                    Difference(kind="shapes", name=what, text=text, effect=effect)
                 )
+        for i in range(len(self.parts)):
+            self._tell_unknown(i, "points" if balls[i] else "two ends")
         for i in sorted(touching):
             self._tell_reach(i, balls[i])
         for b, body in enumerate(self.robot.bodies):
@@ -265,6 +275,18 @@ class Walls:
                     body.name,
                     "touches walls in the file; in the scene it is on no link, and touches nothing",
                 )
+
+    def _tell_unknown(self, i: int, touching: str) -> None:
+        """Report shapes of the link with index ``i`` that can touch and have unknown outlines, such as meshes.
+
+        ``touching`` says what touches walls in their place.
+        """
+        shapes = (shape for b in self.parts[i] for shape in self.robot.bodies[b].shapes)
+        kinds = dict.fromkeys(shape.kind for shape in shapes if _has_unknown_outline(shape))
+        if kinds:
+            what = f"outlines of shapes ({', '.join(kinds)})"
+            text = f"{what} are not known: the {touching} of the link touch walls in their place"
+            self._tell("link of joint", self.chosen.hinges[i].joint.name, text, differs=True)
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
         """Report how far the shapes of the link with index ``i`` reach beyond its points in the scene.
@@ -291,3 +313,8 @@ class Walls:
                 f"{what}, which alone touch walls"
             )
             self._tell("link of joint", name, text, beyond / length, differs=True)
+
+
+def _has_unknown_outline(shape: LinkShape) -> bool:
+    """Return whether a shape can touch, but nothing is known of its outline."""
+    return shape.touches and len(shape.corners) == 0

@@ -14,8 +14,9 @@ from chain_impact.variables.impact_units import unit_at
 
 
 def plural(count: int, what: str) -> str:
-    """Return a count with its noun, for example 1 impact, 2 impacts."""
-    return f"{count} {what}{'s' if count != 1 else ''}"
+    """Return a count with its noun, for example 1 impact, 2 impacts, 3 boxes."""
+    ending = "es" if what.endswith(("sh", "ch", "x")) else "s"
+    return f"{count} {what}{ending if count != 1 else ''}"
 
 
 def few(names: Sequence[str], shown: int) -> str:

@@ -131,6 +131,8 @@ class Ranking:
             yield f"check    {self.verdict(checked)}"
         yield "effect   of 1 % of each parameter, to first order"
         of_value, at_zero = by_step(self.effects)
+        if self._only_runs_hold:
+            of_value, at_zero = _by_run(of_value), _by_run(at_zero)
         yield from self._tables(of_value)
         if at_zero:
             yield f"effect   of {PART:g} of its unit added to a parameter that is 0: not comparable"
@@ -143,7 +145,6 @@ class Ranking:
             large = f"effects of more than {100.0 * LARGE_SHARE:g} %"
             yield f"{large} hold for smaller changes only: check them by another run"
         if checked:
-            yield from self._other(checked)
             drawn = itertools.chain(*self._blocks())
             if not_run := [effect.parameter for effect in drawn if effect.simulated is None]:
                 yield f"no run is possible with the new values of {', '.join(not_run)}"
@@ -152,8 +153,11 @@ class Ranking:
         yield from (f"limit    {limit}" for limit in self.limits)
 
     def _tables(self, effects: Sequence[Effect]) -> Iterator[TextTable]:
-        """Yield one table of effects, or nothing without effects."""
-        unit = unit_text(self.unit)
+        """Yield one table of effects, or nothing without effects.
+
+        If runs have checked any of the effects, a column has the changes in the runs.
+        """
+        unit, checked = unit_text(self.unit), any(effect.simulated is not None for effect in effects)
         rows = [
             (
                 effect.parameter,
@@ -161,33 +165,23 @@ class Ranking:
                 f"{effect.change:+.3g}",
                 signed(100.0 * self.share(effect)) if self.value else "—",
                 f"{effect.derivative:.4g}",
+                *((("" if effect.simulated is None else _in_run(effect)),) if checked else ()),
             )
             for effect in effects
         ]
+        names = ["parameter", "value", f"effect, {unit}" if unit else "effect", "in %", "derivative"]
         if rows:
-            yield TextTable(
-                ("parameter", "value", f"effect, {unit}" if unit else "effect", "in %", "derivative"), rows
-            )
+            yield TextTable((*names, *(("in a run",) if checked else ())), rows)
 
     def verdict(self, checked: Sequence[Effect]) -> str:
-        """Return a sentence: how many of the ``checked`` effects have runs that differ from first order."""
-        found, limit = plural(len(checked), "effect"), f"{100.0 * FIRST_ORDER:g} %"
-        if len(checked) < len(self.effects):
-            found = f"{len(checked)} of {plural(len(self.effects), 'effect')}"
-        count = sum(effect.differs for effect in checked)
+        """Return a sentence: how many of the ``checked`` effects differ in their runs from first order."""
+        limit, count, total = f"{100.0 * FIRST_ORDER:g} %", sum(e.differs for e in checked), len(checked)
+        part = f"{total} of " if total < len(self.effects) else ""
+        runs = f"runs with the new values for {part}{plural(len(self.effects), 'effect')}"
         if not count:
-            return f"runs with the new values confirm {found} within {limit}"
-        many = "all differ" if count == len(checked) > 1 else f"{count} differ{'s' * (count == 1)}"
-        return f"runs with the new values for {found}: {many} by more than {limit}"
-
-    def _other(self, checked: Sequence[Effect]) -> Iterator[str | TextTable]:
-        """Yield a heading and a table of the ``checked`` effects that differ in their run, if any do."""
-        unit = in_brackets(unit_text(self.unit))
-        other = [effect for effect in checked if effect.differs]
-        rows = [(each.parameter, f"{each.change:+.3g}", _in_run(each)) for each in other]
-        if rows:
-            yield "effects that differ in a run with the new value"
-            yield TextTable(("parameter", f"effect{unit}", f"in a run{unit}"), rows)
+            return f"{runs}: {'all agree' if total > 1 else 'it agrees'} within {limit}"
+        many = "all differ" if count == total > 1 else f"{count} differ{'s' * (count == 1)}"
+        return f"{runs}: {many} by more than {limit}"
 
     def checked(self, run: Callable[[str, float], Recording | None]) -> Ranking:
         """Return this ranking, with each effect that ``plot`` draws checked by a run.
@@ -238,7 +232,7 @@ class Ranking:
         checked = [effect for effect in drawn if effect.simulated is not None]
         told = self.verdict(checked)
         warning = f"{told} (hollow bars; the diamond is the run)" if any(e.differs for e in drawn) else ""
-        if drawn and all(effect.differs and np.isfinite(effect.simulated or 0.0) for effect in drawn):
+        if self._only_runs_hold:
             warning = f"{told}: the bars are the runs, not first order"
             blocks = list(map(_in_runs, blocks))
         changes = [[effect.change for effect in effects] for effects in blocks]
@@ -263,6 +257,12 @@ class Ranking:
             conditions="; ".join(filter(None, parts)),
             blocks=[pictures.Bars(**self._bars(*each)) for each in zip(blocks, sizes, strict=True)],
         )
+
+    @property
+    def _only_runs_hold(self) -> bool:
+        """Whether the runs differ from all effects of the picture, so that no effect to first order holds."""
+        drawn = list(itertools.chain(*self._blocks()))
+        return bool(drawn) and all(e.differs and np.isfinite(e.simulated or 0.0) for e in drawn)
 
     @property
     def _words(self) -> str:
@@ -315,8 +315,12 @@ def _mark(effect: Effect) -> float | None:
 
 def _in_runs(effects: Sequence[Effect]) -> list[Effect]:
     """Return effects whose ``change`` is the change in the run, the largest first, without ``simulated``."""
-    found = [effect._replace(change=effect.simulated or 0.0, simulated=None) for effect in effects]
-    return sorted(found, key=lambda effect: -abs(effect.change))
+    return [effect._replace(change=effect.simulated or 0.0, simulated=None) for effect in _by_run(effects)]
+
+
+def _by_run(effects: Sequence[Effect]) -> list[Effect]:
+    """Return effects in the order of the changes in their runs, the largest first; effects without run last."""
+    return sorted(effects, key=lambda effect: (effect.simulated is None, -abs(effect.simulated or 0.0)))
 
 
 def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:

@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+from itertools import islice
 
 import pytest
 
@@ -76,21 +77,24 @@ def interrupted(request, tmp_path, monkeypatch, capsys):
 
     Check the message, and return command and table.
     """
+    table = tmp_path / f"runs{request.param}"
+    command = ["sweep", "--vary", "contact.restitution=0.3:0.7:50", "-o", str(table)]
+    interrupt(command, monkeypatch)
+    assert f"{table} has the finished runs" in capsys.readouterr().err
+    return command, table
+
+
+def interrupt(command, monkeypatch):
+    """Interrupt a command after two batches of runs."""
     real = module.run_in_threads
 
     def run_in_threads(*arguments):
-        batches = real(*arguments)
-        for _ in range(2):
-            yield next(batches)
+        yield from islice(real(*arguments), 2)
         raise KeyboardInterrupt
 
-    table = tmp_path / f"runs{request.param}"
-    command = ["sweep", "--vary", "contact.restitution=0.3:0.7:50", "-o", str(table)]
     with monkeypatch.context() as patched:
         patched.setattr(module, "run_in_threads", run_in_threads)
         assert cli.main(command) == 130
-    assert f"{table} has the finished runs" in capsys.readouterr().err
-    return command, table
 
 
 def rows_of(table):
@@ -114,6 +118,20 @@ def test_ctrl_c_keeps_the_rows_that_are_done_and_the_same_command_goes_on(interr
     assert all(row in whole for row in kept)
     assert cli.main([*command[:-1], str(table.with_stem("other"))]) == 0
     assert whole == rows_of(table.with_stem("other"))
+
+
+def test_a_repeated_sweep_that_is_interrupted_leaves_the_complete_table(tmp_path, monkeypatch, capsys):
+    table = tmp_path / "runs.csv"
+    command = ["sweep", "--vary", "contact.restitution=0.3:0.7:80", "-o", str(table)]
+    assert cli.main(command) == 0
+    whole = rows_of(table)
+    for _ in range(2):
+        interrupt(command, monkeypatch)
+        assert f"{table}.partial has the finished runs" in capsys.readouterr().err
+        assert rows_of(table) == whole
+    assert cli.main(command) == 0
+    assert rows_of(table) == whole
+    assert [path.name for path in tmp_path.iterdir()] == [table.name]
 
 
 def test_a_sweep_ignores_rows_left_by_another_sweep(interrupted, capsys):

@@ -32,6 +32,8 @@ def test_columns_of_a_sweep_are_found_by_name(found):
     assert found["status"].tolist() == ["restitution_not_allowed", "ok", "ok", "ok"]
     assert found.failed.tolist() == [True, False, False, False]
     assert np.isnan(found["point[4].x"]).tolist() == [True, False, False, False]
+    assert np.isnan(found["max_penetration"]).tolist() == [True, False, False, False]
+    assert np.isnan(found["peak_force"]).tolist() == [True, True, False, True]  # a failed run, and impulses
     assert found["impact.last_wall"].dtype == np.int64
     assert found.table.dtype.names == found.names
     with pytest.raises(KeyError, match=r"^'peak is not a column of the sweep; there are contact"):

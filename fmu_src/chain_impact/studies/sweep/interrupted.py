@@ -25,7 +25,17 @@ def partial_path(table: Path) -> Path:
     return table.with_name(table.name + SUFFIX)
 
 
-def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[Span]) -> None:
+def is_complete(table: Path) -> bool:
+    """Return whether the file of a table exists, and is not the unfinished table of an interrupted sweep."""
+    if not table.exists() or not partial_path(table).is_file():
+        return table.exists()
+    with np.load(partial_path(table)) as kept:
+        return bool(kept.get("beside_complete_table", False))
+
+
+def keep(
+    table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[Span], *, complete: bool
+) -> None:
     """Write the finished runs of an interrupted sweep to the file ``partial_path`` beside the table.
 
     Args:
@@ -33,12 +43,14 @@ def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[
         head: the data that identify the sweep (``known_by``).
         rows: the rows of all runs of the sweep; those of runs that have not finished have no meaning.
         done: the spans of the finished runs.
+        complete: whether the file of the table is complete (``is_complete``).
 
     Raises:
         OSError: when the file cannot be written.
     """
+    spans = np.array(done, np.int64)
     with written_whole(partial_path(table)) as fresh, fresh.open("wb") as file:
-        np.savez(file, head=json.dumps(head), rows=rows, done=np.array(done, np.int64))
+        np.savez(file, head=json.dumps(head), rows=rows, done=spans, beside_complete_table=complete)
 
 
 def restore_runs(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:

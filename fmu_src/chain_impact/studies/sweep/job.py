@@ -262,11 +262,12 @@ class Runner:
         return rows
 
     def _forget_unknown(self, rows: np.ndarray) -> None:
-        """Set energies, other outputs of the motion, and derivatives to NaN in runs that stopped at a fault.
+        """Set the results that a run does not have after a fault to NaN.
 
-        Outputs of impacts and of the solver stay, and so do the largest values up to the fault.
+        These are the largest values of the run, energies, other outputs of the motion, and derivatives.
+        Outputs of the impacts before the fault and of the solver stay.
         """
         failed = rows[STATUS] != OK
-        for name, variable in self._columns.items():
-            if variable.record_path[0] in {"output", BEHIND}:
-                rows[name][failed] = np.nan
+        unknown = [name for name, output in self._columns.items() if output.record_path[0] in {"output", BEHIND}]
+        for name in (*self._job.peaks, *((JOINT_FORCE,) if self._loads else ()), *unknown):
+            rows[name][failed] = np.nan

@@ -163,7 +163,8 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
         if SceneFacts(scene)["contacts"]
         else {name for name, peak in PEAKS.items() if not peak.at_stops}
     )
-    without_force = {name: np.isnan(runs[name]) for name in runs.names if name in LOADS}  # at rigid walls
+    # rigid walls give runs without a force
+    without_force = {name: np.isnan(runs[name])[~runs.failed] for name in runs.names if name in LOADS}
     absent |= {name for name, rows in without_force.items() if rows.all()}
     shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
     additional = [_at_end(name, prepared) for name in runs.outputs if name not in main]

@@ -17,7 +17,7 @@ from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.computation import Computation, Span, columns_of
 from chain_impact.studies.sweep.dataset import known_by, locked_dataset
 from chain_impact.studies.sweep.design import Design, Sampling, check_table_size, grid, sampled, whole_number
-from chain_impact.studies.sweep.interrupted import keep, partial_path, restore_runs
+from chain_impact.studies.sweep.interrupted import is_complete, keep, partial_path, restore_runs
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
 from chain_impact.studies.sweep.variation import Values, variations_of
@@ -137,7 +137,7 @@ def _interruptible(
 ) -> Iterator[None]:
     """If an exception ends the ``with`` block, call ``keep``, and write the finished runs to the table.
 
-    Without a finished run, nothing is written.
+    Without a finished run, nothing is written. A complete table of an earlier sweep stays as it is.
 
     Args:
         table: the path of the table.
@@ -146,10 +146,12 @@ def _interruptible(
         done: the spans of the finished runs, to which the block adds.
         design: the varied values of each run.
     """
+    complete = is_complete(table)
     try:
         yield
     except BaseException:
         if done:
-            keep(table, head, rows, done)
+            keep(table, head, rows, done, complete=complete)
+        if done and not complete:
             write_table(table, (columns_of(design, rows[slice(*batch)], batch[0]) for batch in sorted(done)))
         raise

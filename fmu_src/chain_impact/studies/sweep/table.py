@@ -50,7 +50,8 @@ class Sweep(Runs):
       the values of the FMU at the end of the run.
     - ``status``: ``ok``, or a word for the fault; ``solver.status`` has the number of the status.
 
-    A run with a fault has NaN for energies, and for additional outputs of the motion and derivatives.
+    A run with a fault has NaN for the largest values, energies, additional outputs of the motion, and
+    derivatives.
 
     Attributes:
         scene: the scene, which has the values of all parameters that are not varied.
