@@ -284,7 +284,7 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
 
 
 def test_a_process_that_waits_says_so(monkeypatch):
-    monkeypatch.setattr(cache, "PATIENCE", 0.05)
+    monkeypatch.setattr(cache, "UNREPORTED_WAIT", 0.05)
     begun, told = threading.Event(), threading.Event()
     monkeypatch.setattr(cache.log, "debug", lambda sentence: (said.append(sentence), told.set()))
     said = []

@@ -103,7 +103,7 @@ def test_a_cluster_without_workers_is_refused(scheduler):
 
 
 def test_no_workers_left(scheduler, monkeypatch):
-    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    monkeypatch.setattr(cluster, "CHECK_INTERVAL", 0.5)
     worker = scheduler.worker()
     with pytest.raises(RunError, match="it has no workers left"):
         sweep(
