@@ -78,7 +78,8 @@ def here(tmp_path, monkeypatch):
 def run(here, capsys, monkeypatch):
     """Run a command in an empty folder: (exit code, standard output, standard error)."""
 
-    monkeypatch.setattr(progress, "LINE_INTERVAL", math.inf)  # tests on slow machines print no lines of progress
+    # tests on slow machines print no lines of progress
+    monkeypatch.setattr(progress, "LINE_INTERVAL", math.inf)
 
     def run(*arguments):
         try:

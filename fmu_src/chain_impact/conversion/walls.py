@@ -260,9 +260,7 @@ class Walls:
             if counts:
                 what = ", ".join(plural(count, kind) for kind, count in counts.items())
                 effect = Effect.CONTACT if touches and touching else Effect.NONE
-                self.differences.append(
-                    Difference(kind="shapes", name=what, text=text, effect=effect)
-                )
+                self.differences.append(Difference(kind="shapes", name=what, text=text, effect=effect))
         for i in range(len(self.parts)):
             self._tell_unknown(i, "points" if balls[i] else "two ends")
         for i in sorted(touching):

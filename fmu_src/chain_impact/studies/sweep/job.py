@@ -268,6 +268,6 @@ class Runner:
         Outputs of the impacts before the fault and of the solver stay.
         """
         failed = rows[STATUS] != OK
-        unknown = [name for name, output in self._columns.items() if output.record_path[0] in {"output", BEHIND}]
-        for name in (*self._job.peaks, *((JOINT_FORCE,) if self._loads else ()), *unknown):
+        outputs = [name for name, one in self._columns.items() if one.record_path[0] in {"output", BEHIND}]
+        for name in (*self._job.peaks, *((JOINT_FORCE,) if self._loads else ()), *outputs):
             rows[name][failed] = np.nan
