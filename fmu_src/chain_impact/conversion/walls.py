@@ -275,7 +275,7 @@ class Walls:
                 )
 
     def _tell_unknown(self, i: int, touching: str) -> None:
-        """Report shapes of the link with index ``i`` that can touch and have unknown outlines, such as meshes.
+        """Report shapes of link ``i`` (from 0) that can touch and have unknown outlines, such as meshes.
 
         ``touching`` says what touches walls in their place.
         """

@@ -319,7 +319,7 @@ def _in_runs(effects: Sequence[Effect]) -> list[Effect]:
 
 
 def _by_run(effects: Sequence[Effect]) -> list[Effect]:
-    """Return effects in the order of the changes in their runs, the largest first; effects without run last."""
+    """Return effects by the changes in their runs, the largest first; effects without a run come last."""
     return sorted(effects, key=lambda effect: (effect.simulated is None, -abs(effect.simulated or 0.0)))
 
 
