@@ -26,7 +26,7 @@ from chain_impact.pictures.drawing.style import BLUE, headline
 from chain_impact.recording.text import number
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.other_law import law_values
+from chain_impact.studies.law_exchange import law_values
 
 PROBLEM = PROBLEMS["steel"]
 STIFFNESSES = (1e5, 1e6, 1e7, 1e8, 1e9, 1e10, STEEL, 1e12)

@@ -178,7 +178,7 @@ def test_a_recording_has_the_parameters_in_use(fmus):
     assert (found.stops[2].low, found.stops[2].high, found.stops[2].length) == (0.0, 2.5, 0.5)
     first = found.impacts[0]
     assert (first["point"], found.wall_names[first["wall"]]) == (2, "joint_min")
-    assert found.end_speeds[0] == 0.5 * first["impact_speed"]
+    assert found.linear_impact_speeds[0] == 0.5 * first["impact_speed"]
 
 
 def test_the_description_tells_what_is_derived(fmus):

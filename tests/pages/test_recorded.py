@@ -117,7 +117,7 @@ def test_the_page_has_the_ranges_and_tells_stops_from_walls():
         "x_max": False,
     }
     first = packed["impacts"][0]
-    assert first["endSpeed"] == 0.5 * first["speed"]
+    assert first["linearSpeed"] == 0.5 * first["speed"]
 
 
 def test_ten_seconds_of_four_links_are_small():

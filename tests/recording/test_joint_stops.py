@@ -70,8 +70,10 @@ def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():
     assert (impacts["point"][0], found.wall_names[impacts["wall"][0]], at_stop[0]) == (2, "joint_min", True)
     assert at_stop.any()
     assert not at_stop.all()
-    np.testing.assert_array_equal(found.end_speeds, impacts["impact_speed"] * np.where(at_stop, 0.5, 1.0))
-    speeds = found.end_speeds[by_speed(found)].tolist()
+    np.testing.assert_array_equal(
+        found.linear_impact_speeds, impacts["impact_speed"] * np.where(at_stop, 0.5, 1.0)
+    )
+    speeds = found.linear_impact_speeds[by_speed(found)].tolist()
     assert speeds == sorted(speeds, reverse=True)
     knee_at = found.point_at(1, impacts["onset"][0])
     np.testing.assert_allclose(found.spot(impacts[0]), knee_at, atol=0.01)  # the ring is at the joint

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, simulate
+from chain_impact.simulation.derivative_limits import NO_LESS, REASONS, REASONS_OF_FRICTION
 from chain_impact.simulation.derivatives import DifferentiatedRun
-from chain_impact.simulation.reasons import NO_LESS, REASONS, REASONS_OF_FRICTION
 from tests.helpers.scenes.derivative_scenes import (
     Case,
     differences,

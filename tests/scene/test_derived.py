@@ -1,6 +1,6 @@
 """Derived values stay derived until a file gives them, after any change, write or comparison."""
 
-# Tests: scene/completion.py, scene/keys/default_rules.py
+# Tests: scene/complete_scene.py, scene/keys/default_rules.py
 
 import pickle
 import tomllib

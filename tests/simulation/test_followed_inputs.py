@@ -1,6 +1,6 @@
 """Inputs that are functions: the solver follows them to its tolerance, at any rows."""
 
-# Tests: simulation/follower.py
+# Tests: simulation/approximation.py
 
 import math
 

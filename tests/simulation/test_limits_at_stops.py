@@ -1,6 +1,6 @@
 """The end of derivatives at the stop of a joint: the sentence names the joint, not a point at a wall."""
 
-# Tests: simulation/reasons.py
+# Tests: simulation/derivative_limits.py
 
 import pytest
 

@@ -88,7 +88,9 @@ def data(recording: Recording) -> dict[str, Any]:
 
 def impacts(recording: Recording) -> list[dict[str, Any]]:
     """Return the impacts of a recording in the form of the page; unknown values are None."""
-    at = zip(recording.impacts, recording.end_speeds.tolist(), recording.at_stops.tolist(), strict=True)
+    at = zip(
+        recording.impacts, recording.linear_impact_speeds.tolist(), recording.at_stops.tolist(), strict=True
+    )
     return [
         {
             "point": int(impact["point"]),
@@ -96,12 +98,12 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             "wall": recording.wall_names[impact["wall"]],
             "onset": float(impact["onset"]),
             "end": _known(impact["end"]),
-            "endSpeed": end_speed,
+            "linearSpeed": linear_speed,
             "joint": int(impact["joint"]),
             **{name: _known(impact[column]) for name, column in OF_IMPACT.items()},
             "atStop": at_stop,
         }
-        for impact, end_speed, at_stop in at
+        for impact, linear_speed, at_stop in at
     ]
 
 

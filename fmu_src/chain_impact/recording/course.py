@@ -9,7 +9,7 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from chain_impact.recording.joint_stops import at_stop
+from chain_impact.recording.joint_stops import at_joint_stop
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.words.names import STOPS
@@ -23,7 +23,7 @@ LASTING_SAMPLES = 4000
 SOON = 1e-6
 
 
-class Rerun(Protocol):
+class Repeatable(Protocol):
     """A run that can be repeated, with rows at other times."""
 
     @property
@@ -67,7 +67,7 @@ class Course:
 
 def course_of(
     prepared: PreparedScene,
-    rerun: Rerun | None,
+    rerun: Repeatable | None,
     impact: np.void,
     *,
     until: float = math.nan,
@@ -124,7 +124,7 @@ def contact_output(prepared: PreparedScene, impact: np.void) -> tuple[int, float
     which is positive at ``joint_min`` and negative at ``joint_max``.
     """
     pairs, scene = prepared.candidates, prepared.scene
-    if not at_stop(scene, impact["wall"]):
+    if not at_joint_stop(scene, impact["wall"]):
         return pairs.index((impact["point"], impact["wall"])), 1.0
     first = len(point_wall_pairs(scene))
     of_joint = [joint for joint, _ in pairs[first:]].index(impact["point"])

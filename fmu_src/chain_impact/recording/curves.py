@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.recording.course import Rerun
+from chain_impact.recording.course import Repeatable
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.reading import names_matching
@@ -72,7 +72,7 @@ def curves_of(
     *,
     around: int | None = None,
     prepared: PreparedScene | None = None,
-    rerun: Rerun | None = None,
+    rerun: Repeatable | None = None,
 ) -> Curves:
     """Return the curves of some outputs, for the whole run or for a close view of one impact.
 

@@ -53,12 +53,12 @@ def ranges_of(values: Mapping[str, Any]) -> dict[int, JointRange]:
     return ranges
 
 
-def at_stop(scene: Scene, wall: int) -> bool:
+def at_joint_stop(scene: Scene, wall: int) -> bool:
     """Return whether ``scene.wall_names[wall]`` is a stop of joints: joint_min or joint_max."""
-    return is_stop(wall, scene.wall_names, bool(scene.chain.stops))
+    return is_joint_stop(wall, scene.wall_names, bool(scene.chain.stops))
 
 
-def is_stop(wall: int, wall_names: Sequence[str], has_stops: bool) -> bool:
+def is_joint_stop(wall: int, wall_names: Sequence[str], has_stops: bool) -> bool:
     """Return whether ``wall_names[wall]`` is a stop of joints, joint_min or joint_max.
 
     If no joint has stops, the result is False: a real wall may then have the name of a stop.

@@ -64,7 +64,7 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
 
 def slow_spans(recording: Recording) -> list[Span]:
     """Return onset and end [s] (``impact_ends``) of each impact that is shown in slow motion."""
-    impacts, speeds = recording.impacts, recording.end_speeds
+    impacts, speeds = recording.impacts, recording.linear_impact_speeds
     ends = impact_ends(impacts, float(recording.time[-1]))
     fastest = np.argsort(-speeds, kind="stable")[:SLOW_COUNT]
     fastest = fastest[speeds[fastest] >= SLOW_SPEED * speeds.max(initial=0.0)]

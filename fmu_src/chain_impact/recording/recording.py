@@ -12,10 +12,11 @@ from typing import Any, Self
 
 import numpy as np
 
+from chain_impact.deprecated import OlderName
 from chain_impact.recording.bodies import site_radii
 from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import NO_IMPACTS
-from chain_impact.recording.joint_stops import JointRange, is_stop
+from chain_impact.recording.joint_stops import JointRange, is_joint_stop
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import FRICTION, NO_PHASES, SLIDER_STOP, WALL, Touch
 from chain_impact.recording.tables import save_impacts
@@ -262,7 +263,7 @@ class Recording:
 
     def is_stop(self, wall: int) -> bool:
         """Return whether ``wall_names[wall]`` is a stop of joints: joint_min or joint_max."""
-        return is_stop(wall, self.wall_names, bool(self.stops))
+        return is_joint_stop(wall, self.wall_names, bool(self.stops))
 
     def toucher(self, impact: np.void) -> str:
         """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider"."""
@@ -280,18 +281,17 @@ class Recording:
         """Whether each impact is at a stop of a joint, shape (I,)."""
         return np.array([self.is_stop(wall) for wall in self.impacts["wall"]], bool)
 
-    @property
-    def end_speeds(self) -> np.ndarray:
-        """The impact speeds, shape (I,) [m/s].
-
-        At a stop of a joint, the entry is the angular speed times the length of the joint's link.
-        """
+    @cached_property
+    def linear_impact_speeds(self) -> np.ndarray:
+        """The impact speeds, shape (I,) [m/s]; at a joint's stop the angular speed times the link length."""
         arms = [
             self.stops[point].length if stopped else 1.0
             for point, stopped in zip(self.impacts["point"].tolist(), self.at_stops, strict=True)
         ]
         speeds: np.ndarray = self.impacts["impact_speed"] * np.array(arms)
         return speeds
+
+    end_speeds = OlderName("linear_impact_speeds")
 
     def at(self, rows: np.ndarray) -> Recording:
         """Return the recording with the rows of the given indices only, without derivatives.

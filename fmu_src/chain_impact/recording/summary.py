@@ -11,7 +11,7 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_peaks import EXACT, SAMPLED, joint_peaks
-from chain_impact.recording.joint_stops import at_stop
+from chain_impact.recording.joint_stops import at_joint_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import element_label
@@ -204,7 +204,7 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
     The sentence names the wall, or the stop of a slider, with the deepest penetration, which is too soft
     for the motion. Stops of joints do not count. If no penetration is so large, the list is empty.
     """
-    walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
+    walls = [number for number in range(len(scene.wall_names)) if not at_joint_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)
     body = smallest_body(scene)
     if depths.max(initial=0.0) <= body.deep:

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from chain_impact.recording.course import Course, Rerun, course_of
+from chain_impact.recording.course import Course, Repeatable, course_of
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
 from chain_impact.recording.impacts import NO_IMPACTS
-from chain_impact.recording.passing import passing
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
+from chain_impact.recording.through_walls import points_through_walls
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError, SceneWarning, UnknownNameError, names_matching
 from chain_impact.scene.scene import Scene
@@ -39,7 +39,7 @@ class Pictured(Recording):
 
     prepared: PreparedScene
     statistics: dict[str, int]
-    rerun: Rerun | None
+    rerun: Repeatable | None
 
     @property
     def scene(self) -> Scene:
@@ -58,7 +58,7 @@ class Pictured(Recording):
             positions = self.all_points
         except UnknownNameError:  # the positions of points were left out of the result
             return []
-        return passing(positions, walls, set(point_wall_pairs(self.scene)))
+        return points_through_walls(positions, walls, set(point_wall_pairs(self.scene)))
 
     def plot(
         self,

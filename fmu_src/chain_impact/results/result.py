@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact.deprecated import OlderName
 from chain_impact.recording import summary, tables
-from chain_impact.recording.course import Rerun
+from chain_impact.recording.course import Repeatable
 from chain_impact.recording.joint_stops import JointRange, ranges_of
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
@@ -77,7 +77,7 @@ class Result(Pictured):
     sensitivities: Sensitivities | None = None
     stepwise: Mapping[str, np.ndarray] = field(default_factory=dict, compare=False)
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
-    rerun: Rerun | None = field(default=None, compare=False)
+    rerun: Repeatable | None = field(default=None, compare=False)
 
     @overload
     def __getitem__(self, name: str) -> np.ndarray: ...

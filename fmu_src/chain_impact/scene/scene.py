@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.scene import completion, shapes
+from chain_impact.scene import complete_scene, shapes
 from chain_impact.scene.checks import checks
 from chain_impact.scene.contents import Contents, named_point_hint, slider_hint
 from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
@@ -183,7 +183,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         reader = Reader(Scene)
         scene = reader.read(data)
         scene = replace(scene, derived_paths=tuple(sorted(paths_in_scene(reader.derived, data))))
-        scene = completion.completed(scene, Path(source).parent)
+        scene = complete_scene.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
         # an error of the reader has a path in the data; a later error has a path in the scene, in which an
@@ -295,7 +295,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """Return the scene after changes, pairs (path, new value), with all data read and checked again."""
     data, paths = _plain(scene), [path for path, _ in values]
-    if JOINT_ANGLES_PATH in paths and completion.ANGLES not in above(paths):
+    if JOINT_ANGLES_PATH in paths and complete_scene.ANGLES not in above(paths):
         del data["initial"]["angles"]
     # if one entry of a derived list is given, all entries of the list become given values
     without_derived(data, scene.derived_paths, kept=above(paths))
@@ -310,7 +310,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
                 f"{scene.name}: {value_text(path)} is not a path to a value of the scene"
             ) from None
     changed = _validated(_without_empty(shapes.without_corners(data)), scene.name, in_file=False)
-    kept = scene.has_joint_angles and completion.ANGLES not in paths
+    kept = scene.has_joint_angles and complete_scene.ANGLES not in paths
     return replace(changed, has_joint_angles=kept or changed.has_joint_angles)
 
 

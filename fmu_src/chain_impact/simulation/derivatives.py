@@ -20,16 +20,13 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import LOG_DTYPE, POSITION, in_order
-from chain_impact.recording.joint_stops import at_stop
+from chain_impact.recording.joint_stops import at_joint_stop
 from chain_impact.recording.text import toucher_name
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.scene.words.names import DataPath
-from chain_impact.simulation.inputs import Given, InputCourse, by_name, input_course
-from chain_impact.simulation.instance import Instance, SimulationError
-from chain_impact.simulation.one_sided import bends_at_start
-from chain_impact.simulation.output_rows import WordRows
-from chain_impact.simulation.reasons import (
+from chain_impact.simulation.bends_at_start import bends_at_start
+from chain_impact.simulation.derivative_limits import (
     LEFT_OPEN,
     NO_LESS,
     NO_RISE,
@@ -38,6 +35,9 @@ from chain_impact.simulation.reasons import (
     REASONS_AT_STOPS,
     REASONS_OF_FRICTION,
 )
+from chain_impact.simulation.inputs import Given, InputSchedule, by_name, input_schedule
+from chain_impact.simulation.instance import Instance, SimulationError, WordRows
+from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.prepared import PreparedScene
@@ -65,7 +65,7 @@ class DifferentiatedInstance(Instance):
         self,
         prepared: PreparedScene,
         varied: Sequence[Variable],
-        course: InputCourse | None = None,
+        schedule: InputSchedule | None = None,
     ) -> None:
         """Make the instance as ``Instance`` does, with derivatives with respect to P parameters and inputs.
 
@@ -81,7 +81,7 @@ class DifferentiatedInstance(Instance):
         self._impact_layout = np.dtype(
             [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
         )
-        super().__init__(prepared, course, varied)
+        super().__init__(prepared, schedule, varied)
 
     def initialize(self) -> None:
         """Set the instance and its tangent instances to the start of the run.
@@ -228,7 +228,7 @@ class DifferentiatedInstance(Instance):
             scene, wall = self.prepared.scene, trust["wall"]
             touching = toucher_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
             where = f", the {cause} of {touching} at {scene.wall_names[wall]}"
-            reasons = REASONS_AT_STOPS if at_stop(scene, wall) else reasons
+            reasons = REASONS_AT_STOPS if at_joint_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]
         ended = f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}"
         return ended, *told
@@ -319,16 +319,16 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        course = input_course(self._prepared, self._inputs, self._interpolation, times)
-        rows = instance.rows(len(course.times), self._words)
-        asked = np.searchsorted(course.times, times)
-        course.set(instance.record, 0)
+        schedule = input_schedule(self._prepared, self._inputs, self._interpolation, times)
+        rows = instance.rows(len(schedule.times), self._words)
+        asked = np.searchsorted(schedule.times, times)
+        schedule.set(instance.record, 0)
         try:
             instance.restart(self._paths, values)
         except SimulationError:
             rows.numbers[:] = np.nan
             return self._differentiated(rows.numbers[asked], [])
-        done, impacts = instance.run(course, rows)
+        done, impacts = instance.run(schedule, rows)
         rows.numbers[done:] = np.nan
         impacts.append(instance.open_contacts())
         return self._differentiated(rows.numbers[asked], impacts)

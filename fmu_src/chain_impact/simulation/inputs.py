@@ -16,7 +16,7 @@ from chain_impact.scene.files.table_file import TIME, TableSource, gap_hints, re
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import INPUTS_OF, DataPath, input_key
-from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
+from chain_impact.simulation.approximation import RESOLVED, Approximator, NotSmoothError
 from chain_impact.simulation.input_values import checked_signal, finite_value
 from chain_impact.simulation.motions import (
     ACCURACY,
@@ -59,7 +59,7 @@ PIECE = "piece"
 
 
 @dataclass(frozen=True)
-class InputCourse:
+class InputSchedule:
     """The inputs of a run: constants, or polynomials in time, in each of P pieces.
 
     Attributes:
@@ -82,7 +82,7 @@ class InputCourse:
     restarts: np.ndarray
     slips: np.ndarray
 
-    def at(self, times: np.ndarray) -> InputCourse:
+    def at(self, times: np.ndarray) -> InputSchedule:
         """Return the same inputs with other communication points: ``times`` [s], and the starts of pieces.
 
         Pieces that start after the last of ``times`` are left out.
@@ -130,9 +130,9 @@ class InputCourse:
             given["changed"] = REINITIALIZE if anew else CONTINUES
 
 
-def input_course(
+def input_schedule(
     prepared: PreparedScene, inputs: Given, interpolation: str, times: np.ndarray
-) -> InputCourse:
+) -> InputSchedule:
     """Return the inputs of a simulation over time, with given communication points.
 
     Args:
@@ -155,7 +155,7 @@ def input_course(
     run = times if begins else np.union1d(0.0, times)
     if not inputs:
         asked = np.ones(len(run), bool) if begins else np.isin(run, times)
-        return InputCourse(run, asked, (), NO_PIECES, FIRST_ROW, NEVER, NEVER)
+        return InputSchedule(run, asked, (), NO_PIECES, FIRST_ROW, NEVER, NEVER)
     signals, stop = _signals_of(prepared, inputs), float(run[-1])
     channels = channels_of(prepared) if interpolation != "hold" and stop > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
@@ -180,7 +180,7 @@ def input_course(
     slips = np.asarray(jumps(pieces, moving[belts], 1).any(axis=1))
     bends = jumps(pieces, moving, 2).any(axis=1)
     paths = {variable.name: variable.record_path for variable in prepared.inputs}
-    return InputCourse(
+    return InputSchedule(
         times=together,
         asked=np.isin(together, times),
         paths=(*(paths[name] for name in signals), *((MOTION, PIECE, j) for j in range(len(motions)))),
@@ -300,17 +300,17 @@ def _with_functions(
 ) -> Pieces:
     """Return the pieces ``held`` of all signals, with polynomials of the ``functions`` in their ``columns``.
 
-    In ``held`` all signals are constant or linear; see ``Follower.with_held``. ``errors`` are the
-    arguments ``accuracy`` and ``resolved`` of ``Follower``, each with a number for each function.
+    In ``held`` all signals are constant or linear; see ``Approximator.with_held``. ``errors`` are the
+    arguments ``accuracy`` and ``resolved`` of ``Approximator``, each with a number for each function.
     """
     names = list(functions)
 
     def called(times: np.ndarray) -> np.ndarray:
         return np.stack([function(times) for function in functions.values()], axis=1)
 
-    follower = Follower(called, float(held.end[-1]), *errors)
+    approximator = Approximator(called, float(held.end[-1]), *errors)
     try:
-        return follower.with_held(held, columns)
+        return approximator.with_held(held, columns)
     except NotSmoothError as error:
         which = names[error.which]
         raise SceneError(

@@ -15,7 +15,7 @@ from chain_impact.recording.stick_slip import CHANGE_DTYPE
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import parts_in_words
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.inputs import InputCourse
+from chain_impact.simulation.inputs import InputSchedule
 from chain_impact.simulation.kernels import kernel_for
 from chain_impact.simulation.output_rows import Rows, spans_of
 from chain_impact.variables.indices import HEAD, log_words
@@ -69,7 +69,7 @@ class Instance:
     def __init__(
         self,
         source: Scene | PreparedScene,
-        course: InputCourse | None = None,
+        schedule: InputSchedule | None = None,
         varied: Sequence[Variable] | None = None,
     ) -> None:
         """Load or compile the kernel; set the instance to its start, with the first values of the inputs.
@@ -84,8 +84,8 @@ class Instance:
         varied = self.prepared.varied if varied is None else varied
         self._use(self.prepared.new_instance(varied))
         self._log_at = log_words(self.prepared.sizes)
-        if course:
-            course.set(self.record, 0)
+        if schedule:
+            schedule.set(self.record, 0)
         size = self.prepared.kernel_size
         self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied), sizes=size)
         self.initialize()
@@ -156,20 +156,20 @@ class Instance:
         return count
 
     def run(
-        self, course: InputCourse, rows: Rows, progress: Progress = silent
+        self, schedule: InputSchedule, rows: Rows, progress: Progress = silent
     ) -> tuple[int, list[np.ndarray]]:
         """Fill rows at all communication points of a run.
 
         Returns the number of filled rows, which a fault makes smaller, and the contacts that have ended.
         """
-        done, impacts, last = 0, [], len(course.times)
-        ends = np.append(course.first[1:], last) if course.paths else None
+        done, impacts, last = 0, [], len(schedule.times)
+        ends = np.append(schedule.first[1:], last) if schedule.paths else None
         while done < last and self.status == OK:
             # no call of ``rows.fill`` goes beyond a piece of the inputs, because each piece has other inputs
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
             end = min(done + rows.chunk, until)
-            course.set(self.record, done)
-            done += rows.fill(self, course.times[done:end], done)
+            schedule.set(self.record, done)
+            done += rows.fill(self, schedule.times[done:end], done)
             impacts.append(self.collect())
             progress(done / last)
         return done, impacts

@@ -20,12 +20,12 @@ from chain_impact.scene.checks.checks import start_hint
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal_polynomials import is_position, spline_of_position
 from chain_impact.scene.words.names import AXES
-from chain_impact.simulation.follower import Follower
+from chain_impact.simulation.approximation import Approximator
 from chain_impact.simulation.pieces import Pieces, joined_points
 from chain_impact.variables.kind import MOTION, MOTIONS
 from chain_impact.variables.prepared import PreparedScene
 
-# arguments ``accuracy`` and ``resolved`` of ``Follower`` for motions
+# arguments ``accuracy`` and ``resolved`` of ``Approximator`` for motions
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
 # [1] limits for the position, the speed and the acceleration, relative to the largest value of each: two
 # pieces that differ more than this where they meet make a jump. The limits are wide, because the time of a
@@ -160,8 +160,8 @@ def _integrated(
     inside = breaks[(breaks > 0.0) & (breaks < stop)]
     grid = np.concatenate([[0.0], inside, [stop]])
     placeholder = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
-    follower = Follower(lambda times: value(times)[:, np.newaxis], stop, ACCURACY, FINELY_RESOLVED)
-    pieces = follower.with_held(placeholder, np.array([0]))
+    approximator = Approximator(lambda times: value(times)[:, np.newaxis], stop, ACCURACY, FINELY_RESOLVED)
+    pieces = approximator.with_held(placeholder, np.array([0]))
     powers = pieces.powers[:, :, 0] / np.arange(1.0, pieces.powers.shape[1] + 1.0)
 
     def from_middle(times: np.ndarray, at: np.ndarray) -> np.ndarray:

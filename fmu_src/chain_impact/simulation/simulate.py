@@ -25,7 +25,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
-from chain_impact.simulation.inputs import Given, InputCourse, Interpolation, input_course
+from chain_impact.simulation.inputs import Given, InputSchedule, Interpolation, input_schedule
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.output_rows import WordRows, structured
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
@@ -126,15 +126,15 @@ def simulate(
     indices = prepared.output_indices if output is None else prepared.indices_named(output)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
-    course = _inputs_of_run(prepared, {} if inputs is None else inputs, interpolation, whole, columns)
-    differentiated = DifferentiatedInstance(prepared, varied, course) if varied else None
-    instance = differentiated or Instance(prepared, course, ())
+    schedule = _inputs_of_run(prepared, {} if inputs is None else inputs, interpolation, whole, columns)
+    differentiated = DifferentiatedInstance(prepared, varied, schedule) if varied else None
+    instance = differentiated or Instance(prepared, schedule, ())
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
-    rows = WordRows(len(course.times), wanted, of_state=indices.of_state and not differentiated)
-    done, impacts = instance.run(course, rows, progress or silent)
+    rows = WordRows(len(schedule.times), wanted, of_state=indices.of_state and not differentiated)
+    done, impacts = instance.run(schedule, rows, progress or silent)
     order, sorted_impacts = in_order([*impacts, instance.open_contacts()], prepared.wall_names)
-    every = not course.paths or course.asked.all()
-    asked = slice(done) if every else np.flatnonzero(course.asked[:done])
+    every = not schedule.paths or schedule.asked.all()
+    asked = slice(done) if every else np.flatnonzero(schedule.asked[:done])
     numbers = rows.numbers[asked]
     sensitive = None
     if differentiated:
@@ -146,18 +146,18 @@ def simulate(
             impacts=sorted_impacts,
             impact_slopes=differentiated.slopes_of_impacts(order),
             limits=differentiated.limits,
-            given=[variable.name for variable in prepared.inputs if variable.record_path in course.paths],
+            given=[variable.name for variable in prepared.inputs if variable.record_path in schedule.paths],
         )
     result = Result(
         prepared=prepared,
-        time=course.times[asked],
+        time=schedule.times[asked],
         outputs=structured(numbers, indices.row),
         impacts=sorted_impacts,
         statistics=instance.statistics,
         sensitivities=sensitive,
         stepwise=_Stepwise(numbers[:, width:], words[width:], indices.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
-        rerun=Rerun(prepared, course),
+        rerun=Rerun(prepared, schedule),
     )
     _warn(instance, result)
     if instance.status != OK:
@@ -167,7 +167,7 @@ def simulate(
 
 def _inputs_of_run(
     prepared: PreparedScene, inputs: Given, interpolation: Interpolation, whole: bool, columns: int
-) -> InputCourse:
+) -> InputSchedule:
     """Return the inputs over time, with the times of the rows; refuse a result that would be too large.
 
     Args:
@@ -181,10 +181,10 @@ def _inputs_of_run(
     name, stop = prepared.scene.name, prepared.scene.simulation.stop_time
     step = stop if whole else prepared.scene.simulation.step_size
     check_result_size(name, stop, step, columns)
-    course = input_course(prepared, inputs, interpolation, _row_times(stop, step))
-    if course.paths and not _size_of_rows(len(course.times), columns) <= MOST_BYTES:
-        raise _too_large(f"{name}: the simulation with its inputs has", len(course.times), columns)
-    return course
+    schedule = input_schedule(prepared, inputs, interpolation, _row_times(stop, step))
+    if schedule.paths and not _size_of_rows(len(schedule.times), columns) <= MOST_BYTES:
+        raise _too_large(f"{name}: the simulation with its inputs has", len(schedule.times), columns)
+    return schedule
 
 
 def _warn(instance: Instance, result: Result) -> None:
@@ -243,21 +243,21 @@ class Rerun:
     """A function of times that repeats the run, with rows at these times."""
 
     prepared: PreparedScene
-    course: InputCourse
+    schedule: InputSchedule
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """Return all outputs at the increasing ``times`` [s], shape (S,): a structured array, shape (S,).
 
         The array is shorter if the solver cannot continue, and empty if the run cannot start.
         """
-        course = self.course.at(times)
+        schedule = self.schedule.at(times)
         try:
-            instance = Instance(self.prepared, course, ())
+            instance = Instance(self.prepared, schedule, ())
         except SimulationError:
             return np.zeros(0, self.prepared.row)
-        rows = WordRows(len(course.times), self.prepared.output_words)
-        done, _ = instance.run(course, rows)
-        outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.row)[course.asked[:done]]
+        rows = WordRows(len(schedule.times), self.prepared.output_words)
+        done, _ = instance.run(schedule, rows)
+        outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.row)[schedule.asked[:done]]
         return outputs
 
     def changed(self, values: Mapping[str, Any]) -> Rerun:
@@ -266,7 +266,7 @@ class Rerun:
         Raises:
             SceneError: when the scene cannot have one of the values, or a name is not that of a parameter.
         """
-        return Rerun(PreparedScene(with_values(self.prepared.scene, values)), self.course)
+        return Rerun(PreparedScene(with_values(self.prepared.scene, values)), self.schedule)
 
 
 class _Stepwise(Mapping[str, np.ndarray]):

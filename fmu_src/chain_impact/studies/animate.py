@@ -23,7 +23,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.results.animate import FILM_SIZE, write_animation
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import Given, Interpolation, input_course
+from chain_impact.simulation.inputs import Given, Interpolation, input_schedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows, structured
 from chain_impact.simulation.simulate import simulate
@@ -111,18 +111,18 @@ def record_slowly(
     is_long = touching > LONG_CONTACT * stop
     early = onsets[is_long] + touching[is_long] * np.geomspace(EARLIEST_SHARE, 1.0, EARLY_TIMES)[:, None]
     others = np.append(others, early.ravel()[:MOST_FILM_ROWS])
-    course = input_course(
+    schedule = input_schedule(
         result.prepared,
         {} if inputs is None else inputs,
         interpolation,
         np.union1d(shown, others.clip(0.0, stop)),
     )
-    instance = Instance(result.prepared, course, varied=())
-    rows = WordRows(len(course.times), result.prepared.output_words)
-    done, _ = instance.run(course, rows, lambda part: show(0.5 + part / 2))
+    instance = Instance(result.prepared, schedule, varied=())
+    rows = WordRows(len(schedule.times), result.prepared.output_words)
+    done, _ = instance.run(schedule, rows, lambda part: show(0.5 + part / 2))
     return Result(
         result.prepared,
-        course.times[:done],
+        schedule.times[:done],
         structured(rows.numbers[:done], result.prepared.row),
         result.impacts,
         statistics=instance.statistics,

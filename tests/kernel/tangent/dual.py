@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
-from chain_impact.simulation.inputs import input_course
+from chain_impact.simulation.inputs import input_schedule
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
 from tests.helpers.kernel.columns import Columns
@@ -134,9 +134,9 @@ def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...
 def started(case: Case) -> DifferentiatedInstance:
     """Return an instance at the start of a case, with derivatives of all outputs."""
     prepared = PreparedScene(case.scene)
-    course = input_course(prepared, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
-    instance = DifferentiatedInstance(prepared, varied_by(prepared, case.parameters), course=course)
-    course.set(instance.record, 0)
+    schedule = input_schedule(prepared, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
+    instance = DifferentiatedInstance(prepared, varied_by(prepared, case.parameters), schedule=schedule)
+    schedule.set(instance.record, 0)
     return instance
 
 

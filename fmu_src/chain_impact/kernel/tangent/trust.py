@@ -2,7 +2,8 @@
 
 There are four causes: an onset (``check_onsets``); a jump of a user's force; a mode of dry friction that
 errors or the order of simultaneous events decide (tangent/friction.py); and an implicit step in which the
-iteration of the derivatives does not converge. simulation/reasons.py has a sentence for each reason.
+iteration of the derivatives does not converge. simulation/derivative_limits.py has a sentence for each
+reason.
 """
 
 import math

@@ -31,8 +31,8 @@ RING_DISTANCE = 0.03
 
 
 def by_speed(recording: Recording) -> np.ndarray:
-    """Return the rows of the impacts in the order of ``recording.end_speeds``, from the largest on."""
-    return np.argsort(-recording.end_speeds, kind="stable")
+    """Return the rows of the impacts by ``recording.linear_impact_speeds``, from the largest on."""
+    return np.argsort(-recording.linear_impact_speeds, kind="stable")
 
 
 def draw_rings(axes: Axes, recording: Recording) -> None:

@@ -68,6 +68,6 @@ def with_stops(value: float) -> Derived:
 
 
 # The rule gives None, because the reader reads [contact] after the links; ``with_radii`` in
-# scene/completion.py sets the radius when the whole file has been read.
+# scene/complete_scene.py sets the radius when the whole file has been read.
 CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
 SLIDER_TABLE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)

@@ -26,7 +26,7 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.compare.runs import LawRun, LawRuns, Reached, first_of
 from chain_impact.studies.compare.text import report
-from chain_impact.studies.other_law import (
+from chain_impact.studies.law_exchange import (
     EXACT_LAW,
     LOSSLESS,
     OVERLAPS,

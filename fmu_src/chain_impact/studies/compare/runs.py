@@ -9,11 +9,11 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.equality import same
-from chain_impact.recording.joint_stops import at_stop
+from chain_impact.recording.joint_stops import at_joint_stop
 from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import Scene
-from chain_impact.studies.other_law import contact_at, first_number
+from chain_impact.studies.law_exchange import contact_at, first_number
 
 # An impact is free if its restitution without losses differs from 1, and its restitution with the exact law
 # from e, by at most FREE_TOLERANCE. If a realised restitution exceeds 1 by more than this, other forces drive
@@ -163,7 +163,7 @@ class LawRuns:
     @property
     def at_stop(self) -> bool:
         """Whether ``first_impact`` is at a stop of a joint: moment and angle replace force and length."""
-        return at_stop(self.scene, self.first_impact["wall"])
+        return at_joint_stop(self.scene, self.first_impact["wall"])
 
 
 def grows_again(loop: np.ndarray) -> bool:

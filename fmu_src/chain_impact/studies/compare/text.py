@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.text import TextTable, prefixed
 from chain_impact.studies.compare.runs import LawRun, LawRuns
-from chain_impact.studies.other_law import EXACT_LAW, compared_impact
+from chain_impact.studies.law_exchange import EXACT_LAW, compared_impact
 from chain_impact.variables.impact_units import unit_at
 
 # a law realises the prescribed restitution e if its e′ in the first impact differs from e by at most

@@ -125,19 +125,19 @@ function connectSlider(clock) {
   };
 }
 
-/** Draw a mark for each impact of a recording above the slider; its height is in proportion to `endSpeed` [m/s], but at least `lowest`. */
+/** Draw a mark for each impact of a recording above the slider; its height is in proportion to `linearSpeed`, but at least `lowest`. */
 function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   const density = window.devicePixelRatio;
   Object.assign(canvas, { width: width * density, height: height * density });
   const context = canvas.getContext("2d");
   context.scale(density, density);
   context.fillStyle = colour;
-  const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
+  const fastest = impacts.reduce((most, { linearSpeed }) => Math.max(most, linearSpeed), 1e-12);
   const thumb = 16; // [pixels] width of the slider's thumb: its middle stays half of this away from both ends of the slider
   const lowest = 5; // [pixels] least height of the mark of an impact above the slider
-  for (const { onset, endSpeed } of impacts) {
+  for (const { onset, linearSpeed } of impacts) {
     const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);
-    const tall = Math.max(lowest, (height * endSpeed) / fastest);
+    const tall = Math.max(lowest, (height * linearSpeed) / fastest);
     context.fillRect(x - 1, height - tall, 2, tall);
   }
 }

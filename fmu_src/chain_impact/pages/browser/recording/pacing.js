@@ -6,9 +6,9 @@ export const PACING = SHARED.pacing;
 
 /** Return [onset, impactEnd] [s] of the impacts in slow motion, in the order of time; see SLOW_COUNT and SLOW_SPEED in `pacing.py`. */
 export function slowSpans(impacts) {
-  const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, PACING.SLOW_COUNT);
+  const fastest = [...impacts].sort((a, b) => b.linearSpeed - a.linearSpeed).slice(0, PACING.SLOW_COUNT);
   return fastest
-    .filter(({ endSpeed }) => endSpeed >= PACING.SLOW_SPEED * fastest[0].endSpeed)
+    .filter(({ linearSpeed }) => linearSpeed >= PACING.SLOW_SPEED * fastest[0].linearSpeed)
     .map(({ onset, impactEnd }) => [onset, impactEnd])
     .sort((a, b) => a[0] - b[0]);
 }

@@ -25,7 +25,7 @@ export function impactsOf(impacts, scene, valueOf) {
     const { point, wall, onset, end, joint } = impact;
     const quantities = mapped(SHARED.drawn.OF_IMPACT, (column) => impact[column]);
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
-    const endSpeed = quantities.speed * (atStop ? valueOf(`link[${point}].length`) : 1);
+    const linearSpeed = quantities.speed * (atStop ? valueOf(`link[${point}].length`) : 1);
     const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
     return {
       point,
@@ -34,7 +34,7 @@ export function impactsOf(impacts, scene, valueOf) {
       boxWall: boxWallText(scene.wallNames[wall], valueOf),
       onset,
       end: Number.isFinite(end) ? end : null,
-      endSpeed, joint, atStop,
+      linearSpeed, joint, atStop,
       ...quantities,
     };
   });

@@ -16,7 +16,7 @@ THROUGH = 1e-3
 NAMED_POINTS = 4  # largest number of points that a sentence names
 
 
-def passing(
+def points_through_walls(
     positions: np.ndarray,
     walls: Mapping[int, tuple[str, HalfPlane, np.ndarray | float]],
     pairs: Collection[tuple[int, int]],

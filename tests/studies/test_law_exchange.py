@@ -9,7 +9,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.compare.compare import OVERLAPS
 from chain_impact.studies.compare.plot import conditions, looks_of, message
 from chain_impact.studies.compare.text import advice, heading, law_table, legend
-from chain_impact.studies.other_law import contact_at, contact_with_law, keeps_exponents, law_values
+from chain_impact.studies.law_exchange import contact_at, contact_with_law, keeps_exponents, law_values
 from tests.helpers.scenes.stops import UP, knee
 
 K = "stiffness"

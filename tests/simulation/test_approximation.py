@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.simulation.follower import Follower, NotSmoothError
+from chain_impact.simulation.approximation import Approximator, NotSmoothError
 from chain_impact.simulation.pieces import joined_points
 
 FUNCTIONS = {  # function, allowed number of pieces, times at which the function is not smooth
@@ -25,8 +25,8 @@ FUNCTIONS = {  # function, allowed number of pieces, times at which the function
 }
 
 
-def follower(function, accuracy):
-    return Follower(lambda times: np.array([[function(t)] for t in times.tolist()]), 1.0, accuracy)
+def approximator(function, accuracy):
+    return Approximator(lambda times: np.array([[function(t)] for t in times.tolist()]), 1.0, accuracy)
 
 
 @pytest.mark.full("more cases", but=11)
@@ -35,7 +35,7 @@ def follower(function, accuracy):
 def test_a_function_is_followed_with_few_pieces(name, accuracy):
     function, most, breaks = FUNCTIONS[name]
     held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
-    pieces = follower(function, accuracy).with_held(held, np.array([0]))
+    pieces = approximator(function, accuracy).with_held(held, np.array([0]))
     assert len(pieces.start) <= most
     assert (pieces.start[0], pieces.end[-1]) == (0.0, 1.0)
     np.testing.assert_array_equal(pieces.start[1:], pieces.end[:-1])
@@ -50,20 +50,20 @@ def test_a_function_is_followed_with_few_pieces(name, accuracy):
 
 def test_an_interval_that_is_halved_untried_may_still_become_one_piece():
     pulses = lambda t: sum(math.exp(-(((t - at) / 1.5e-3) ** 2)) for at in (0.05, 0.165, 0.35, 0.7))  # noqa: E731
-    assert len(follower(pulses, 1e-6).pieces(0.0, 1.0)) == 33
+    assert len(approximator(pulses, 1e-6).pieces(0.0, 1.0)) == 33
 
 
 def test_a_jump_is_found_where_it_is():
     function, _, _ = FUNCTIONS["jump"]
     held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
-    pieces = follower(function, 1e-11).with_held(held, np.array([0]))
+    pieces = approximator(function, 1e-11).with_held(held, np.array([0]))
     assert pieces.start[pieces.jumps][1:] == pytest.approx([0.3], abs=1e-12)
 
 
 def test_pieces_of_a_smooth_function_meet_without_a_jump():
     function, _, _ = FUNCTIONS["sine"]
     held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
-    pieces = follower(function, 1e-11).with_held(held, np.array([0]))
+    pieces = approximator(function, 1e-11).with_held(held, np.array([0]))
     assert pieces.jumps.tolist() == [True] + [False] * (len(pieces.start) - 1)
 
 
@@ -75,7 +75,7 @@ def test_equal_pieces_are_fitted_together():
         lengths.append(len(times))
         return np.sin(1000.0 * times)[:, np.newaxis]
 
-    count = len(Follower(sine, 1.0, 1e-15).pieces(0.0, 1.0))
+    count = len(Approximator(sine, 1.0, 1e-15).pieces(0.0, 1.0))
     assert count > 500
     assert len(lengths) < 0.5 * count
     assert sum(lengths) < 25 * count
@@ -84,15 +84,15 @@ def test_equal_pieces_are_fitted_together():
 def test_noise_has_no_pieces():
     random = np.random.default_rng(0)
     with pytest.raises(NotSmoothError):
-        follower(lambda _: random.uniform(), 1e-8).pieces(0.0, 1.0)
+        approximator(lambda _: random.uniform(), 1e-8).pieces(0.0, 1.0)
 
 
 @pytest.mark.full("takes long")
 def test_long_smooth_functions_and_many_pieces_are_allowed():
-    long = Follower(lambda times: np.sin(10.0 * times)[:, np.newaxis], 1000.0, 1e-11)
+    long = Approximator(lambda times: np.sin(10.0 * times)[:, np.newaxis], 1000.0, 1e-11)
     assert len(long.pieces(0.0, 1000.0)) > 1000
     held = joined_points(np.linspace(0.0, 1.0, 5001), np.arange(10002.0).reshape(5001, 2), lines=False)
-    beside = follower(lambda t: math.sin(9.0 * t), 1e-11).with_held(held, np.array([0]))
+    beside = approximator(lambda t: math.sin(9.0 * t), 1e-11).with_held(held, np.array([0]))
     assert len(beside.start) == 5000
 
 
@@ -100,13 +100,13 @@ def test_long_smooth_functions_and_many_pieces_are_allowed():
 def test_a_jump_of_a_derivative_is_found_where_it_is(order):
     """The values alone show it only up to a root of round-off: 1e-8 s for an acceleration."""
     start = 0.337
-    pieces = follower(lambda t: 0.2 + 0.5 * t * t + max(0.0, t - start) ** order, 1e-15).pieces(0.0, 1.0)
+    pieces = approximator(lambda t: 0.2 + 0.5 * t * t + max(0.0, t - start) ** order, 1e-15).pieces(0.0, 1.0)
     nearest = min((abs(piece.start - start), piece.start) for piece in pieces)[1]
     assert nearest == pytest.approx(start, abs=1e-12)
 
 
 def test_two_functions_that_bend_at_one_time_have_pieces_that_meet_there():
     bends = lambda t: [max(0.0, t - 0.337) ** 2, abs(t - 0.337)]  # noqa: E731
-    both = Follower(lambda times: np.array([bends(t) for t in times.tolist()]), 1.0, 4e-15)
+    both = Approximator(lambda times: np.array([bends(t) for t in times.tolist()]), 1.0, 4e-15)
     starts = [piece.start for piece in both.pieces(0.0, 1.0)]
     assert min(abs(time - 0.337) for time in starts) < 1e-12

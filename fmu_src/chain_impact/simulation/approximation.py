@@ -84,7 +84,7 @@ class NotSmoothError(Exception):
         self.time, self.which = time, which
 
 
-class Follower:
+class Approximator:
     """Finds the pieces that approximate M functions of time from 0 to the end of a run."""
 
     def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = RESOLVED) -> None:
