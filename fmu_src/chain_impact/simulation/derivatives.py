@@ -36,7 +36,7 @@ from chain_impact.simulation.derivative_limits import (
     REASONS_OF_FRICTION,
 )
 from chain_impact.simulation.inputs import Given, InputSchedule, by_name, input_schedule
-from chain_impact.simulation.instance import Instance, SimulationError, WordRows
+from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
 from chain_impact.variables.listing import BEHIND
