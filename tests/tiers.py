@@ -1,13 +1,14 @@
 """Two tiers of tests: ``pytest`` runs the quick one, without compilers and browsers, ``pytest --full`` all.
 
-``@pytest.mark.full(reason)`` puts a test into the second tier only; with ``but=3`` its first three cases stay
-in the first. A test named by its node id on the command line always runs.
+``@pytest.mark.full(reason)`` puts a test into the second tier only, but for some cases: ``but="rod_drop"`` is
+the id of a case that stays in the first tier, ``but=["flores", "hertz"]`` are several, and ``but=3`` are the
+first three. A test named by its node id on the command line always runs.
 """
 
 import os
 import re
 import shutil
-from collections import Counter
+from collections import defaultdict
 from functools import cache
 from importlib.util import find_spec
 from itertools import chain
@@ -83,7 +84,7 @@ def pytest_configure(config):
     """Declare the marker, refuse impossible options, and fix the random examples of the quick tier."""
     if config.option.of and not (SOURCES / config.option.of).is_file():
         raise pytest.UsageError(f"--of {config.option.of} must be a module of the package: kernel/advance.py")
-    config.addinivalue_line("markers", "full(reason, but=0): only in pytest --full, but for the first cases")
+    config.addinivalue_line("markers", "full(reason, but=0): only in pytest --full, but for some cases")
     if config.option.without_quick and not config.option.full:
         raise pytest.UsageError("--without-quick needs --full")
     if config.option.full:
@@ -142,17 +143,23 @@ def leave_out(config, items):
     if config.option.full and not config.option.without_quick:
         return
     named = [argument for argument in config.args if "::" in argument]
-    seen, quick, others = Counter(), [], []
+    exempted = {}
+    seen, quick, others = defaultdict(list), [], []
     for item in items:
         mark = item.get_closest_marker("full")
         if mark and not any(is_named(item, name) for name in named):
             function = re.sub(r"\[.*", "", item.nodeid)
-            seen[function] += 1
-            (quick if seen[function] <= first_cases(mark, item) else others).append(item)
+            seen[function].append(case := item.nodeid[len(function) + 1 : -1])
+            but = exempt(mark, item)
+            is_quick = len(seen[function]) <= but if isinstance(but, int) else case in but
+            (quick if is_quick else others).append(item)
+            exempted[function] = {*but} if isinstance(but, list) else set()
         elif config.option.full and item.path.name in not_in_quick_tier():
             others.append(item)
         else:
             quick.append(item)
+    if unknown := [f"{test}[{case}]" for test in exempted for case in exempted[test] - {*seen[test]}]:
+        raise pytest.UsageError(f"no such case: {', '.join(unknown)}")
     kept, left_out = (others, quick) if config.option.full else (quick, others)
     if left_out:
         config.hook.pytest_deselected(items=left_out)
@@ -164,8 +171,9 @@ def is_named(item, name):
     return item.nodeid == name or item.nodeid.startswith(f"{name}[")
 
 
-def first_cases(mark, item):
-    """Return the number of cases of a marked test in the quick tier."""
+def exempt(mark, item):
+    """Return the cases of a marked test in the quick tier: the number of the first ones, or a list of ids."""
     if len(mark.args) != 1 or not isinstance(mark.args[0], str) or mark.kwargs.keys() - {"but"}:
         raise pytest.UsageError(f'{item.nodeid}: the marker must be full("reason") or full("reason", but=3)')
-    return mark.kwargs.get("but", 0)
+    but = mark.kwargs.get("but", 0)
+    return [but] if isinstance(but, str) else but

@@ -18,7 +18,7 @@ from tests.cli.results import PNG, impact_lines, read_csv
 ROD = models_folder() / "rod_drop"
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="rod_drop--o")
 @pytest.mark.parametrize(
     ("scene", "option"), [("rod_drop", "-o"), (ROD, "--output"), (ROD / "scene.toml", "-o")], ids=str
 )

@@ -62,7 +62,7 @@ def test_simulate_prints_the_largest_force_in_a_joint(run):
     assert len(impact_lines(without)[0]) == 8
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="scene")
 def test_check_estimates_the_errors_by_a_second_run(run, source):
     code, said, errors = run(
         "simulate", source, "--check", "--stop-time", "0.6", "--set", "solver.tolerance=1e-7"
@@ -179,7 +179,7 @@ def test_plot_writes_a_picture(run, here, name):
     assert (here / name).stat().st_size > 10_000
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="scene")
 def test_set_changes_parameters(run, source):
     number = CONTACT_LAWS["flores"].number
     first = run("simulate", source, "--set", "contact.model=flores", "--set", "contact.restitution=0.5")
@@ -292,7 +292,7 @@ def test_the_module_can_be_run(here):
     assert re.fullmatch(r"chain-impact: FourLinkBox: --set a=1 is not a parameter.*\n", done.stderr)
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="scene")
 def test_set_takes_the_keys_of_a_scene_file(run, source):
     first = run("simulate", source, "--stop-time", "0.5", "--set", "chain.links[1].mass=1.5")
     assert first == run("simulate", source, "--stop-time", "0.5", "--set", "link[1].mass=1.5")

@@ -70,7 +70,7 @@ def test_each_number_of_a_status_has_its_own_line(run):
     ]
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="scene")
 def test_values_that_info_prints_can_be_set(run, source):
     lines = info(run, source)[0].splitlines()[1:]
     named = [line.strip().replace(" = ", "=", 1) for line in lines if re.search(r"[\[.]", line.split("=")[0])]

@@ -100,7 +100,7 @@ def growth(fmu, warm_up, cycles):
     return (memory() - before) / cycles
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="native")
 def test_native_instances_leave_nothing_behind(strict, clean):
     assert clean(growth, strict["rod_drop"], 500, 4000) < 0.01  # kB
 

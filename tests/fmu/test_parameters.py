@@ -83,7 +83,7 @@ def tuned(fmu, at, values, stop, step):
     return [one.outputs, one.run([step * i for i in range(round(at / step) + 1, round(stop / step) + 1)])]
 
 
-@pytest.mark.full("more cases", but=2)
+@pytest.mark.full("more cases", but=["pythonfmu-knee", "pythonfmu-thrown"])
 @pytest.mark.parametrize("model", TUNED)
 def test_tunable_parameters_can_be_set_between_steps(fmus, clean, model):
     (at, values), stop = TUNED[model], STOPS[model]

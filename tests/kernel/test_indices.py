@@ -82,7 +82,7 @@ SCENES = {
 }
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="explicit")
 @pytest.mark.parametrize("name", SCENES)
 def test_no_index_is_negative(name):
     scene, time = SCENES[name]
@@ -94,7 +94,7 @@ def test_no_index_is_negative(name):
     assert d.impact.count > 0
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="zhang_sharf")
 @pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
 def test_no_index_is_negative_where_inputs_and_parameters_change(model):
     """A tip is pressed onto the floor, its law changes, a torque follows a polynomial, the tip is raised."""

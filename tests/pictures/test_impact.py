@@ -26,7 +26,7 @@ def test_the_loop_encloses_the_lost_energy_and_has_the_peak_of_the_list():
     np.testing.assert_allclose(0.5 * (course.speed[1:] + course.speed[:-1]), moved, atol=0.02)
 
 
-@pytest.mark.full("more cases", but=2)
+@pytest.mark.full("more cases", but=["bouncing_table", "stick_slip_belt"])
 @pytest.mark.parametrize("model", ["bouncing_table", "stick_slip_belt", "four_link_box", "carried_arm"])
 def test_the_run_is_the_same_once_more(model):
     """Also test motions and inputs, other rows, and an unpickled result."""

@@ -10,10 +10,12 @@ import tomllib
 from collections import Counter, defaultdict
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import chain_impact
+from tests import tiers
 from tests.scheduling import SLOWEST, WITH
 from tests.tiers import GROUPS, IMPORTING, subjects
 
@@ -224,6 +226,22 @@ def test_the_modules_of_a_test_file_come_from_its_name_and_its_lines():
     assert "kernel/advance.py" in subjects(tests / "kernel" / "test_advance.py")
     assert "kernel/advance.py" in subjects(tests / "kernel" / "test_indices.py")
     assert subjects(tests / "scenarios" / "test_random_scenes.py") == []
+
+
+@pytest.mark.parametrize(
+    ("but", "expected"), [(1, ["one"]), ("two", ["two"]), (["one", "three"], ["one", "three"])]
+)
+def test_a_marked_test_has_some_cases_in_the_quick_tier(but, expected):
+    mark = pytest.mark.full("takes long", but=but).mark
+    option = SimpleNamespace(full=False, without_quick=False)
+    hook = SimpleNamespace(pytest_deselected=lambda items: None)
+    names = [f"test_it.py::test[{case}]" for case in ("one", "two", "three")]
+    items = [SimpleNamespace(nodeid=name, get_closest_marker=lambda _: mark) for name in names]
+    tiers.leave_out(config := SimpleNamespace(option=option, args=[], hook=hook), items)
+    assert [item.nodeid for item in items] == [f"test_it.py::test[{case}]" for case in expected]
+    if but == "two":
+        with pytest.raises(pytest.UsageError, match=r"no such case: test_it.py::test\[two\]"):
+            tiers.leave_out(config, [SimpleNamespace(nodeid=names[0], get_closest_marker=lambda _: mark)])
 
 
 def test_the_order_of_the_tests_names_files_that_exist():

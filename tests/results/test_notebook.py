@@ -13,7 +13,7 @@ data = {"time": result.time, "point[0].y": result["point[0].y"]}
 fit("rod_drop", data, ["gravity.y"], sigma={"point[0].y": 1e-3}, stop_time=0.1).plot()"""
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="nothing imported")
 @pytest.mark.parametrize(
     "cells",
     [(FIRST, SENSITIVE, FITTED), ("import matplotlib.pyplot", FIRST), ("%matplotlib inline", FIRST)],

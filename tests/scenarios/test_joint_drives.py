@@ -232,7 +232,7 @@ VARIED = {
 }
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="explicit")
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_derivatives_through_limits_are_those_of_differences(method):
     scene = random_chain(3, "pinned", limits=True, **BOTH)

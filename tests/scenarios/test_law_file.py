@@ -217,7 +217,7 @@ def takes_another_argument(depth):
     return 1e6 * depth
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="lambda")
 @pytest.mark.parametrize(
     ("law", "reason"),
     [

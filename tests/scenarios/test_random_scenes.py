@@ -136,7 +136,7 @@ OBSERVED = ("output", "latest", "step", "quadrature.dense", "limits", "contact_l
 GARBAGE = 1.7e11
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="plain")
 @pytest.mark.parametrize("seeds", SEEDS.values(), ids=SEEDS)
 def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
     differ = []
@@ -148,7 +148,7 @@ def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
     assert not differ
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="plain")
 @pytest.mark.parametrize("kind", ["plain", "stops", "friction"])
 def test_no_step_reads_what_observing_writes(kind):
     """After each observation the test overwrites all written fields, and the run stays the same."""

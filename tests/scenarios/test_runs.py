@@ -220,7 +220,7 @@ def test_a_damaged_library_is_a_fault_of_the_run(fmus, tmp_path):
     assert Path.cwd() == before
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="pythonfmu")
 @pytest.mark.parametrize("kind", ["pythonfmu", "native", "fmi3"])
 def test_runs_in_threads_leave_the_process_as_it_is(tmp_path_factory, kind):
     path = Path(OnDemand(kind, shared_folder(tmp_path_factory, "fmus") / kind)["rod_drop"])

@@ -16,7 +16,7 @@ def slow(scene, changes, monkeypatch):
         return scene.with_values(changes)
 
 
-@pytest.mark.full("more cases", but=2)
+@pytest.mark.full("more cases", but=["four_link_box", "pinned_arm"])
 @pytest.mark.parametrize("model", MODELS)
 def test_a_changed_number_gives_the_scene_of_a_full_read(model, monkeypatch):
     scene, quick = load_scene(model), 0

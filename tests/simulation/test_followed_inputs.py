@@ -31,7 +31,7 @@ def fast(time):
     return 3.0 * math.sin(300.0 * time)
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="wave-explicit")
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 @pytest.mark.parametrize("torque", [wave, kinked, switched, fast])
 def test_a_function_is_followed_to_the_tolerance(torque, method):
@@ -50,7 +50,7 @@ def test_a_function_is_followed_to_the_tolerance(torque, method):
         assert np.ptp(balance) < 20.0 * tolerance
 
 
-@pytest.mark.full("more cases", but=2)
+@pytest.mark.full("more cases", but=["hertz", "newton_impact"])
 @pytest.mark.parametrize("law", ["hertz", "newton_impact", "kuwabara_kono"])
 def test_the_result_does_not_depend_on_the_rows_through_impacts(law):
     scene = with_values(

@@ -49,7 +49,7 @@ SAME = {
 }
 
 
-@pytest.mark.full("more cases", but=2)
+@pytest.mark.full("more cases", but=["explicit", "implicit"])
 @pytest.mark.parametrize("name", CASES)
 def test_values_are_those_of_the_run(name):
     case = CASES[name]

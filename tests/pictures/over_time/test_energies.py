@@ -20,7 +20,7 @@ def test_energy_from_inputs_is_drawn_if_there_is_any():
     assert energy.get_legend_handles_labels()[1][-1] == "supplied"
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="elastic_floor")
 @pytest.mark.parametrize("model", sorted(model_names(), key=lambda name: name != "elastic_floor"))
 def test_the_drawn_energies_add_up_to_the_drawn_total(model):
     recording = recorded(model)

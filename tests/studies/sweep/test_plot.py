@@ -23,7 +23,7 @@ KINDS = {
 }
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("more cases", but="one number")
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
     vary, options = KINDS[kind]
