@@ -73,10 +73,10 @@ def with_carried(found: Converted, carried: Carried, choices: Choices) -> Conver
         text = few(list(dict.fromkeys(merger.changed)), LINE_NAMES)
         notes.append(f"values in which the file's elements differ from the scene in the file: {text}")
     if merger.lost:
-        text = f"{', '.join(merger.lost)}: left out, as the file's axes or joints differ from its scene's"
+        text = f"{', '.join(merger.lost)}: left out, as the file and the scene in it differ in axes or joints"
         warnings.append(text)
     if merger.missing:
-        text = f"{', '.join(merger.missing)}: left out or shortened: the file lacks a wall or motor of theirs"
+        text = f"{', '.join(merger.missing)}: left out or shortened, as the file lacks their wall or motor"
         warnings.append(text)
     return Converted(data, warnings, differs, left_out, notes)
 
@@ -95,7 +95,7 @@ class _Merger:
         lost: names of the tables and keys of the scene that are left out, because the file's axes or joints
             differ from those of the scene.
         missing: names of the inputs, signals and derivatives of the scene that are left out or shortened,
-            because the file lacks a wall or motor of theirs.
+            because the file lacks their wall or motor.
     """
 
     def __init__(

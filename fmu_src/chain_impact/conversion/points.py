@@ -32,8 +32,7 @@ class Ball(NamedTuple):
             start, shape (2,) [m].
         radius: radius [m].
         name: name of the shape from which the ball comes; "" without a name.
-        blur: distance up to which positions count as equal [m]; it follows from ``PARALLEL_ANGLE``, the angle
-            up to which directions count as parallel.
+        blur: distance up to which positions count as equal [m].
         is_point: whether the shape is a point of a scene of this package. Such a ball is kept, even if every
             wall touches another ball first.
     """

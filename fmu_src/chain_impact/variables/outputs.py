@@ -260,7 +260,7 @@ OUTPUTS = (
         prefix="impact",
         rows="""
         count      |     | impacts since the start                                         | minimum=0
-        last_time  | s   | time of the last impact, time of the start before the first
+        last_time  | s   | time of the last impact; before the first one, time of the start
         last_point |     | point of the last impact, -1 before the first{its_joint}        | minimum=-1 maximum=points
         last_wall  |     | wall of the last impact: {wall_numbers}                         | minimum=0 maximum=walls
         last_speed | m/s | approach speed at the last impact, 0 before the first{in_rad_s} | minimum=0

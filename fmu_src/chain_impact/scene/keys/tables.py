@@ -93,7 +93,7 @@ class Contact:
     )
     friction: float = scene_key("1", "coefficient of sliding friction", OFF, minimum=0.0)
     static_friction: float = scene_key(
-        "1", "coefficient of static friction, not less than friction; 0: as friction", OFF, minimum=0.0
+        "1", "coefficient of static friction, not less than friction; 0: equal to friction", OFF, minimum=0.0
     )
     wall: Mapping[str, Material] = scene_key("", "materials of single walls, by the name of the wall", {})
 

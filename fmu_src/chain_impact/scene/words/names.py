@@ -290,7 +290,7 @@ AT_START = {
     "joint[{n}].position": "initial.angle[{n}] sets the absolute angle of link {n}",
     "joint[{n}].angular_velocity": "initial.angular_velocity[{n}] sets that of link {n}, absolute,",
     "joint[{n}].velocity": "initial.angular_velocity[{n}] sets that of link {n}, absolute,",
-    "slider.position": "it is 0, with the base at initial.x and initial.y,",
+    "slider.position": "with the base at initial.x and initial.y it is 0",
     "slider.velocity": "initial.slider_velocity sets it",
 }
 """Quantity of a motion → words for the parameters that set its start value; {n} stands for the number of a
