@@ -10,7 +10,7 @@ import {
 const AROUND = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
 const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
 // [pixels] height above all curves for the text of the peak force, distance of the text from the peak, and radius of the dot at the peak
-const [PEAK_ROOM, PEAK_ABOVE, PEAK_DOT] = [18, 4, 2.5];
+const [PEAK_ROOM, PEAK_ABOVE, PEAK_DOT] = [22, 5, 2.5];
 // largest extent of both axes, relative to the curves of the contact itself: parts of compared curves beyond it are cut off
 const MOST_BESIDE = 3;
 const [ONLY_IMPULSE, NO_COURSE] = ["an impulse only", "no known force over time"]; // why a contact has no curve
@@ -118,7 +118,7 @@ export class ForceChart extends Chart {
     ctx.save();
     ctx.font = `600 ${11 * devicePixelRatio}px system-ui, sans-serif`;
     const half = ctx.measureText(text).width / 2;
-    Object.assign(ctx, { textAlign: "center", textBaseline: "bottom", lineJoin: "round", lineWidth: 4 * devicePixelRatio });
+    Object.assign(ctx, { textAlign: "center", textBaseline: "alphabetic", lineJoin: "round", lineWidth: 4 * devicePixelRatio });
     Object.assign(ctx, { fillStyle: styleColour("force"), strokeStyle: styleColour("panel") });
     const at = [Math.min(Math.max(x, bbox.left + half), bbox.left + bbox.width - half), y - PEAK_ABOVE * devicePixelRatio];
     ctx.strokeText(text, ...at);
