@@ -318,23 +318,23 @@ JOINT_ANGLES_PATH = ("initial", "joint_angles")  # this key may be given in plac
 
 
 def _path_and_value(
-    scene: Scene, every: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
+    scene: Scene, all_names: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
 ) -> tuple[DataPath, Any]:
     """Return the path and the new value of a change; ``change`` is the path or the name of the value.
 
-    Refuse an unknown name, but no path. ``every`` is a function that returns name → path for all names of the
-    scene; it is called only if the name is not in ``_keys``. ``given`` is the new value.
+    Refuse an unknown name, but no path. ``all_names`` is a function that returns name → path for all names of
+    the scene; it is called only if the name is not in ``_keys``. ``given`` is the new value.
     """
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
         return change, given
-    names = _keys() if change in _keys() else every()
-    written = (change, *other_names(change))
-    typed, change = change, next((name for name in written if name in names), fmu_name(change))
+    names = _keys() if change in _keys() else all_names()
+    spellings = (change, *other_names(change))
+    name_as_typed, change = change, next((name for name in spellings if name in names), fmu_name(change))
     if (hint := slider_hint(scene, change)) or change not in names:
         hint = hint or parameter_hint(change, len(scene.chain.links), scene.signals)
         hint = hint or named_point_hint(scene, change, names)
-        raise UnknownNameError(scene.name, typed, names, "not a parameter", hint)
+        raise UnknownNameError(scene.name, name_as_typed, names, "not a parameter", hint)
     return names[change], _chosen(scene, change, given)
 
 
@@ -363,27 +363,27 @@ def _names(scene: Scene) -> dict[str, DataPath]:
 
 
 def _leaves(
-    value: Any, path: DataPath = (), unit: str = "", apart: int = 0
+    value: Any, path: DataPath = (), unit: str = "", skipped: int = 0
 ) -> Iterator[tuple[DataPath, Any]]:
     """Yield path and value of every single value in ``value``, which has the path ``path`` in the scene.
 
     In a list of numbers with a ``unit``, each entry is a single value; in a list of tables, each value of
-    each table is one. Any other list is a single value as a whole. The first ``apart`` entries of a list are
-    left out: these are the corners of a box, which follow from its size.
+    each table is one. Any other list is a single value as a whole. The first ``skipped`` entries of a list
+    are left out: these are the corners of a box, which follow from its size.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
             inner, unit = getattr(value, entry.name), entry.metadata.get("unit", "")
-            apart = value.corners if entry.name == "points" and isinstance(value, Link) else 0
-            yield from _leaves(inner, (*path, entry.name), unit, apart)
+            skipped = value.corners if entry.name == "points" and isinstance(value, Link) else 0
+            yield from _leaves(inner, (*path, entry.name), unit, skipped)
     elif isinstance(value, Mapping):
         for name, child in value.items():
             yield from _leaves(child, (*path, name))
-    elif isinstance(value, tuple) and value[apart:] and (unit or is_dataclass(value[0])):
-        for i, child in enumerate(value[apart:], apart):
+    elif isinstance(value, tuple) and value[skipped:] and (unit or is_dataclass(value[0])):
+        for i, child in enumerate(value[skipped:], skipped):
             yield from _leaves(child, (*path, i))
     else:
-        yield path, value[apart:] if apart else value
+        yield path, value[skipped:] if skipped else value
 
 
 def _chosen(scene: Scene, name: str, value: Any) -> Any:

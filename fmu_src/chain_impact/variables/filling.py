@@ -99,9 +99,9 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
     The parameters of signals and of the materials of single walls are left out; ``_fill`` writes them.
     """
     readers: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
-    for of, kinds in PARAMETERS:
+    for owner_kind, kinds in PARAMETERS:
         for kind in kinds:
-            if kind.scene_path and of not in ("material", *OF_SIGNALS):
+            if kind.scene_path and owner_kind not in ("material", *OF_SIGNALS):
                 readers.setdefault(str(kind.scene_path[0]), []).append((kind, _reader(kind)))
     return readers
 
@@ -228,7 +228,7 @@ def _words_of(
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}
     layout, kinds, words, there = layout_of(*sizes), _tables()[table], [], []
-    indices_of = {of: _indices(of, known) for of in {kind.owner_kind for kind, _ in kinds}}
+    indices_of = {name: _indices(name, known) for name in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
         given = kind.given_path if not kind.given_path_when or kind.given_path_when in met else None
         indices = indices_of[kind.owner_kind]
@@ -255,7 +255,7 @@ def _fill_materials(d: Any, scene: Scene) -> None:
     All other values stay −1, stiffnesses 0: the value of [contact] applies, but a missing static friction of
     a wall with a given sliding friction equals this sliding friction.
     """
-    for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
+    for kind in (kind for owner_kind, kinds in PARAMETERS if owner_kind == "material" for kind in kinds):
         part, key, _ = map(str, kind.record_path)
         for w, wall in enumerate(scene.wall_names if scene.may_touch else ()):
             value = getattr(scene.contact.wall.get(wall), key, None)

@@ -161,11 +161,11 @@ class OutputIndices(NamedTuple):
     of_state: bool = False
 
 
-def indices_of(variables: Iterable[Variable], every: OutputIndices) -> OutputIndices:
-    """Return the indices of the outputs ``variables``, in this order; ``every`` has those of all outputs."""
+def indices_of(variables: Iterable[Variable], of_all: OutputIndices) -> OutputIndices:
+    """Return the indices of the outputs ``variables``, in this order; ``of_all`` has those of all outputs."""
     paths = {variable.name: variable.record_path for variable in variables}
-    motion = {name: every.motion[name] for name in paths if name in every.motion}
-    stepwise = {name: every.stepwise[name] for name in paths if name in every.stepwise}
+    motion = {name: of_all.motion[name] for name in paths if name in of_all.motion}
+    stepwise = {name: of_all.stepwise[name] for name in paths if name in of_all.stepwise}
     row = np.dtype([(name, np.float64) for name in motion])
     of_state = not stepwise and all(field in STATE_OUTPUTS for _, field, *_ in paths.values())
     return OutputIndices(motion, stepwise, row, _words([*motion.values()], stepwise), of_state)

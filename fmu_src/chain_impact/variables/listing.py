@@ -118,17 +118,17 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
     for number, parameter in enumerate(varied):
         tangent, direction = divmod(number, DIRECTIONS)
         kinds: dict[str, Kind] = {}
-        for of in outputs:
-            if of.kind.name not in kinds:
-                kinds[of.kind.name] = of.kind.derivative(parameter.kind)
+        for output in outputs:
+            if output.kind.name not in kinds:
+                kinds[output.kind.name] = output.kind.derivative(parameter.kind)
             yield Variable(
-                kind=kinds[of.kind.name],
-                name=sensitivity_name(of.name, parameter.name),
+                kind=kinds[output.kind.name],
+                name=sensitivity_name(output.name, parameter.name),
                 variability="continuous",
-                unit=quotient(of.unit, parameter.unit),
-                description=f"derivative of {of.name} with respect to {parameter.name}",
-                record_path=(BEHIND, tangent, *of.record_path, "slope", direction),
-                base_at_rest=of.base_at_rest,
+                unit=quotient(output.unit, parameter.unit),
+                description=f"derivative of {output.name} with respect to {parameter.name}",
+                record_path=(BEHIND, tangent, *output.record_path, "slope", direction),
+                base_at_rest=output.base_at_rest,
             )
 
 
@@ -162,9 +162,9 @@ def _owned_kinds(
     ``words`` is word in braces → the text or number of this scene and owner that replaces the word.
     """
     scene = scene_words(structure)
-    for of, kinds in blocks:
-        for owner in structure.owners(of):
-            words = {**scene, **owner.values, **owner_words(of, structure, owner.values)}
+    for owner_kind, kinds in blocks:
+        for owner in structure.owners(owner_kind):
+            words = {**scene, **owner.values, **owner_words(owner_kind, structure, owner.values)}
             for kind in kinds:
                 if all(owner.conditions[condition] for condition in kind.when):
                     yield kind, owner, words

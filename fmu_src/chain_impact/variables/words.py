@@ -63,9 +63,9 @@ def scene_words(structure: Structure) -> dict[str, Any]:
     }
 
 
-def owner_words(of: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
-    """Return word in a template's braces → text, for an owner of the kind ``of`` with the ``values``."""
-    words = _WORDS_OF.get(of)
+def owner_words(owner_kind: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
+    """Return word in a template's braces → text, for an owner of a kind with the ``values``."""
+    words = _WORDS_OF.get(owner_kind)
     return words(structure, values) if words else {}
 
 
