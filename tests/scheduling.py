@@ -2,6 +2,7 @@
 
 import gc
 import os
+import sys
 
 import pytest
 from xdist.scheduler import LoadFileScheduling
@@ -27,6 +28,8 @@ SLOWEST = (
     "tests/pages/test_sliders.py",
     "tests/kernel/test_soundness.py",
 )
+# number of new objects after which garbage is collected; Python's 700 take a tenth of the time of a picture
+GARBAGE = 50_000
 # file → other file with which the file shares a process, because both use the same results
 WITH = {
     f"tests/pictures/{name}.py": "tests/pictures/test_overview.py"
@@ -43,13 +46,21 @@ WITH = {
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
-    """Collect without the collector of garbage, which later ignores the many objects made here."""
+    """Collect without the collector of garbage, which later runs rarely, and ignores the objects made here.
+
+    If a test needs matplotlib, it is imported now, and keeps the layouts of texts.
+    """
     gc.disable()
     try:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(GARBAGE, 20, 20)
         gc.enable()
+        if "matplotlib.text" in sys.modules:
+            from tests.helpers.tools.text_layouts import keep_layouts
+
+            keep_layouts()
 
 
 @pytest.hookimpl(wrapper=True)
