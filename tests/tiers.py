@@ -49,6 +49,10 @@ FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
 needs_browser = pytest.mark.full("needs browsers")
 needs_compilers = pytest.mark.full("needs compilers")
 needs_interop = pytest.mark.full("needs other tools")
+ALL_FULL = re.compile(
+    r'^pytestmark = (needs_(browser|compilers|interop)|pytest\.mark\.full\("[^"]*"\))$', re.MULTILINE
+)
+"""Matches the line that puts all tests of a file into the second tier."""
 
 IMPORTING = {
     "flint": ["test_certificate.py"],
@@ -112,11 +116,23 @@ def pytest_report_header(config):
 
 
 def pytest_ignore_collect(collection_path, config):
-    """Leave out files that cannot be imported, and those that do not test the module of ``--of``."""
+    """Leave out files that cannot be imported, that do not test the module of ``--of``, or are not quick.
+
+    Files that are not quick are only left out if the command line names no file.
+    """
     module, is_test = config.option.of, collection_path.match("test_*.py")
     if module and is_test and module not in subjects(collection_path):
         return True
+    folders = all((config.invocation_params.dir / name).is_dir() for name in config.args)
+    if is_test and folders and not config.option.full and not has_quick_tests(collection_path):
+        return True
     return collection_path.name in not_importable() or None
+
+
+def has_quick_tests(file):
+    """Return whether some tests of a file may be in the quick tier."""
+    text = file.read_text(encoding="utf-8")
+    return "but=" in text or not ALL_FULL.search(text)
 
 
 def subjects(file):
