@@ -133,10 +133,11 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
     Raises:
         ValueError: when there is too little room.
     """
-    if has_room(fill, figure):
+    lacks = lacking_height(fill, figure)
+    if lacks <= 0.0:
         return
     width, height = map(float, figure.get_size_inches())
-    least = float(least_figure(fill, width, height).get_figheight())
+    least = float(least_figure(fill, width, height, lacks=lacks).get_figheight())
     raise NoRoomError(width, height, f"at least {least:g} high, or the picture must have fewer panels", least)
 
 
@@ -160,7 +161,7 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
 def at_least(fill: Fill, width: float, height: float, mean: float) -> Figure:
     """Return a figure with a width and a height [inches], or the higher one that its contents need.
 
-    ``mean`` is as in ``has_room``.
+    ``mean`` is as in ``lacking_height``.
 
     Raises:
         ValueError: when no tried height is enough.
@@ -182,7 +183,7 @@ def least_figure(
     """Return the lowest figure with room for its contents; its height is found by bisection.
 
     ``height`` [inches] is too low. The possible heights are ``height``, rounded up to a multiple of STEP,
-    plus 1, 2, … or HIGHER − 1 times STEP. ``mean`` is as in ``has_room``. ``lacks`` is the result of
+    plus 1, 2, … or HIGHER − 1 times STEP. ``mean`` is as in ``lacking_height``. ``lacks`` is the result of
     ``lacking_height`` at ``height``, inf if unknown. ``free_height`` is as in ``StyledFigure``.
 
     Raises:
@@ -211,22 +212,15 @@ def least_figure(
     return found
 
 
-def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
-    """Draw on a figure; return whether axes are high enough, and no text is cut off or overlaps another text.
-
-    Axes are high enough if each with a label along y has at least LEAST_AXES_HEIGHT, and if the mean height
-    of the axes with such a label is at least ``mean`` [inches].
-    """
-    return lacking_height(fill, figure, mean) <= 0.0
-
-
 @styled()
-def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
+def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
     """Draw on a figure; return the height [inches] that the figure lacks for its axes to be high enough.
 
     A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
-    there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap. ``mean``
-    is as in ``has_room``.
+    there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap.
+
+    Axes are high enough if each with a label along y has at least LEAST_AXES_HEIGHT, and if the mean height
+    of the axes with such a label is at least ``mean`` [inches].
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
