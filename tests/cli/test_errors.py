@@ -112,7 +112,7 @@ def test_an_fmu_that_cannot_be_written_names_it_and_nothing_is_left(refused, her
 def test_a_disk_that_is_full_is_named_for_a_picture(refused, here):
     (here / "full.png").symlink_to("/dev/full")
     told = r"^chain-impact: --plot full\.png: No space left on device; free some space, or write to another d"
-    refused(2, told, "simulate", "rod_drop", "--plot", "full.png")
+    refused(2, told, "simulate", "rod_drop", "--curves", "energy.total", "--plot", "full.png")
 
 
 def test_an_extra_that_is_missing(refused, monkeypatch):

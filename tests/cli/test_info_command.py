@@ -148,7 +148,7 @@ def test_texts_of_a_scene_are_printed_unchanged(run, here):
     code, said, _ = run("info", "rod.toml")
     assert code == 0
     assert said.splitlines()[0] == f"RodDrop  {text}"
-    _, said, _ = run("simulate", "rod.toml", "--plot", "run:100:[bold].svg")
+    _, said, _ = run("simulate", "rod.toml", "--curves", "energy.total", "--plot", "run:100:[bold].svg")
     assert "run:100:[bold].svg" in said
     _, _, errors = run("sweep", "rod.toml", "--vary", f"contact.restitution={text}", "-o", "all.csv")
     assert text in errors
