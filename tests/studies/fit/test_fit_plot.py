@@ -147,7 +147,7 @@ def test_a_narrow_page_has_one_column(found):
 @pytest.mark.parametrize("style", ["default", "dark_background"])
 def test_the_first_panel_of_a_narrow_page_explains_the_curve_and_the_dots(found, style):
     with matplotlib.style.context(style):
-        page = found.plot(size=(84 / 25.4, None))
+        page = found.plot(size=(84 / 25.4, 8.75))
     legends = [panel.get_legend() for panel in page.axes[::2]]
     told = [[text.get_text() for text in legend.get_texts()] if legend else [] for legend in legends]
     first, second, onsets = told
