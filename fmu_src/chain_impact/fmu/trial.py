@@ -214,10 +214,12 @@ class Trial:
         self.step(time, step)
         again = self.values()
         for variable in self.variables:
-            if variable.name in first and not _all_close(first[variable.name], again.get(variable.name, [])):
+            known = first.get(variable.name, [])
+            pairs = zip(known, again.get(variable.name, [math.nan] * len(known)), strict=True)
+            if differing := next((pair for pair in pairs if not _close(*pair)), None):
+                one, other = map(_text, differing)
                 self.found(
-                    f"is {_text(first[variable.name][0])} after a step, and {_text(again[variable.name][0])} "
-                    f"after the same step from the restored state ({how})",
+                    f"is {one} after a step, and {other} after the same step from the restored state ({how})",
                     variable,
                 )
                 return  # one finding is enough: others probably differ for the same reason
