@@ -112,8 +112,8 @@ def start_and_stop(prefix: str, left_out: int) -> Entries:
     def stop(d, time, y):
         size = len(d.step.state) - left_out
         for j in range(len(d.step.state)):
-            d.scratch.y[j] = y[j] if j < size else 0.0
-        reset_step(d, time, d.scratch.y)
+            d.scratch.state[j] = y[j] if j < size else 0.0
+        reset_step(d, time, d.scratch.state)
         return 0
 
     return {
@@ -140,7 +140,7 @@ def least_event(d, y):
         sign = -1.0 if d.touch.active[c] else 1.0
         if sign * gap < lowest:
             lowest, slope = sign * gap, sign * gap_rate
-        fast = RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
+        fast = RELATCH_RATIO * d.touch.law_speed[c] + gap_rate
         if d.touch.active[c] and fast < lowest:
             lowest, slope = fast, 0.0
     return lowest + CLEAR, slope
@@ -173,7 +173,7 @@ def switch(d, clock, values, found):
         sign = -1.0 if active else 1.0
         falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
         found[c] = (1 if active else -1) if falls else 0
-        fast = active and -gap_rate >= RELATCH_RATIO * d.touch.impact_speed[c] * (1.0 - 1e-9)
+        fast = active and -gap_rate >= RELATCH_RATIO * d.touch.law_speed[c] * (1.0 - 1e-9)
         found[d.candidates + c] = -1 if fast and not falls else 0
         if falls:
             hop = min(hop, abs(gap_rate) * HOP / 9.81)
@@ -185,7 +185,7 @@ def switch(d, clock, values, found):
     clock[1] = d.step.next_size
     for c in range(d.candidates):
         if found[c] < 0 and d.touch.active[c]:
-            clock[1] = min(clock[1], FIRST_STEP * d.touch.depth_scale[c] / d.touch.impact_speed[c])
+            clock[1] = min(clock[1], FIRST_STEP * d.touch.depth_scale[c] / d.touch.law_speed[c])
     return d.touch.active_count
 
 
@@ -237,7 +237,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
         The number of steps taken.
     """
     size, n = len(d.step.state) - PLAIN, d.links + 2
-    y, z, stage = vector(values, size), d.scratch.y, d.scratch.stage
+    y, z, stage = vector(values, size), d.scratch.state, d.scratch.stage
     highest, deepest = -np.inf, 0.0
     for step in range(count):
         energy, deep, _ = looked_at(d, y)
@@ -246,7 +246,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
             gap, gap_rate = clearance(d, c)
             active = d.touch.active[c]
             found[c] = (1 if active else 0) if gap >= 0.0 else (0 if active else -1)
-            fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.touch.impact_speed[c]
+            fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.touch.law_speed[c]
             found[d.candidates + c] = -1 if fast else 0
             any_event = any_event or found[c] != 0 or fast
         if any_event:
@@ -309,7 +309,7 @@ def cvode_roots(d, careful, y, value):
         active = d.touch.active[c]
         value[c] = gap - margin if active else gap
         # δ̇ = −ġ
-        value[d.candidates + c] = RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate if active else 1.0
+        value[d.candidates + c] = RELATCH_RATIO * d.touch.law_speed[c] + gap_rate if active else 1.0
     return 0
 
 

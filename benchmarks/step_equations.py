@@ -42,7 +42,7 @@ class Step:
         self.free = len(free)
         self.first = self.free - self.links  # index of the first angle
         self.polynomials = [_powers(step["state"][j], step["dense"][:, j]) for j in variables]
-        place = d["moved"]["position"] if chain["base_moves"] else step["state"]
+        place = d["channel"]["position"] if chain["base_moves"] else step["state"]
         self.base = [arb(float(value)) for value in place[:2]]
         self.marked = [c for c, event in enumerate(touch["event"]) if event in (ONSET, END)]
         self.gravity, self.tip = chain["gravity"].tolist(), own["tip_force"].tolist()
@@ -51,7 +51,7 @@ class Step:
         self.joints = [[float(own[name][i]) for name in names] for i in range(self.links)]
         for i, mode in enumerate(d["drive"]["mode"][: self.links]):
             if mode or (i == 0 and not self.pinned):
-                self.joints[i] = [float(mode * d["drive"]["limit"][i]) if mode else 0.0, 0, 0, 0, 0]
+                self.joints[i] = [float(mode * d["drive"]["torque_limit"][i]) if mode else 0.0, 0, 0, 0, 0]
         self.candidates = d["candidate"][["point", "stop", "normal_x", "normal_y"]].tolist()
         self.offsets = [arb(float(o)) + float(d["contact"]["radius"]) for o in d["candidate"]["offset"]]
         self.active = touch["active_index"][: touch["active_count"]].tolist()
@@ -59,7 +59,9 @@ class Step:
         # element → −1 or 1: the sign of the dry friction, against the direction of sliding
         slides = {e: -float(d["element"]["mode"][e]) for e in rubbing}
         for i, joint in enumerate(self.joints):
-            joint[0] = arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * d["drive"]["friction"][i]
+            joint[0] = (
+                arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * d["drive"]["friction_moment"][i]
+            )
         self.drags = {c: arb(slides.get(c, 0.0)) * float(d["law"]["friction"][c]) for c in self.active}
         self.forces = {}  # stiffness K, exponents n and p, and damping d of the force F = K δⁿ + d δᵖ δ̇
         for c in self.active:

@@ -83,7 +83,7 @@ class Taylor(OnKernel):
         for point, wall in self.pairs:
             side, axis = 1.0 - 2.0 * (wall % 2), wall // 2
             found.append(
-                (side * (place[point][axis] - float(self.given["wall"][wall])), side * speed[point][axis])
+                (side * (place[point][axis] - float(self.given["box_wall"][wall])), side * speed[point][axis])
             )
         return found
 
@@ -128,7 +128,7 @@ class Taylor(OnKernel):
             solver.time, solver.state[:] = t, self.y
             if solver.with_events:
                 solver.reset_cooldowns()
-            solver.pars[:] = self.touch["impact_speed"][: len(solver.pars)]
+            solver.pars[:] = self.touch["law_speed"][: len(solver.pars)]
             outcome, _, _, count, *_ = solver.propagate_until(self.stop)
             t, steps = solver.time, steps + count
             if outcome == hy.taylor_outcome.time_limit:

@@ -79,7 +79,7 @@ def test_tables_of_candidates_and_elements_are_last_in_the_record():
     assert per(TABLE["touch", "active_count"].offset, "candidates") == 0
     for path in ("touch", "law", "search", "contact_log"):
         assert per(TABLE[path,].offset, "elements") == 0
-    moving = (("motion",), ("moved",), ("shift",), ("site",), ("signal",), ("knot",))
+    moving = (("given_channel",), ("channel",), ("wall_motion",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():
         if place[:1] not in ((), ("output",), ("transmitted",), *moving):
             assert (per(field.offset, "loads"), per(field.size, "loads")) == (0, 0)

@@ -60,11 +60,11 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
     step.dense[:] = np.linalg.solve(basis(nodes).T, values)
     step.state[:], step.state_end[:] = motion.at(0.0), motion.at(size)
     scratch.rate_start[:], scratch.rate_end[:] = motion.at(0.0, 1), motion.at(size, 1)
-    step.start, step.clock, step.time = start, start, start
+    step.start, step.clock, step.communication_point = start, start, start
     step.end = start + step.state_end[time_at(d.links)]
     step.size, step.end_fraction, step.regularized = size, 1.0, regularized
     step.last_method = step.method = EXPLICIT
-    step.dense_for, step.rate_known, scratch.at_end = SOLVER, 1, 1
+    step.dense_for, step.rate_known, scratch.located_at_end = SOLVER, 1, 1
     step.breaks += 1
     locate_points(d, step.state_end)
     accelerate_points(d, step.state_end, scratch.rate_end)
@@ -133,7 +133,7 @@ def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     touch(d, [c])
     d.chain.gravity[:] = d.chain.gravity_size = 0.0
     piece = d.inputs.piece
-    piece.order, piece.middle, piece.scale, piece.until = 3, 0.0, 1.0 / size, 10.0
+    piece.degree, piece.middle, piece.scale, piece.until = 3, 0.0, 1.0 / size, 10.0
     let_push(d, c, force)
     return d, c, motion
 

@@ -96,12 +96,12 @@ def test_a_call_stops_where_the_log_is_full():
 
 def test_an_onset_is_due_at_the_end_of_the_step_only():
     d = at_end_of_a_step([NONE, ONSET])
-    d.step.end = d.step.time = 0.5
+    d.step.end = d.step.communication_point = 0.5
     assert loop.ends_in_onset(d)
     assert loop.onset_due(d)
-    d.step.time = 0.4
+    d.step.communication_point = 0.4
     assert not loop.onset_due(d)
-    d.step.time = 0.5
+    d.step.communication_point = 0.5
     d.touch.event[1] = KINK
     assert not loop.ends_in_onset(d)
     assert not loop.onset_due(d)
@@ -128,10 +128,10 @@ def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, c
     monkeypatch.setattr(loop, "apply_events", lambda _: changed)
     loop.ensure_rate(d)
     monkeypatch.setattr(last_step, "rate_from_state", lambda _d, _y, rate: rates.append(rate.copy()))
-    d.scratch.rate_end[:] = np.arange(len(d.scratch.y))
+    d.scratch.rate_end[:] = np.arange(len(d.scratch.state))
     before = d.statistics.rhs_evaluations
     loop.apply_pending_events(d)
-    assert d.scratch.rate_start.tolist() == list(range(len(d.scratch.y)))
+    assert d.scratch.rate_start.tolist() == list(range(len(d.scratch.state)))
     assert d.statistics.rhs_evaluations - before == len(rates) == changed
 
 

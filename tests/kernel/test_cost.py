@@ -19,15 +19,15 @@ def d():
     """Return a chain at 5 s with 700 evaluations at the start of the second, and 600 at the call's start."""
     _, d = chain(np.random.default_rng(0), 3)
     d.solver.work_limit = 100.0
-    d.statistics.rhs_evaluations, d.limits.other_cost = 500, 200
-    d.limits.cost_count, d.limits.call_count, d.limits.cost_start, d.step.end = 700, 600, 5.0, 5.0
+    d.statistics.rhs_evaluations, d.budget.other_cost = 500, 200
+    d.budget.cost_count, d.budget.call_count, d.budget.cost_start, d.step.end = 700, 600, 5.0, 5.0
     return d
 
 
 @pytest.mark.parametrize(("evaluations", "looks", "over"), [(100, 0, False), (0, 100, False), (60, 41, True)])
 def test_the_limit_counts_all_cost_in_a_second(d, evaluations, looks, over):
     d.statistics.rhs_evaluations += evaluations
-    d.limits.other_cost += looks
+    d.budget.other_cost += looks
     assert cost.cost_so_far(d) == 700 + evaluations + looks
     assert cost.cost_exceeded(d) == over
     assert cost.check_cost(d) == (TOO_MUCH_WORK if over else OK)
@@ -39,20 +39,20 @@ def test_a_second_begins_where_the_last_one_has_ended(d):
     for end, start, count in ((5.999, 5.0, 700), (6.0, 6.0, 790), (6.5, 6.0, 790), (7.25, 7.25, 790)):
         d.step.end = end
         assert cost.check_cost(d) == OK
-        assert (d.limits.cost_start, d.limits.cost_count) == (start, count)
+        assert (d.budget.cost_start, d.budget.cost_count) == (start, count)
     d.statistics.rhs_evaluations += 101
     assert cost.check_cost(d) == TOO_MUCH_WORK
 
 
 def test_a_communication_step_may_take_as_much_as_twenty_seconds_may(d):
-    d.limits.cost_count = d.limits.call_count + int(cost.LONGEST_CALL) * 100
-    d.statistics.rhs_evaluations, d.limits.other_cost = d.limits.cost_count, 0
+    d.budget.cost_count = d.budget.call_count + int(cost.LONGEST_CALL) * 100
+    d.statistics.rhs_evaluations, d.budget.other_cost = d.budget.cost_count, 0
     assert cost.check_cost(d) == OK
-    d.limits.other_cost = 1
+    d.budget.other_cost = 1
     assert cost.check_cost(d) == STEP_TOO_LONG
     cost.allow_any_length(d)
     assert cost.check_cost(d) == OK
-    d.limits.other_cost = 101  # no second may cost more
+    d.budget.other_cost = 101  # no second may cost more
     assert cost.check_cost(d) == TOO_MUCH_WORK
 
 
@@ -66,9 +66,9 @@ def test_a_call_returns_after_a_cost_that_falls_with_the_points_of_a_chain(count
 
 def test_too_many_events_in_a_short_time_are_a_storm(d):
     limit = cost.MOST_EVENTS * d.candidates
-    d.limits.event_start, d.limits.event_count = 5.0, 7
+    d.budget.event_start, d.budget.event_count = 5.0, 7
     assert cost.check_events(d, limit - 7) == OK
-    assert d.limits.event_count == limit
+    assert d.budget.event_count == limit
     assert cost.check_events(d, 0) == OK
     assert cost.check_events(d, 1) == EVENT_STORM
     # a new window begins
@@ -76,7 +76,7 @@ def test_too_many_events_in_a_short_time_are_a_storm(d):
     assert cost.check_events(d, 0) == EVENT_STORM
     d.step.end = 5.0 + cost.EVENT_WINDOW
     assert cost.check_events(d, 3) == OK
-    assert (d.limits.event_start, d.limits.event_count) == (d.step.end, 3)
+    assert (d.budget.event_start, d.budget.event_count) == (d.step.end, 3)
 
 
 @pytest.mark.parametrize("kind", ["friction", "limit"])
@@ -95,7 +95,7 @@ def test_the_cost_of_outputs_is_not_counted(d):
     cost.count_other_cost(d, 11)
     assert cost.counted_cost(d) == (507, 211)
     cost.uncount_cost(d, counted)
-    assert (d.statistics.rhs_evaluations, d.limits.other_cost) == (500, 200)
+    assert (d.statistics.rhs_evaluations, d.budget.other_cost) == (500, 200)
 
 
 def test_steps_are_counted_and_windows_begin_with_each_run(d):
@@ -106,4 +106,4 @@ def test_steps_are_counted_and_windows_begin_with_each_run(d):
     cost.count_rejected_step(d)
     assert [int(d.statistics[name]) for name in names] == [before[0] + 2, before[1] + 1, before[2] + 1]
     cost.begin_windows(d, 3.0)
-    assert d.limits.cost_start == d.limits.event_start == 3.0
+    assert d.budget.cost_start == d.budget.event_start == 3.0

@@ -184,7 +184,7 @@ def test_contradictions_that_have_faded_leave_no_force(size, scale):
     d.element.stuck[1] = d.element.stuck[0]
     constraints.activate_all(d)
     own, count = d.constraints, d.friction.stuck_count
-    own.start[:count], own.target[:count] = 0.0, 0.0
+    own.unforced[:count], own.target[:count] = 0.0, 0.0
     own.target[:2] = size, -size
     constraints.factorize_free(d)
     constraints.solve_equality(d, scale)

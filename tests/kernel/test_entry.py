@@ -111,8 +111,8 @@ def test_rows_are_the_outputs_at_their_times(monkeypatch):
     seen = []
 
     def look(d):
-        output[:] = d.step.time, len(seen), 7.0
-        seen.append(d.step.time)
+        output[:] = d.step.communication_point, len(seen), 7.0
+        seen.append(d.step.communication_point)
 
     monkeypatch.setattr(entry, "observe", look)
     assert trajectory(d, output, times, np.array([[0, 2], [2, 1]]), rows, 0) == 3
@@ -136,7 +136,7 @@ def test_a_call_returns_awhile_before_its_time(monkeypatch):
     assert advance_awhile(d, STOP) == PAUSED
     assert 0.0 < d.step.end < STOP
     assert advance_to(d, STOP) == OK
-    assert d.step.time == STOP
+    assert d.step.communication_point == STOP
 
 
 def test_a_set_value_is_tried_until_a_step_takes_it():

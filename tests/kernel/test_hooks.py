@@ -21,9 +21,14 @@ SIZES = {name: 2 + k for k, name in enumerate(COUNTS)}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # calls of each hook for every instance of dual numbers: the kernel's functions, in their order
 DONE = {
-    hooks.on_observe: ["set_own_output_time", "fill_outputs", "is_trusted"],
+    hooks.on_observe: ["set_own_communication_point", "fill_outputs", "is_trusted"],
     hooks.on_observe_trial: ["return_to_stored_state", "refill_motion", "is_trusted"],
-    hooks.on_truncate: ["set_own_output_time", "store_output_state", "update_own_to_output_time", "move_end"],
+    hooks.on_truncate: [
+        "set_own_communication_point",
+        "store_output_state",
+        "update_own_to_communication_point",
+        "move_end",
+    ],
     hooks.indices_valid: ["within_bounds"],
     hooks.words_behind: [],
 }
@@ -52,7 +57,9 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     output = SimpleNamespace(words=[0.0])
     own = {"output": output, "trust": SimpleNamespace(split=0, missing=[0] * DIRECTIONS)}
     tangents = [SimpleNamespace(**SIZES, **own, words=[0.0] * 5) for _ in range(3)]
-    d = SimpleNamespace(tangents=3, tangent_instances=tangents, step=SimpleNamespace(time=1.5), **SIZES)
+    d = SimpleNamespace(
+        tangents=3, tangent_instances=tangents, step=SimpleNamespace(communication_point=1.5), **SIZES
+    )
     d.statistics = SimpleNamespace(status=0)
 
     def note(name):
@@ -76,7 +83,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     assert [(name, id(t)) for name, t, _ in called] == [
         (name, id(t)) for t in tangents for name in DONE[function]
     ]
-    assert all(last == 1.5 for name, _, last in called if name == "set_own_output_time")
+    assert all(last == 1.5 for name, _, last in called if name == "set_own_communication_point")
 
 
 def test_an_instance_of_duals_that_does_not_fit_is_not_sound(monkeypatch):
@@ -107,8 +114,8 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, missing, kept, 
     trust = SimpleNamespace(split=0, missing=[int(k in missing) for k in range(DIRECTIONS)])
     t = SimpleNamespace(output=SimpleNamespace(words=words), trust=trust)
     d = SimpleNamespace(tangents=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))
-    d.step = SimpleNamespace(time=0.0)
-    monkeypatch.setattr(entry, "set_own_output_time", lambda t, time: None)
+    d.step = SimpleNamespace(communication_point=0.0)
+    monkeypatch.setattr(entry, "set_own_communication_point", lambda t, time: None)
     monkeypatch.setattr(entry, "fill_outputs", lambda t: None)
     monkeypatch.setattr(entry, "is_trusted", lambda t: trusted)
     HOOKS[hooks.on_observe](d)

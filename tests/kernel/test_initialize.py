@@ -87,24 +87,24 @@ def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
         assert (d.chain.joint_rate_bound > 0.0) == expected[1]
 
 
-IMPACTS = ("time", "speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse")
+IMPACTS = ("onset", "impact_speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse")
 CLEARED = {
-    "touch": ("active", "active_index", "number", "active_count", "compliant_count"),
+    "touch": ("active", "active_index", "impact_number", "active_count", "compliant_count"),
     "impact": ("count", "last_wall", "last_speed"),
     "statistics": ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps"),
-    "limits": ("event_count", "cost_count", "call_count", "other_cost"),
+    "budget": ("event_count", "cost_count", "call_count", "other_cost"),
     "contact_log": ("count", "collected"),
     "peaks": ("force", "penetration", "moment", "rotation"),
     "fault": ("part",),
     "search": ("known_for",),
     "step": ("breaks",),
     "scratch": ("moment",),
-    "quadrature": ("total",),
+    "quadrature": ("integral",),
     "latest": ("wall", *IMPACTS),
 }
 LEFT = {(record, field): 0 for record, fields in CLEARED.items() for field in fields}
 LEFT |= {("touch", "event"): NONE, ("impact", "last_point"): -1, ("latest", "point"): -1}
-LEFT |= dict.fromkeys([("impact", "last_time"), ("limits", "event_start"), ("limits", "cost_start")], 3.0)
+LEFT |= dict.fromkeys([("impact", "last_time"), ("budget", "event_start"), ("budget", "cost_start")], 3.0)
 
 
 def test_a_start_clears_everything_of_an_earlier_run():
@@ -130,15 +130,15 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
         name: d.numpy_record[name].tobytes() for name in ("chain", "law", "step", "statistics", "balance")
     }
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
-    d.limits.event_start = d.limits.cost_start = 9.0
-    d.step.breaks, d.statistics.steps, d.given.changed, d.scratch.y[:] = 7, 7, 1, 9.0
+    d.budget.event_start = d.budget.cost_start = 9.0
+    d.step.breaks, d.statistics.steps, d.given.changed, d.scratch.state[:] = 7, 7, 1, 9.0
     monkeypatch.setattr(hooks, "on_start", told.append)
     assert initialize(d, 2.0) == OK
     assert told == [d]
     for name, values in first.items():
         assert d.numpy_record[name].tobytes() == values, name
-    assert d.step.time == d.step.start == d.step.end == d.impact.last_time == 2.0
-    assert d.limits.event_start == d.limits.cost_start == 2.0
+    assert d.step.communication_point == d.step.start == d.step.end == d.impact.last_time == 2.0
+    assert d.budget.event_start == d.budget.cost_start == 2.0
     assert d.given.changed == 0
     assert d.step.method == EXPLICIT
 
@@ -172,7 +172,7 @@ POSITIVE += [("contact", "exponent"), ("chain", "length"), ("chain", "mass")]
 NOT_NEGATIVE = [("chain", "inertia"), ("chain", "joint_armature")]
 NOT_NEGATIVE += [("given", name) for name in ("drive_damping", "drive_stiffness")]
 NOT_NEGATIVE += [("contact", "radius")]
-FINITE = [("given", "target"), ("chain", "center_of_mass"), ("chain", "wall")]
+FINITE = [("given", "target"), ("chain", "center_of_mass"), ("chain", "box_wall")]
 FINITE += [("walls", name) for name in ("x", "y", "angle")]
 
 

@@ -59,7 +59,7 @@ def let_integrate(d, lines):
     """Let the impulse of each contact be a line over the step; candidate c had c N·s at its onset."""
     integrals = d.quadrature
     integrals.impulse_at_onset[:] = np.arange(d.candidates)
-    integrals.total[: d.candidates] = integrals.impulse_at_onset
+    integrals.integral[: d.candidates] = integrals.impulse_at_onset
     integrals.dense[:] = 0.0
     for place, (start, rise) in enumerate(lines):
         integrals.state[place], integrals.state_end[place] = start, start + rise
@@ -81,7 +81,7 @@ def seen_at(theta):
     let_integrate(d, IMPULSES)
     for name in ("force", "penetration", "penetration_rate", "impulse"):
         d.output[name][:] = UNSET
-    d.step.time = START + theta * SIZE
+    d.step.communication_point = START + theta * SIZE
     return Seen(scene, d, y, theta)
 
 
@@ -168,22 +168,22 @@ def test_energies_are_those_of_the_state(seen):
 @pytest.mark.parametrize("theta", [0.0, 0.3, 1.0])
 def test_an_observation_counts_no_cost(theta):
     d = seen_at(theta).d
-    before = d.statistics.rhs_evaluations, d.limits.other_cost
+    before = d.statistics.rhs_evaluations, d.budget.other_cost
     fill_outputs(d)
-    assert (d.statistics.rhs_evaluations, d.limits.other_cost) == before
+    assert (d.statistics.rhs_evaluations, d.budget.other_cost) == before
 
 
 def test_a_holding_force_is_seen_as_long_as_it_pushes():
     for force, shown in ((2.5, 2.5), (-2.5, 0.0)):
         d, c, _ = held_tip(0.2, [force])
-        d.step.time = 0.1
-        d.quadrature.count, d.quadrature.total[c] = 0, 6.0
-        before = d.limits.other_cost
+        d.step.communication_point = 0.1
+        d.quadrature.count, d.quadrature.integral[c] = 0, 6.0
+        before = d.budget.other_cost
         fill_outputs(d)
         assert d.output.force[c] == pytest.approx(shown, rel=1e-9)
         assert d.output.penetration[c] == d.output.penetration_rate[c] == 0.0
         assert d.output.impulse[c] == 6.0
-        assert d.limits.other_cost == before
+        assert d.budget.other_cost == before
 
 
 def test_an_observer_is_called_with_the_outputs_and_lasting_impacts(monkeypatch):
@@ -194,7 +194,7 @@ def test_an_observer_is_called_with_the_outputs_and_lasting_impacts(monkeypatch)
     observe(d)
     assert told == [d.output.kinetic]
     assert told[0] > 0.0
-    assert d.latest.end[1] == d.step.time
+    assert d.latest.end[1] == d.step.communication_point
     assert d.latest.impulse[1] == pytest.approx(7.0 + 0.3 * 0.5 - IN, rel=1e-12)
 
 
@@ -273,7 +273,7 @@ def stopped():
     locate_points(d, y)
     latch_onset(d, high)
     set_kink_sides(d)
-    d.step.time = d.step.start
+    d.step.communication_point = d.step.start
     d.quadrature.count = 0
     fill_outputs(d)
     return d, low, high, rate

@@ -3,10 +3,17 @@
 # Tests: kernel/record/counts.py, kernel/record/instance.py, kernel/record/given.py, kernel/record/motions.py
 # Tests: kernel/record/friction.py, kernel/record/signals.py, kernel/record/solver.py
 
+import ast
+import itertools
+import re
+from collections import defaultdict
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from chain_impact.compilation import compilers
+from chain_impact.kernel.record import fields
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
@@ -73,3 +80,62 @@ def test_readers_of_the_sizes_have_the_order_of_the_record():
     assert head == [*COUNTS, *FEATURES, "tangents"]
     assert [f"chain_{name}" for name in head[:-1]] == [*compilers._SIZES]
     assert len(COUNTS) + len(FEATURES) + 1 == HEAD
+
+
+# components have the unit of their vector; speeds of joints' stops are angular
+ANY_UNIT = {"x", "y", "minimum_impact_speed"}
+SYMBOL = r"√?(?:kg|rad|Hz|[msNJW1])(?:[²³]|\^(?:\w+|\([^)]*\)))?"
+UNIT = re.compile(rf"{SYMBOL}(?:[·/]{SYMBOL})*(?=,| or |\])")
+
+
+def declared_fields(source):
+    """Yield the part, the name, the type and the comment of each field in a module with layouts."""
+    lines = source.splitlines()
+    for layout in ast.walk(ast.parse(source)):
+        if not (isinstance(layout, ast.FunctionDef) and layout.name.endswith("_dtype")):
+            continue
+        for node in ast.walk(layout):
+            match node:
+                case ast.Tuple(elts=[ast.Constant(value=str(name)), kind, *_]) if name.isidentifier():
+                    above = itertools.takewhile(
+                        lambda line: line.strip().startswith("#"), reversed(lines[: node.lineno - 1])
+                    )
+                    _, _, beside = lines[node.end_lineno - 1][node.end_col_offset :].partition("#")
+                    comment = beside or " ".join(line.strip(" #") for line in [*above][::-1])
+                    yield layout.name.removesuffix("_dtype"), name, ast.unparse(kind), comment.strip()
+
+
+def several_units(source):
+    """Return the names of fields that have another unit or another kind of number in another part."""
+    found = defaultdict(set)
+    for _, name, kind, comment in declared_fields(source):
+        start = re.match(rf"(?:{UNIT.pattern}(?:, | or )?)+", comment)
+        units = UNIT.findall(" ".join([start[0] if start else "", *re.findall(r"\[.*?\]", comment)]))
+        if kind.startswith(("INTEGER", "bounded")):
+            units = ["integer"]
+        if units:
+            found[name].add(frozenset(units))
+    return sorted(name for name, all_units in found.items() if not frozenset.intersection(*all_units))
+
+
+def test_the_same_field_name_has_the_same_unit_in_each_part():
+    modules = sorted(Path(fields.__file__).parent.glob("*.py"))
+    source = "\n".join(file.read_text("utf-8") for file in modules if file.name != "fields.py")
+    assert {name for _, name, *_ in declared_fields(source)} > {*instance_dtype(1, 0)["touch"].names}
+    assert set(several_units(source)) == ANY_UNIT - {"y"}
+
+
+@pytest.mark.parametrize(
+    ("other", "found"),
+    [
+        ("REAL),  # m/s², a bound", ["reach"]),
+        ("REAL),  # another length [m or s]", []),
+        ("REAL),  # m or rad, a length", []),
+        ("INTEGER),  # number of a link", ["reach"]),
+        ("REAL),  # a ratio", []),
+    ],
+)
+def test_another_unit_is_found(other, found):
+    declared = "def {}_dtype():\n    return record(\n        {}\n    )\n".format
+    one = declared("chain", '# m, the largest\n        # distance\n        ("reach", REAL),')
+    assert several_units(one + declared("other", f'("reach", {other}')) == found

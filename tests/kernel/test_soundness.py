@@ -8,7 +8,7 @@ import pytest
 from chain_impact.kernel import entry, hooks
 from chain_impact.kernel.chain.inputs import DEGREE
 from chain_impact.kernel.entry import is_sound, within_bounds
-from chain_impact.kernel.events.exclusion import FAR
+from chain_impact.kernel.events.exclusion import SAFE_DISTANCE
 from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.forces.laws import LAW_COUNT
@@ -68,7 +68,7 @@ BOUNDS = {
     ("step", "method"): (EXPLICIT, IMPLICIT),
     ("step", "last_method"): (EXPLICIT, IMPLICIT),
     ("step", "dense_for"): (0, SOLVER),
-    ("search", "known"): (0, FAR),
+    ("search", "known"): (0, SAFE_DISTANCE),
     ("law", "number"): (1, LAW_COUNT),
     ("candidate", "stop"): (-2, 2),
     ("solver", "method"): (1, len(SOLVER_METHODS)),
@@ -80,7 +80,7 @@ BOUNDS = {
     ("touch", "active_index"): (0, 15),
     ("touch", "active"): (0, 1),
     ("touch", "event"): (0, NEIGHBOUR),
-    ("touch", "number"): (0, 7),
+    ("touch", "impact_number"): (0, 7),
     ("candidate", "point"): (0, 3),
     ("candidate", "wall"): (0, 4 + 15),
     ("candidate", "place"): (0, 6),
@@ -190,12 +190,12 @@ def test_a_stop_belongs_to_a_joint_and_not_to_a_point_on_a_link():
 
 
 @pytest.mark.parametrize("part", ["given", "inputs"])
-def test_the_order_of_a_piece_has_its_bounds(part):
+def test_the_degree_of_a_piece_has_its_bounds(part):
     _, d = chain(np.random.default_rng(0), 1)
-    for order, fits in ((0, True), (DEGREE, True), (-1, False), (DEGREE + 1, False)):
-        d[part].piece.order = order
+    for degree, fits in ((0, True), (DEGREE, True), (-1, False), (DEGREE + 1, False)):
+        d[part].piece.degree = degree
         assert bool(within_bounds(d)) == fits
-        d[part].piece.order = 0
+        d[part].piece.degree = 0
 
 
 @pytest.mark.parametrize("field", ["order", "integrals"])

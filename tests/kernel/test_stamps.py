@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
-from chain_impact.kernel.advance import advance, set_output_time
+from chain_impact.kernel.advance import advance, set_communication_point
 from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.cost import UNLIMITED, cost_so_far
 from chain_impact.kernel.entry import advance_to
@@ -50,7 +50,7 @@ def run(scene, stop, rows=6):
 def test_a_run_reads_only_what_belongs_to_its_state(model, stop):
     d = run(load_scene(model), stop)
     assert d.statistics.status == OK
-    assert d.step.time == stop
+    assert d.step.communication_point == stop
 
 
 def near_first_onset(scene):
@@ -62,7 +62,7 @@ def near_first_onset(scene):
     instance, d = Instance(scene), record_of(scene)
     instance.advance(0.999999 * impacts["onset"][0] if len(impacts) else 0.0)
     d.copy_values(Plain(instance.record))
-    d.step.rate_known = d.scratch.at_end = 0  # the stamps begin without a state
+    d.step.rate_known = d.scratch.located_at_end = 0  # the stamps begin without a state
     stamp(d)
     return d
 
@@ -75,7 +75,7 @@ def test_random_scenes_read_only_what_belongs_to_their_states(kind):
         d = near_first_onset(scene.with_values({"solver.work_limit": 1e4}))
         with watched(), np.errstate(all="ignore"):
             advance(d, scene.simulation.stop_time, UNLIMITED, cost_so_far(d) + 150)
-            set_output_time(d, d.step.end)
+            set_communication_point(d, d.step.end)
             observe(d)
 
 

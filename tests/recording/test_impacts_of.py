@@ -18,14 +18,14 @@ def recorded(scene, times):
     """Return the record of an importer that reads all impacts at each communication point."""
     instance = Instance(scene)
     record = {"time": np.array(times), "impact.count": []}
-    names = [(j, name) for j in range(scene.outputs.impacts) for name in COLUMNS.values()]
-    record |= {f"impact[{j + 1}].{name}": [] for j, name in names}
+    names = [(j, name) for j in range(scene.outputs.impacts) for name in COLUMNS]
+    record |= {f"impact[{j + 1}].{COLUMNS[name]}": [] for j, name in names}
     for time in times:
         assert instance.advance(time) == 0
         instance.observe()
         record["impact.count"].append(int(instance.record["impact"]["count"]))
         for j, name in names:
-            record[f"impact[{j + 1}].{name}"].append(instance.record["latest"][name][j])
+            record[f"impact[{j + 1}].{COLUMNS[name]}"].append(instance.record["latest"][name][j])
     return record
 
 

@@ -138,7 +138,7 @@ def test_every_form_of_a_write_is_found():
 def f(d, law, y):
     own, n = d.touch, d.links
     latest = d.latest
-    own.event[0], latest.time[n] = 1, 2.0
+    own.event[0], latest.onset[n] = 1, 2.0
     law.number[0] += 1
     y[0] = d.step.end = 3.0
     again = own
@@ -147,7 +147,7 @@ def f(d, law, y):
     function = ast.parse(source).body[0]
     assert {f"{part}.{field}" for _, part, field in writes(function)} == {
         "touch.event",
-        "latest.time",
+        "latest.onset",
         "law.number",
         "step.end",
         "touch.onset",

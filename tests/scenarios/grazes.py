@@ -43,7 +43,7 @@ def set_motion(record, random, motion):
 
 def run(rod, wall, time):
     """Run to a time [s] with the wall at a height [m]; return how high the tip is [m], and its hits."""
-    rod.record["chain"]["wall"][3] = wall
+    rod.record["chain"]["box_wall"][3] = wall
     rod.initialize()
     assert rod.advance(time) == OK
     rod.observe()

@@ -88,11 +88,11 @@ def test_a_graze_is_never_proven_away(motion):
     rod = instance("hertz")
     for _ in range(30):
         top, height = set_motion(rod.record, random, motion)
-        rod.record["chain"]["wall"][3] = FAR
+        rod.record["chain"]["box_wall"][3] = FAR
         depth = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-14.0, -1.0)
         # the start of each step comes from a run without contact
         error = abs(run(rod, FAR, top)[0] - height)
-        rod.record["chain"]["wall"][3] = FAR
+        rod.record["chain"]["box_wall"][3] = FAR
         rod.initialize()
         verdicts = set()
         while rod.record["step"]["end"] < 1.2 * top:
@@ -113,7 +113,7 @@ def test_a_wall_between_the_polynomial_and_the_solution_is_undecided():
     for _ in range(60):
         set_motion(rod.record, random, "spinning")
         half = 0.5 * float(rod.record["chain"]["length"][0])
-        rod.record["chain"]["wall"][3] = FAR
+        rod.record["chain"]["box_wall"][3] = FAR
         rod.record["solver"]["tolerance"] = 10.0 ** random.uniform(-5.0, -3.0)
         rod.initialize()
         step = None

@@ -176,7 +176,7 @@ def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
         assert instance.advance(math.nextafter(record["step"]["end"], math.inf)) == OK
     assert record["touch"]["active_count"] == 2
     used = record["scratch"]["rate_start"].copy()
-    record["step"]["time"] = record["step"]["start"]
+    record["step"]["communication_point"] = record["step"]["start"]
     instance.observe()
     output = record["output"]
     expected = [*output["point_acceleration"][0], *output["angular_acceleration"]]

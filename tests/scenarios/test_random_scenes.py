@@ -131,7 +131,7 @@ SEEDS = {
         "drives": DRIVEN,
     }.items()
 }
-OBSERVED = ("output", "latest", "step", "quadrature.dense", "limits", "contact_log")
+OBSERVED = ("output", "latest", "step", "quadrature.dense", "budget", "contact_log")
 """Fields that an observation may write: its results, and the dense output and time of the last step."""
 GARBAGE = 1.7e11
 

@@ -15,7 +15,7 @@ def test_points_that_are_held_or_joined_make_as_few_pieces_as_may_be():
     assert held.powers[:, 0, 0].tolist() == [1.0, 3.0]
     assert joined.start.tolist() == [0.0, 1.0, 2.0, 4.0]
     assert joined.jumps.tolist() == [True, False, False, False]
-    assert [joined.settings(k)["order"] for k in range(4)] == [0, 1, 0, 1]
+    assert [joined.settings(k)["degree"] for k in range(4)] == [0, 1, 0, 1]
 
 
 @pytest.mark.parametrize("lines", [False, True])
@@ -24,5 +24,5 @@ def test_a_single_point_is_one_piece_that_stays(lines):
     assert (pieces.start.tolist(), pieces.end.tolist()) == ([0.0], [math.inf])
     assert pieces.powers[0, 0].tolist() == [1.5, -2.0]
     assert not pieces.powers[0, 1:].any()
-    assert pieces.settings(0)["order"] == 0
+    assert pieces.settings(0)["degree"] == 0
     assert pieces.jumps.tolist() == [True]

@@ -18,7 +18,7 @@ from chain_impact.compilation.signatures import SIGNATURES, Signature
 from chain_impact.kernel import entry, hooks
 from chain_impact.kernel.advance import advance_to_onset, event_update
 from chain_impact.kernel.entry import is_sound
-from chain_impact.kernel.events.contact_log import update_to_output_time
+from chain_impact.kernel.events.contact_log import update_to_communication_point
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.tangent.duals import as_words
 from chain_impact.kernel.tangent.entry import HOOKS
@@ -37,7 +37,7 @@ def log_contacts(d):
 
     Before this, the last step of the solver is ended at the communication point. Return 0.
     """
-    update_to_output_time(d)
+    update_to_communication_point(d)
     return 0
 
 

@@ -31,7 +31,7 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
     else:
         description = model_description(prepared, tool, fmi)
         kernels = {PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
-        time_index = word_index(prepared.start.dtype, ("step", "time"))
+        time_index = word_index(prepared.start.dtype, ("step", "communication_point"))
         time = TableRow(
             name="time",
             type="real",

@@ -143,13 +143,13 @@ def _words(prepared: PreparedScene) -> dict[str, int]:
     Words of prescribed motions are 0 if the scene has none.
     """
     paths: dict[str, DataPath] = {
-        "time_word": ("step", "time"),
+        "time_word": ("step", "communication_point"),
         "changed_word": ("given", "changed"),
         "tolerance_word": ("solver", "tolerance"),
         "part_word": ("fault", "part"),
     }
     moving: dict[str, DataPath] = {
-        "contradiction_word": ("moved", "contradiction"),
+        "contradiction_word": ("channel", "contradiction"),
         "position_word": (MOTION, "position", 0),
     }
     moves = prepared.sizes.channels > 0

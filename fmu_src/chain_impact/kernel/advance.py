@@ -29,8 +29,8 @@ from chain_impact.kernel.cost import (
 )
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.base import check_base, end_at_base
-from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
-from chain_impact.kernel.events.handlers import apply_events, force_has_kink, renew_modes
+from chain_impact.kernel.events.contact_log import update_peaks, update_to_communication_point
+from chain_impact.kernel.events.handlers import apply_events, force_has_kink, reinit_contacts_and_modes
 from chain_impact.kernel.events.marks import (
     KINK,
     NONE,
@@ -71,7 +71,7 @@ from chain_impact.kernel.ode.last_step import (
     make_last_step,
     reset_step,
     roll_back,
-    set_own_output_time,
+    set_own_communication_point,
     truncate_step,
 )
 from chain_impact.kernel.ode.methods import attempt, choose_method, prepare
@@ -110,7 +110,7 @@ def advance(d, time, log_capacity, cost_limit):
             return PAUSED
         status = advance_one_step(d)
     if status == OK:
-        set_output_time(d, time)
+        set_communication_point(d, time)
     return status
 
 
@@ -132,12 +132,12 @@ def advance_to_onset(d, time):
     """
     status, fresh = reinit_if_changed(d, time), False
     while status == OK and d.step.end < time:
-        if (fresh or d.step.end > d.step.time) and ends_in_onset(d):
+        if (fresh or d.step.end > d.step.communication_point) and ends_in_onset(d):
             time = d.step.end
         else:
             status, fresh = advance_one_step(d), True
     if status == OK:
-        set_output_time(d, time)
+        set_communication_point(d, time)
         status = ONSET_DUE if onset_due(d) else OK
     return status
 
@@ -147,17 +147,17 @@ def event_update(d):
 
     The next step starts in the state after the onsets.
     """
-    status = reinit_if_changed(d, d.step.time)
+    status = reinit_if_changed(d, d.step.communication_point)
     while status == OK and onset_due(d):
         status = advance_one_step(d)
     if status == OK:
-        set_output_time(d, d.step.time)
+        set_communication_point(d, d.step.communication_point)
     return status
 
 
 def onset_due(d):
     """Return whether a contact begins at the communication point, with an onset that is not applied yet."""
-    return d.step.end == d.step.time and ends_in_onset(d)
+    return d.step.end == d.step.communication_point and ends_in_onset(d)
 
 
 def reinit_if_changed(d, time):
@@ -194,17 +194,17 @@ def advance_one_step(d):
     return d.statistics.status
 
 
-def set_output_time(d, time):
+def set_communication_point(d, time):
     """Set the communication point to ``time`` [s] in the last step; count the next call's cost from 0."""
-    set_own_output_time(d, time)
+    set_own_communication_point(d, time)
     begin_call(d)
 
 
 def reinit(d):
     """Cut the last step at the communication point, and use new inputs and parameters; return a status."""
-    update_to_output_time(d)
+    update_to_communication_point(d)
     control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # from the step's variable to seconds
-    reset_step(d, d.step.time, d.step.state_end)
+    reset_step(d, d.step.communication_point, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
@@ -241,7 +241,7 @@ def latch_again(d):
 def apply_laws(d):
     """Make latched values, held contacts, modes of friction and drives, and sides of kinks fit the laws."""
     latch_again(d)
-    renew_modes(d, belts_jump(d))
+    reinit_contacts_and_modes(d, belts_jump(d))
 
 
 def take_step(d):
@@ -373,7 +373,7 @@ def apply_pending_events(d):
 
     Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
-    events, kinked = d.drive.event + pending_changes(d), d.drive.event > 0
+    events, kinked = d.drive.mode_ends + pending_changes(d), d.drive.mode_ends > 0
     for c in range(d.candidates):
         events += d.touch.event[c] != NONE
         kinked = kinked or d.touch.event[c] == KINK
@@ -382,7 +382,7 @@ def apply_pending_events(d):
     update_peaks(d)
 
     rate = d.scratch.rate_start
-    for j in range(len(d.scratch.y)):
+    for j in range(len(d.scratch.state)):
         rate[j] = d.scratch.rate_end[j]
     if events > 0:
         commit_quadratures(d)

@@ -23,7 +23,7 @@ EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 def begin_windows(d, time):
     """Begin the first windows of time that limit events and cost, at ``time`` [s], the start of a run."""
-    d.limits.event_start, d.limits.cost_start = time, time
+    d.budget.event_start, d.budget.cost_start = time, time
 
 
 def count_step(d, implicit):
@@ -39,7 +39,7 @@ def count_rejected_step(d):
 
 def cost_so_far(d):
     """Return the cost since the start of the run, in evaluations of the right-hand side."""
-    return d.statistics.rhs_evaluations + d.limits.other_cost
+    return d.statistics.rhs_evaluations + d.budget.other_cost
 
 
 def count_evaluations(d, number):
@@ -49,7 +49,7 @@ def count_evaluations(d, number):
 
 def count_other_cost(d, number):
     """Count calculations other than evaluations that cost about as much as ``number`` evaluations."""
-    d.limits.other_cost += number
+    d.budget.other_cost += number
 
 
 def counted_cost(d):
@@ -57,7 +57,7 @@ def counted_cost(d):
 
     ``uncount_cost`` can later reset both counts to these values.
     """
-    return d.statistics.rhs_evaluations, d.limits.other_cost
+    return d.statistics.rhs_evaluations, d.budget.other_cost
 
 
 def uncount_cost(d, counted):
@@ -65,7 +65,7 @@ def uncount_cost(d, counted):
 
     The cost since the call of ``counted_cost`` is the cost of outputs, which does not count.
     """
-    d.statistics.rhs_evaluations, d.limits.other_cost = counted
+    d.statistics.rhs_evaluations, d.budget.other_cost = counted
 
 
 def cost_exceeded(d):
@@ -73,7 +73,7 @@ def cost_exceeded(d):
 
     Searches and iterations that may take long call this function, to end early.
     """
-    return cost_so_far(d) - d.limits.cost_count > d.solver.work_limit * COST_WINDOW
+    return cost_so_far(d) - d.budget.cost_count > d.solver.work_limit * COST_WINDOW
 
 
 def cost_of_a_call(d):
@@ -86,12 +86,12 @@ def cost_of_a_call(d):
 
 def begin_call(d):
     """Begin to count the cost of the next communication step."""
-    d.limits.call_count = cost_so_far(d)
+    d.budget.call_count = cost_so_far(d)
 
 
 def allow_any_length(d):
     """Remove the limit on the cost of a communication step, for a caller that can stop the run."""
-    d.limits.call_count = UNLIMITED
+    d.budget.call_count = UNLIMITED
 
 
 def check_cost(d):
@@ -100,14 +100,14 @@ def check_cost(d):
     TOO_MUCH_WORK: the present window costs more than `solver.work_limit` allows. STEP_TOO_LONG: the present
     communication step costs more than `solver.work_limit` allows for LONGEST_CALL.
     """
-    limits = d.limits
+    budget = d.budget
     if cost_exceeded(d):
         return TOO_MUCH_WORK
-    if cost_so_far(d) - limits.call_count > d.solver.work_limit * LONGEST_CALL:
+    if cost_so_far(d) - budget.call_count > d.solver.work_limit * LONGEST_CALL:
         return STEP_TOO_LONG
-    if d.step.end >= limits.cost_start + COST_WINDOW:
-        limits.cost_start = d.step.end
-        limits.cost_count = cost_so_far(d)
+    if d.step.end >= budget.cost_start + COST_WINDOW:
+        budget.cost_start = d.step.end
+        budget.cost_count = cost_so_far(d)
     return OK
 
 
@@ -117,10 +117,10 @@ def check_events(d, events):
     The status is EVENT_STORM if the count exceeds MOST_EVENTS × n, else OK. The comment on MOST_EVENTS
     defines n.
     """
-    limits = d.limits
-    if d.step.end >= limits.event_start + EVENT_WINDOW:
-        limits.event_start = d.step.end
-        limits.event_count = 0
-    limits.event_count += events
+    budget = d.budget
+    if d.step.end >= budget.event_start + EVENT_WINDOW:
+        budget.event_start = d.step.end
+        budget.event_count = 0
+    budget.event_count += events
     elements = d.candidates + (d.links + d.slides if d.friction.used or d.chain.has_drive_limits else 0)
-    return OK if limits.event_count <= MOST_EVENTS * elements else EVENT_STORM
+    return OK if budget.event_count <= MOST_EVENTS * elements else EVENT_STORM

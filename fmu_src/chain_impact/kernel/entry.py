@@ -17,7 +17,7 @@ from chain_impact.kernel.cost import (
     counted_cost,
     uncount_cost,
 )
-from chain_impact.kernel.events.contact_log import collect, update_to_output_time
+from chain_impact.kernel.events.contact_log import collect, update_to_communication_point
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.forces.user_law import is_present
@@ -63,10 +63,10 @@ def relations_hold(d):
     fits = fits and is_within(d.chain.base_moves, 0, d.channels // 2)
     for c in range(d.candidates):
         fits = fits and candidate_within_bounds(d, c)
-        fits = fits and is_within(d.shift.channel[c], -1, max(-1, d.channels - 2))
+        fits = fits and is_within(d.wall_motion.first_channel[c], -1, max(-1, d.channels - 2))
         fits = fits and is_within(d.law.number[c], least_law(d), laws)
         fits = fits and is_within(d.law.same_as[c], 0, c)
-        fits = fits and is_within(d.touch.number[c], 0, d.impact.count)
+        fits = fits and is_within(d.touch.impact_number[c], 0, d.impact.count)
     return fits and friction_counts_fit(d) and signals_fit(d)
 
 
@@ -74,12 +74,12 @@ def signals_fit(d):
     """Return whether the indices of all signals, knots and driven values are within the record."""
     signal = d.signal
     for j in range(d.signals):
-        driven, first, last = signal.input[j], signal.first[j], signal.last[j]
+        driven, first, last = signal.input[j], signal.first_knot[j], signal.last_knot[j]
         values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
         if not (is_within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
             return False
         # index of the first of the given times and values of the signal; there are as many as its knots
-        given = signal.first[signal.source[j]]
+        given = signal.first_knot[signal.source[j]]
         knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
         if not (0 <= given <= d.knots - 1 - (last - first) and last - first + 1 >= knots):
             return False
@@ -256,5 +256,5 @@ def finish_run(d, end_time, cost_limit):
     if status == OK:
         observe(d)
     if status != PAUSED and d.touch.active_count > 0:
-        update_to_output_time(d)
+        update_to_communication_point(d)
     return status

@@ -85,10 +85,10 @@ def mechanical_energy(d, y):
         # r_C = (cx, cy) leads from the proximal joint to the centre of mass: p_C = p_i + r_C,
         # v_C = v_i + ω r_C⊥. The next line sets the part of r_C along the link's line; if the centre may lie
         # beside this line, the other part is added below
-        cx, cy = ratio * d.scratch.link.x[i], ratio * d.scratch.link.y[i]
+        cx, cy = ratio * d.scratch.link_vector.x[i], ratio * d.scratch.link_vector.y[i]
         if d.skewed:
             beside = d.chain.offset_ratio[i]
-            cx, cy = cx - beside * d.scratch.link.y[i], cy + beside * d.scratch.link.x[i]
+            cx, cy = cx - beside * d.scratch.link_vector.y[i], cy + beside * d.scratch.link_vector.x[i]
         vx = d.scratch.velocity.x[i] - omega * cy
         vy = d.scratch.velocity.y[i] + omega * cx
         kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.chain.inertia[i] * omega * omega
@@ -177,7 +177,7 @@ def free_rate_from_loads(d, y, dissipated, rate):
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
-    move_site_loads(d, d.scratch.link, d.scratch.load)
+    move_site_loads(d, d.scratch.link_vector, d.scratch.load)
     if d.chain.has_armatures:
         accelerations_with_armatures(d, y, rate)
     else:
@@ -197,7 +197,7 @@ def clear_stage_notes(d):
     clear_crossings(d)
     clear_least_forces(d)
     clear_margins(d)
-    d.drive.margin = 0.0
+    d.drive.torque_margin = 0.0
 
 
 def joint_moments(d, y):
@@ -220,7 +220,7 @@ def joint_moments(d, y):
         if i > 0:
             d.scratch.moment[i - 1] -= torque
     if d.chain.has_drive_limits:
-        d.drive.margin = min(d.drive.margin, mode_margin(d, y))
+        d.drive.torque_margin = min(d.drive.torque_margin, mode_margin(d, y))
     if d.chain.has_springs:
         add_spring_moments(d, y)
     if d.chain.has_joint_places:

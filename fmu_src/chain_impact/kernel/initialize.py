@@ -22,7 +22,7 @@ from chain_impact.kernel.cost import (
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.base import check_base
 from chain_impact.kernel.events.contact_log import clear_log
-from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
+from chain_impact.kernel.events.friction_modes import clear_changes, reinit_friction_modes
 from chain_impact.kernel.events.saturation import choose_saturation, clear_saturation
 from chain_impact.kernel.forces.active_contacts import clear_impacts, clear_loads
 from chain_impact.kernel.forces.candidate_laws import start_laws
@@ -97,13 +97,13 @@ def initialize(d, time):
 def set_start(d, time):
     """Set walls, state, loads, and modes of drives and friction at the start of a run, at ``time`` [s]."""
     set_candidate_rows(d)
-    set_initial_state(d, d.scratch.y)
-    reset_step(d, time, d.scratch.y)
+    set_initial_state(d, d.scratch.state)
+    reset_step(d, time, d.scratch.state)
     clear_loads(d)
     if d.loads > 0:
         start_loads(d, time)
     choose_saturation(d)
-    reinit_modes(d, True)
+    reinit_friction_modes(d, True)
 
 
 def set_initial_state(d, y):
@@ -141,7 +141,7 @@ def clear_run(d, time):
     clear_numbers(d.peaks)
     clear_numbers(d.fault)
     clear_numbers(d.statistics)
-    clear_numbers(d.limits)
+    clear_numbers(d.budget)
     clear_friction(d)
     clear_impacts(d, time)
     clear_log(d)
@@ -297,7 +297,7 @@ def check_start(d):
     forces are found.
     """
     locate_points(d, d.step.state)
-    for j in range(len(d.scratch.y)):
+    for j in range(len(d.scratch.state)):
         if not math.isfinite(d.step.state[j] + d.scratch.rate_start[j]):
             return NOT_FINITE
     kinetic, potential = mechanical_energy(d, d.step.state)

@@ -60,7 +60,7 @@ def start_loads(d, time):
     """
     transmitted = d.transmitted
     locate_points(d, d.step.state_end)
-    transmitted.start_time, transmitted.searched_end = time, math.nan
+    transmitted.run_start, transmitted.searched_end = time, math.nan
     link_momenta(d, transmitted.start_x, transmitted.start_y)
     for i in range(d.links):
         set_load_peak(d, i, 0.0, time)
@@ -76,7 +76,7 @@ def store_tip_impulse(d, j, impulse):
 
 def set_load_peak(d, i, square, time):
     """Set the largest squared force |f|² [N²] so far of the joint in row i, and its time [s]."""
-    d.transmitted.peak[i], d.transmitted.peak_time[i] = square, time
+    d.transmitted.peak_square[i], d.transmitted.peak_time[i] = square, time
 
 
 def link_momenta(d, x, y):
@@ -203,7 +203,7 @@ def fill_load_impulses(d):
     The points must be located at the communication point.
     """
     out, transmitted = d.output, d.transmitted
-    x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.time - transmitted.start_time
+    x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.communication_point - transmitted.run_start
     link_momenta(d, x, y)
     for i in range(d.links):
         x[i] -= transmitted.start_x[i] + d.chain.mass[i] * d.chain.gravity[0] * lasted
@@ -226,12 +226,12 @@ def fill_load_peaks(d):
             transmitted.searched_square[i] = transmitted.largest_square[i]
         transmitted.searched_breaks, transmitted.searched_end = d.step.breaks, d.step.end
     for i in range(d.links):
-        transmitted.largest_square[i] = transmitted.peak[i]
+        transmitted.largest_square[i] = transmitted.peak_square[i]
         transmitted.largest_time[i] = transmitted.peak_time[i]
-        raise_largest(d, i, out.x[i] * out.x[i] + out.y[i] * out.y[i], d.step.time)
+        raise_largest(d, i, out.x[i] * out.x[i] + out.y[i] * out.y[i], d.step.communication_point)
         rises = rises or transmitted.searched_square[i] > transmitted.largest_square[i]
     if rises:
-        search_peaks(d, d.step.time, d.step.time)
+        search_peaks(d, d.step.communication_point, d.step.communication_point)
     for i in range(d.links):
         out.peak[i] = math.sqrt(transmitted.largest_square[i]) if transmitted.largest_square[i] > 0.0 else 0.0
         out.peak_time[i] = transmitted.largest_time[i]
@@ -240,16 +240,16 @@ def fill_load_peaks(d):
 def update_load_peaks(d):
     """Raise the stored largest joint forces to those in the last step, where these are larger.
 
-    Two maxima of |f|² [N²] are stored: for each joint since the start of the run (``transmitted.peak``, with
-    its time), and for each active contact since its onset, over all joints (``touch.joint_square``, with the
-    joint's number). The evaluations do not count as cost, because loads are outputs. Afterwards points and
-    forces are those at the end of the step.
+    Two maxima of |f|² [N²] are stored: for each joint since the start of the run
+    (``transmitted.peak_square``, with its time), and for each active contact since its onset, over all joints
+    (``touch.joint_square``, with the joint's number). The evaluations do not count as cost, because loads are
+    outputs. Afterwards points and forces are those at the end of the step.
     """
     transmitted, touch, counted = d.transmitted, d.touch, counted_cost(d)
     ensure_dense(d, OUTPUTS)
     search_step(d)
     for i in range(d.links):
-        if transmitted.largest_square[i] > transmitted.peak[i]:
+        if transmitted.largest_square[i] > transmitted.peak_square[i]:
             set_load_peak(d, i, transmitted.largest_square[i], transmitted.largest_time[i])
     for k in range(touch.active_count):
         c = touch.active_index[k]
@@ -274,7 +274,7 @@ def search_step(d):
     for k in range(d.touch.active_count):
         least = min(least, d.touch.joint_square[d.touch.active_index[k]])
     for i in range(d.links):
-        transmitted.largest_square[i] = min(transmitted.peak[i], least)
+        transmitted.largest_square[i] = min(transmitted.peak_square[i], least)
     search_peaks(d, d.step.end, time_of_peak(d, d.step.end, d.step.end))
 
 
@@ -292,10 +292,14 @@ def search_peaks(d, time, peak_at_end):
         load_joints_at(d, theta)
         sampled_at = peak_at_end if m == intervals else time_of_peak(d, time_of_joint_forces(d), theta)
         for i in range(d.links):
-            transmitted.after[i] = square_of_force(d, i)
+            transmitted.square_after[i] = square_of_force(d, i)
         for i in range(d.links):
-            left, top, right = transmitted.before[i], transmitted.middle[i], transmitted.after[i]
-            transmitted.before[i], transmitted.middle[i] = top, right
+            left, top, right = (
+                transmitted.square_before[i],
+                transmitted.square_middle[i],
+                transmitted.square_after[i],
+            )
+            transmitted.square_before[i], transmitted.square_middle[i] = top, right
             raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
@@ -317,7 +321,7 @@ def time_of_peak(_d, time, _place):
 
 def time_of_joint_forces(d):
     """Return the time [s] of the forces in ``transmitted.x`` and ``.y``, after ``load_joints_at``."""
-    return d.step.start + d.scratch.y[time_at(d.links)]
+    return d.step.start + d.scratch.state[time_at(d.links)]
 
 
 def raise_largest(d, i, square, time):
@@ -347,7 +351,7 @@ def load_joints_at(d, theta):
 
     Afterwards the points are located and accelerated there.
     """
-    y, rate = d.scratch.y, d.scratch.rate
+    y, rate = d.scratch.state, d.scratch.rate
     interpolate(d.step, theta, y)
     locate_points(d, y)
     rate_from_points(d, y, rate)

@@ -41,7 +41,7 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def observe(d):
-    """Fill the outputs with the values at ``step.time``, and call ``on_observe`` (kernel/hooks.py).
+    """Fill the outputs with the values at the communication point; call ``on_observe`` (kernel/hooks.py).
 
     In a kernel with tangent instances, ``on_observe`` sets the derivatives of the outputs.
     """
@@ -50,19 +50,19 @@ def observe(d):
 
 
 def observe_state(d):
-    """Fill the STATE_OUTPUTS of record/instance.py at ``step.time``; no other output is valid then."""
+    """Fill the STATE_OUTPUTS of record/instance.py at the communication point; no other is valid."""
     counted = counted_cost(d)
-    fill_state(d, fraction(d, d.step.time))
+    fill_state(d, fraction(d, d.step.communication_point))
     uncount_cost(d, counted)
 
 
 def fill_outputs(d):
-    """Fill the outputs with the values at ``step.time``, the communication point.
+    """Fill the outputs with the values at the communication point.
 
     The active contacts are those of the step that contains this time. An event at the end of this step, which
     the solver has already found, is not visible yet.
     """
-    counted, theta = counted_cost(d), fraction(d, d.step.time)
+    counted, theta = counted_cost(d), fraction(d, d.step.communication_point)
     fill_motion(d, theta)
     fill_quadratures(d, theta)
     if d.loads > 0:
@@ -77,12 +77,12 @@ def fill_outputs(d):
 
 
 def refill_motion(d):
-    """Fill the outputs of motion, forces and energies again, at the communication point ``step.time``.
+    """Fill the outputs of motion, forces and energies again, at the communication point.
 
     Impulses, peaks, the list of impacts and the energy of friction do not change.
     """
     counted = counted_cost(d)
-    fill_motion(d, fraction(d, d.step.time))
+    fill_motion(d, fraction(d, d.step.communication_point))
     if d.chain.has_joint_stops:
         combine_forces(d)
     uncount_cost(d, counted)
@@ -93,7 +93,7 @@ def fill_motion(d, theta):
 
     If loads are requested, the loads of joints and walls are filled, too, but not their impulses and peaks.
     """
-    n, out, scratch, y, rate = d.links, d.output, d.scratch, d.scratch.y, d.scratch.rate
+    n, out, scratch, y, rate = d.links, d.output, d.scratch, d.scratch.state, d.scratch.rate
     fill_state(d, theta)
     true_rate_from_inputs(d, y, rate)
     refine_rate(d, theta, y, rate)
@@ -124,7 +124,7 @@ def fill_state(d, theta):
 
     Afterwards the points are located there.
     """
-    n, out, y = d.links, d.output, d.scratch.y
+    n, out, y = d.links, d.output, d.scratch.state
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
@@ -145,7 +145,7 @@ def fill_state(d, theta):
         out.slider_position = slider_position(d, y)
         out.slider_velocity = along_drive(d, y, velocity_at(n), n)
     for m in range(d.channels):
-        out.channel[m] = d.moved.position[m]
+        out.channel[m] = d.channel.position[m]
     for j in range(d.signals):
         value, rate, bend = signal_at(d, j, d.step.clock + y[time_at(n)])
         out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate, bend
@@ -196,8 +196,8 @@ def fill_friction(d):
 def fill_quadratures(d, theta):
     """Fill the outputs of impulses and of the energy of dry friction, at the fraction θ of the last step."""
     quadrature = d.quadrature
-    for i in range(len(quadrature.total)):
-        fill_quadrature(d, i, quadrature.total[i])
+    for i in range(len(quadrature.integral)):
+        fill_quadrature(d, i, quadrature.integral[i])
     for k in range(quadrature.count):
         fill_quadrature(d, quadrature.index[k], quadrature_within(d, theta, k))
 

@@ -279,7 +279,7 @@ def _layout() -> dict[str, Any]:
     return {
         "status": word_terms(("statistics", "status")),
         "part": word_terms(("fault", "part")),
-        "time": word_terms(("step", "time")),
+        "time": word_terms(("step", "communication_point")),
         "impulses": word_terms(("quadrature", "computed")),
         "loads": word_terms(("loads",)),
         "contactLog": {

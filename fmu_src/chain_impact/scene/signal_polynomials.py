@@ -40,8 +40,8 @@ def value_at_start(signal: Signal, driven: str, stop: float) -> float:
 def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> None:
     """Write a signal to entry j of the record's part ``signal``, and its polynomials to the part ``knot``.
 
-    The caller has set two fields of the entry: ``order``, and ``first``, the index in ``knot`` of its first
-    polynomial. All other fields of the entry must be 0.
+    The caller has set two fields of the entry: ``order``, and ``first_knot``, the index in ``knot`` of its
+    first polynomial. All other fields of the entry must be 0.
 
     Args:
         d: the parts ``signal`` and ``knot`` of the record, by name.
@@ -51,11 +51,11 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
         stop: the end of the run [s].
     """
     fields = d["signal"]
-    first, order = int(fields["first"][j]), int(fields["order"][j])
+    first, order = int(fields["first_knot"][j]), int(fields["order"][j])
     rows = slice(first, first + knots_of(signal, driven))
     fields["form"][j] = list(FORMS).index(signal.form)
     fields["shape"][j] = SHAPES.index(signal.shape or SHAPES[0])
-    fields["last"][j], fields["segment"][j] = rows.stop - 1, first
+    fields["last_knot"][j], fields["segment"][j] = rows.stop - 1, first
     for key in NUMBERS:
         fields[key][j] = getattr(signal, key) or 0.0
     if signal.form == "steps":

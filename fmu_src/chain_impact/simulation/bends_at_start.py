@@ -34,7 +34,7 @@ def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
     found = []
     for j, each in enumerate(driven):
         d.signal.lap[j] = 0
-        for k in range(d.signal.first[j] + 1, d.signal.last[j] + 1):
+        for k in range(d.signal.first_knot[j] + 1, d.signal.last_knot[j] + 1):
             if d.knot.time[k] == 0.0:
                 before, after = _at_start(d, j, k - 1), _at_start(d, j, k)
                 watched = _watched(each.input)

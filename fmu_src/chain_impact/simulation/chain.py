@@ -98,11 +98,11 @@ class Chain:
         dtype = self._instance.record.dtype
         self._accesses = {v.name: _access(v, prepared.table_row(v)) for v in prepared.variables}
         self._signal_of = prepared.signals_by_input
-        self._time_word = word_index(dtype, ("step", "time"))
+        self._time_word = word_index(dtype, ("step", "communication_point"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._ended_word = word_index(dtype, ("contact_log", "count"))
         self._collected_word = word_index(dtype, ("contact_log", "collected"))
-        self._contradiction_word = word_index(dtype, ("moved", "contradiction"))
+        self._contradiction_word = word_index(dtype, ("channel", "contradiction"))
         self._warned = False
         self._changes_word = word_index(dtype, ("changes", "count"))
         self._selections: dict[str | tuple[str, ...], _Selection] = {}

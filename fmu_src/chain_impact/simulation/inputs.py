@@ -55,7 +55,7 @@ NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
 PIECE = "piece"
-"""The field, in the record's part ``motion``, of the polynomials of motions that the solver follows."""
+"""The field, in the record's part ``given_channel``, of polynomials of motions that the solver follows."""
 
 
 @dataclass(frozen=True)
@@ -103,12 +103,12 @@ class InputSchedule:
             return
         at = int(self.first.searchsorted(row, side="right")) - 1
         powers, given, changed = self.pieces.powers[at], record["given"], False
-        piece, motion = given["piece"], record["motion"]
-        motion["interpolates"], motion["jumps"] = 1, self.slips[at]
+        piece, channels = given["piece"], record["given_channel"]
+        channels["interpolates"], channels["jumps"] = 1, self.slips[at]
         for m, (part, name, index) in enumerate(self.paths):
             if name == PIECE:
-                motion["interpolates"] = 0
-                given_powers = motion[name][: len(powers), index]
+                channels["interpolates"] = 0
+                given_powers = channels[name][: len(powers), index]
                 changed = changed or (given_powers != powers[:, m]).any()
                 given_powers[:] = powers[:, m]
                 continue
@@ -120,8 +120,8 @@ class InputSchedule:
         settings = self.pieces.settings(at)
         # steady: with ``hold``, the kernel makes the polynomials of motions from the values at communication
         # points, and writes the settings of its polynomials; all other inputs are constant, without settings
-        steady = motion["interpolates"] and len(motion["position"]) > 0
-        if not steady and (settings["order"] or piece["order"]):
+        steady = channels["interpolates"] and len(channels["position"]) > 0
+        if not steady and (settings["degree"] or piece["degree"]):
             changed = changed or any(piece[name] != value for name, value in settings.items())
             for name, value in settings.items():
                 piece[name] = value

@@ -260,19 +260,19 @@ class Instance:
     @property
     def contradictions(self) -> list[str]:
         """A list with one sentence if the positions given for a motion contradict its velocity; else []."""
-        moved = self.record["moved"]
-        channel = int(moved["contradiction"])
+        channels = self.record["channel"]
+        channel = int(channels["contradiction"])
         names = {variable.record_path: variable.name for variable in self.prepared.inputs}
         name = names.get((MOTION, "position", channel - 1))
         if not name:
             return []
-        moves = f"{name} has been moved by {moved['distance']:.9g} m in {moved['lasted']:.9g} s"
-        return [f"{moves}, which contradicts its velocity of {moved['speed']:.9g} m/s: give both"]
+        moves = f"{name} has been moved by {channels['distance']:.9g} m in {channels['lasted']:.9g} s"
+        return [f"{moves}, which contradicts its velocity of {channels['new_velocity']:.9g} m/s: give both"]
 
     @property
     def time(self) -> float:
         """The time [s] that the run has reached."""
-        return float(self.record["step"]["time"])
+        return float(self.record["step"]["communication_point"])
 
     @property
     def statistics(self) -> dict[str, int]:

@@ -105,13 +105,13 @@ class Pieces:
     def settings(self, at: int) -> dict[str, float]:
         """Return the fields of the record for the piece ``at``, except the coefficients of its polynomials.
 
-        For a piece in which all signals are constant, the fields are only ``order`` and ``change_rate``: 0.
+        For a piece in which all signals are constant, the fields are only ``degree`` and ``change_rate``: 0.
         """
-        order, rate = self._degrees_and_rates
-        if order[at] == 0:
-            return {"order": 0, "change_rate": 0.0}
+        degree, rate = self._degrees_and_rates
+        if degree[at] == 0:
+            return {"degree": 0, "change_rate": 0.0}
         return {
-            "order": order[at],
+            "degree": degree[at],
             "middle": self.middle[at],
             "scale": self.scale[at],
             # the record's piece ends a little later, because round-off could let a step end after ``end``

@@ -193,7 +193,7 @@ def _warn(instance: Instance, result: Result) -> None:
     # ``hints`` takes long, and returns nothing unless a point is deeper in a wall than ``Body.deep``
     if instance.record["peaks"]["penetration"] > smallest_body(scene).deep:
         warn(scene.name, hints(scene, result.impacts))
-    if result.prepared.sizes.channels and instance.record["moved"]["contradiction"]:
+    if result.prepared.sizes.channels and instance.record["channel"]["contradiction"]:
         warn(scene.name, instance.contradictions)
 
 

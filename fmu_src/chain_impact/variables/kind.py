@@ -17,8 +17,8 @@ from chain_impact.scene.rules.key_rules import Derived
 from chain_impact.scene.words.names import DataPath, NameParts, name_parts, sensitivity_name
 
 NEXT = "{next}"
-MOTION = "motion"
-"""The name of the part of the record with the prescribed motions of base, walls and belts."""
+MOTION = "given_channel"
+"""The name of the part of the record with the motions given for base, walls and belts."""
 MOTIONS = ("position", "velocity", "acceleration")
 """The fields of the part ``MOTION`` of the record that have the motions."""
 

@@ -272,10 +272,10 @@ OUTPUTS = (
         owner_kind="impact",
         prefix="impact[{n}]",
         rows="""
-        time             | s   | time of its onset, 0 if there is none
+        time             | s   | time of its onset, 0 if there is none | field=onset
         point            |     | point, -1 if there is none{its_joint}                                 | minimum=-1 maximum=points
         wall             |     | wall: {wall_numbers_if_any}                                           | minimum=0 maximum=walls
-        speed            | m/s | approach speed at its onset{in_rad_s}                                 | nominal=size minimum=0
+        speed            | m/s | approach speed at its onset{in_rad_s}                                 | field=impact_speed nominal=size minimum=0
         end              | s   | time of its end, the present time if it lasts
         separation_speed | m/s | speed from the wall at its end, the present one if it lasts{in_rad_s} | nominal=size
         peak_force       | N   | largest force so far, 0 for an impulse of a rigid wall{in_n_m}        | nominal=force minimum=0 feedthrough

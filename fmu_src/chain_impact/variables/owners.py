@@ -154,7 +154,7 @@ RECORD_NUMBERS = {
     "has_inputs": RecordNumber(("chain", "has_inputs"), "has_inputs"),
     "has_servos": RecordNumber(("chain", "has_servos"), "inputs.joint_targets"),
     "base_moves": RecordNumber(("chain", "base_moves"), "inputs.base_motion"),
-    "interpolates": RecordNumber(("motion", "interpolates"), ALWAYS),
+    "interpolates": RecordNumber(("given_channel", "interpolates"), ALWAYS),
     "requested": RecordNumber(("latest", "requested"), "outputs.impacts"),
     "impulses": RecordNumber(("quadrature", "computed"), "impulses"),
     "site_link": RecordNumber(("site", "link", AT), "link", "sites"),
@@ -164,9 +164,11 @@ RECORD_NUMBERS = {
     "candidate_stop": RecordNumber(("candidate", AT, "stop"), "stop", "candidates"),
     "regularized": RecordNumber(("step", "regularized"), f"{NO_CONTACT}"),
     # a moving wall has two channels (prescribed motions): its displacement, and its motion as a belt
-    "belt": RecordNumber(("motion", "belt", AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
+    "belt": RecordNumber(("given_channel", "belt", AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
     "candidate_channel": RecordNumber(
-        ("shift", AT, "channel"), f"sum(moving_walls, (number == wall)*({_CHANNEL} + 1)) + -1", "candidates"
+        ("wall_motion", AT, "first_channel"),
+        f"sum(moving_walls, (number == wall)*({_CHANNEL} + 1)) + -1",
+        "candidates",
     ),
     "stop_law": RecordNumber(("stops", "law"), "sum(laws, (name == stops.model)*(order + 1))"),
     **{

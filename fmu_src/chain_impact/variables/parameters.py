@@ -152,13 +152,13 @@ PARAMETERS = (
                 "hint": HAS_TARGET,
             },
             joint_friction={
-                "record_path": ("drive", "friction", AT),
+                "record_path": ("drive", "friction_moment", AT),
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },
             joint_armature={"only_if_in_file": True, "hint": HAS_ONE},
             joint_torque_limit={
-                "record_path": ("drive", "limit", AT),
+                "record_path": ("drive", "torque_limit", AT),
                 "number_for_none": math.inf,
                 "hint": HAS_ONE,
             },
@@ -194,10 +194,18 @@ PARAMETERS = (
                 "when": ("target_is_parameter",),
                 "hint": HAS_TARGET.replace("angle", "position"),
             },
-            friction={"when": ("may_have_friction",), "hint": HAS_FRICTION},
+            friction={
+                "record_path": ("drive", "friction_moment", AT),
+                "when": ("may_have_friction",),
+                "hint": HAS_FRICTION,
+            },
             min={"number_for_none": -math.inf},
             max={"number_for_none": math.inf},
-            force_limit={"record_path": ("drive", "limit", AT), "number_for_none": math.inf, "hint": HAS_ONE},
+            force_limit={
+                "record_path": ("drive", "torque_limit", AT),
+                "number_for_none": math.inf,
+                "hint": HAS_ONE,
+            },
         ),
         _parameter(
             _metadata(Initial)["slider_velocity"],
@@ -215,7 +223,7 @@ PARAMETERS = (
             for kind in _of_table(
                 Box,
                 scene_path=("box", KEY),
-                record_path=("chain", "wall", w),
+                record_path=("chain", "box_wall", w),
                 names=(wall,),
                 text="position of the {}",
             )

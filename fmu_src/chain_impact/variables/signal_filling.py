@@ -28,7 +28,7 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     for j, signal in enumerate(structure.signals):
         fields["input"][j], fields["index"][j] = input_at(paths[signal.input])
         fields["source"][j] = first.setdefault(signal.signal, j)
-        fields["order"][j], fields["first"][j] = signal.order, knot
+        fields["order"][j], fields["first_knot"][j] = signal.order, knot
         write_signal(d, j, scene.signals[signal.signal], signal.input, stop)
         knot += signal.knots
 

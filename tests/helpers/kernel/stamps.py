@@ -23,10 +23,10 @@ from chain_impact.kernel.chain.state import ANGLES, coordinate_count, state_size
 from chain_impact.kernel.forces.friction import NO_FRICTION
 from tests.helpers.kernel.plain import Plain, as_plain_python
 
-GROUPS = ("link", "position", "velocity", "acceleration")
+GROUPS = ("link_vector", "position", "velocity", "acceleration")
 CALLERS = 3
 """The number of functions, from the reader outward, among which a state ``y`` is looked for."""
-AT_END = ("latch_onset", "lone_contact", "update_extremes", "update_modes")
+AT_END = ("latch_onset", "lone_contact", "update_extremes", "choose_friction_modes")
 """The functions without an argument y that need the points at the end of the last step."""
 LINEAR = ("project_coordinates",)
 """The functions that move y, and are linear about the points located before."""
@@ -66,7 +66,7 @@ class Stamps:
             return
         y = self._state_of(reader)
         angles = self.places[8 * ANGLES :][: len(self.links)]
-        if group == "link":
+        if group == "link_vector":
             stale = y is not None and self.links != self.links_of(y)
         else:
             stale = self.links != angles or stamp != self.places

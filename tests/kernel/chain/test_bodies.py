@@ -193,9 +193,9 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
         mass += amount * np.outer(normal @ jacobian, normal @ jacobian)
         force += jacobian.T @ load
     add_joint_impedances(d, d.scratch.impedance)
-    factorize(d, d.scratch.link, d.scratch, HELD, True)
+    factorize(d, d.scratch.link_vector, d.scratch, HELD, True)
     d.scratch.load.joint[:] = 0.0
     change = np.zeros(n + 2)
-    solve_space(d, d.scratch.link, d.scratch, HELD, change)
+    solve_space(d, d.scratch.link_vector, d.scratch, HELD, change)
     wanted = reference.solved(mass, force)
     np.testing.assert_allclose(change, wanted, rtol=1e-9, atol=1e-10 * max(1e-3, np.abs(wanted).max()))

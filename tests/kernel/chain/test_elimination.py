@@ -26,10 +26,10 @@ def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):
     space = d.implicit.pairs if np.iscomplexobj(impedance) else d.scratch
     set_impedances(space.impedance, impedance)
     space.impedance.joint[:] = resistance
-    factorize(d, d.scratch.link, space, row, bool(np.any(resistance) or np.any(moments)))
+    factorize(d, d.scratch.link_vector, space, row, bool(np.any(resistance) or np.any(moments)))
     set_vectors(space.load, impulses)
     space.load.joint[:], space.change[:] = moments, np.nan
-    solve(d, d.scratch.link, space, row, space.change)
+    solve(d, d.scratch.link_vector, space, row, space.change)
     return space.change.copy()
 
 
@@ -117,7 +117,7 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     scratch.moment[:] = rng.normal(size=count)
     set_vectors(scratch.load, rng.normal(size=(count + 1, 2)))
     no_impedance(d, scratch.impedance)
-    factorize(d, scratch.link, scratch, HELD, True)
+    factorize(d, scratch.link_vector, scratch, HELD, True)
     scratch.factors.coupling[FREE] = scratch.factors.complement[FREE] = 7.0
     accelerations(d, y, np.zeros(len(y)))
     copy_factors(d, True)

@@ -13,13 +13,13 @@ from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain
 
 
-def driven(order=2):
+def driven(degree=2):
     """Return the arm with torques 1 + 2 x + 3 x² and 4 of a piece from 0 to 2 s, x = t − 1."""
     block = PreparedScene(load_scene("pinned_arm")).new_instance()
     given = block[0]["given"]
     given["motor"][:2] = 1.0, 4.0
     piece = given["piece"]
-    piece["order"], piece["middle"], piece["scale"], piece["until"] = order, 1.0, 1.0, 2.0
+    piece["degree"], piece["middle"], piece["scale"], piece["until"] = degree, 1.0, 1.0, 2.0
     piece["motor"][1:3, 0] = 2.0, 3.0
     block[0]["step"]["regularized"] = -1
     d = Plain(block[0])
@@ -28,7 +28,7 @@ def driven(order=2):
 
 
 @pytest.mark.parametrize(
-    ("order", "end", "regularized", "size", "expected"),
+    ("degree", "end", "regularized", "size", "expected"),
     [
         *((2, 1.0, -1, 0.1, 0.1), (2, 1.0, -1, 0.6, 0.5), (2, 1.0, -1, 1.0, 1.0)),
         *((2, 1.0, -1, 5.0, 1.0), (0, 1.0, -1, 5.0, 5.0)),
@@ -36,15 +36,15 @@ def driven(order=2):
         (2, 2.0, -1, 5.0, 5.0),
     ],
 )
-def test_a_step_ends_with_the_piece_or_well_before(order, end, regularized, size, expected):
-    d = driven(order)
+def test_a_step_ends_with_the_piece_or_well_before(degree, end, regularized, size, expected):
+    d = driven(degree)
     d.step.end, d.step.regularized = end, regularized
     assert inputs.limit_to_piece(d, size) == expected
 
 
 def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
     d = driven()
-    d.step.time, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, inputs.CONTINUES
+    d.step.communication_point, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, inputs.CONTINUES
     assert inputs.inputs_continue(d)
     d.step.end = 2.1
     assert not inputs.inputs_continue(d)
@@ -59,7 +59,7 @@ def test_a_state_sees_the_inputs_at_its_time():
     d.step.clock, y[time_at(d.links)] = 1.25, 0.5
     inputs.ensure_inputs(d, y)
     assert list(d.inputs.motor[:2]) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
-    d = driven(order=0)
+    d = driven(degree=0)
     d.inputs.motor[0] = 77.0
     inputs.ensure_inputs(d, y)
     assert d.inputs.motor[0] == 77.0
@@ -79,11 +79,11 @@ def cart():
     return Plain(PreparedScene(load_scene("pinned_arm").with_values(CART)).new_instance()[0])
 
 
-@pytest.mark.parametrize("order", [0, 1, inputs.DEGREE])
-def test_given_inputs_are_used_as_polynomials(order):
-    d, rng = cart(), np.random.default_rng(order)
+@pytest.mark.parametrize("degree", [0, 1, inputs.DEGREE])
+def test_given_inputs_are_used_as_polynomials(degree):
+    d, rng = cart(), np.random.default_rng(degree)
     own, given = d.given.piece, d.given
-    own.order, own.middle, own.scale, own.until, own.change_rate = order, 0.4, 2.0, 3.0, 7.0
+    own.degree, own.middle, own.scale, own.until, own.change_rate = degree, 0.4, 2.0, 3.0, 7.0
     for name in FIELDS:
         own[name][:], given[name][:] = rng.normal(size=own[name].shape), rng.normal(size=given[name].shape)
     inputs.apply_inputs(d)
@@ -92,7 +92,7 @@ def test_given_inputs_are_used_as_polynomials(order):
     assert (d.inputs.piece.until, d.inputs.piece.change_rate) == (3.0, 7.0)
     inputs.set_inputs(d, 1.1)
     for name in FIELDS:
-        powers = np.vstack([given[name], own[name][1 : order + 1]])
+        powers = np.vstack([given[name], own[name][1 : degree + 1]])
         expected = np.polynomial.polynomial.polyval((1.1 - 0.4) * 2.0, powers)
         np.testing.assert_allclose(d.inputs[name], expected, rtol=1e-12, atol=1e-12)
 

@@ -37,7 +37,7 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     ]
     assert [drive_slopes(d, y, i) for i in range(d.links)] == own
     extend_start(d)
-    extended_slopes(d, d.implicit.start)
+    extended_slopes(d, d.implicit.z_start)
     assert [drive_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for c, k in own]
     assert [has_effect(k) for _, k in own] == [one > 0.0 for one in held]
 

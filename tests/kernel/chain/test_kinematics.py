@@ -29,13 +29,16 @@ def test_points_are_at_the_ends_of_the_links_and_move_with_them(count, base):
     y, rate = random_state(rng, d), random_state(rng, d)
     half = count + 2
     rate[:half] = y[half : 2 * half]
-    d.scratch.at_end = 1
+    d.scratch.located_at_end = 1
     locate_points(d, y)
     # the located points no longer belong to the end of a step
-    assert d.scratch.at_end == 0
+    assert d.scratch.located_at_end == 0
     np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
     np.testing.assert_allclose(
-        d.scratch.link.x[:count] + 1j * d.scratch.link.y[:count], np.diff(points_of(d, y)), rtol=0, atol=1e-14
+        d.scratch.link_vector.x[:count] + 1j * d.scratch.link_vector.y[:count],
+        np.diff(points_of(d, y)),
+        rtol=0,
+        atol=1e-14,
     )
     accelerate_points(d, y, rate)
 
@@ -57,12 +60,12 @@ def test_points_can_be_placed_for_link_vectors_that_are_known():
     _, d = chain(rng, 3)
     y = random_state(rng, d)
     set_link_vectors(d, y)
-    d.scratch.at_end = 1
+    d.scratch.located_at_end = 1
     locate_from_link_vectors(d, y)
     np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
-    assert d.scratch.at_end == 1
+    assert d.scratch.located_at_end == 1
     set_link_vectors(d, y)
-    assert d.scratch.at_end == 0
+    assert d.scratch.located_at_end == 0
 
 
 @BASES
@@ -72,16 +75,16 @@ def test_a_change_of_coordinates_moves_points_by_their_jacobians(count, base):
     scene, d = chain(rng, count, base)
     y, change = random_state(rng, d), rng.normal(size=count + 2)
     set_link_vectors(d, y)
-    move_points(d, d.scratch.link, change, d.scratch.motion)
+    move_points(d, d.scratch.link_vector, change, d.scratch.place_change)
     expected = [point_jacobian(scene, y[2 : count + 2], k) @ change for k in range(count + 1)]
-    np.testing.assert_allclose(vectors(d.scratch.motion), expected, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(vectors(d.scratch.place_change), expected, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_largest_component_is_found_at_points_and_joints(sign):
     for axis, row in [(axis, row) for axis in "xy" for row in range(5) if axis == "x" or row < 3]:
         _, d = stopped_chain(2)
-        motion = d.scratch.motion
+        motion = d.scratch.place_change
         set_vectors(motion, [(0.1, -0.2), (-0.3, 0.1), (0.2, 0.3)])
         motion.x[3:] = 0.1, -0.2
         motion[axis][row] = 0.5 * sign

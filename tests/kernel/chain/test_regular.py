@@ -94,7 +94,7 @@ def test_chains_allowed_as_regular_have_positive_pivots(pinned):
         for angles in (rng.choice([0.0, np.pi], count), rng.uniform(-3.0, 3.0, count)):
             set_link_vectors(d, np.array([0.0, 0.0, *angles]))
             no_impedance(d, d.scratch.impedance)
-            factorize(d, d.scratch.link, d.scratch, FREE, False)
+            factorize(d, d.scratch.link_vector, d.scratch, FREE, False)
             assert (d.scratch.factors.inverse[FREE] > 0.0).all()
             assert d.scratch.factors.inverse[FREE].max() < 1e6
     assert allowed > 30

@@ -65,11 +65,11 @@ def forces(d, t, height):
 def pressed(height, law="zhang_sharf", size=1.0):
     """Return a step of a contact that has been followed to its start."""
     d, motion = falling(height, law=law, size=size)
-    d.touch.impact_speed[1] = 3.0
+    d.touch.law_speed[1] = 3.0
     set_damping(d, 1)
     rate = -height[1]
     d.touch.peak_force[1] = d.touch.max_penetration[1] = 0.0
-    d.touch.speed[1], d.touch.force_rate[1] = rate, 1.0
+    d.touch.penetration_rate[1], d.touch.force_rate[1] = rate, 1.0
     return d, motion
 
 
@@ -94,7 +94,7 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     right = slope(lambda t: forces(d, t, TURNING), size, 1e-6)
     assert d.touch.force_rate[1] == pytest.approx(right, rel=1e-6)
     rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
-    assert d.touch.speed[1] == pytest.approx(rate, rel=1e-12)
+    assert d.touch.penetration_rate[1] == pytest.approx(rate, rel=1e-12)
     there(d, points_of(d, motion.at(size)))
     # the log keeps larger earlier values
     d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
@@ -104,7 +104,7 @@ def test_peaks_are_the_largest_values_on_the_way(size):
 
 def test_a_force_that_only_falls_has_no_peak_in_the_step():
     d, _ = pressed([0.0, 0.1, 0.1])
-    d.touch.speed[1], d.touch.force_rate[1] = -0.1, -0.5
+    d.touch.penetration_rate[1], d.touch.force_rate[1] = -0.1, -0.5
     locate_points(d, d.step.state_end)
     *_, elsewhere = contact_log.find_peaks(d, 1, -1.0, d.step.end, SOLVER)
     assert not elsewhere
@@ -172,9 +172,9 @@ def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatc
     d.touch.event[:4] = ONSET, END, KINK, NONE
     dropped = []
     monkeypatch.setattr(contact_log, "drop_changes", dropped.append)
-    d.step.time = d.step.end if due else d.step.start + 0.4
-    breaks, clock = d.step.breaks, d.step.time
-    contact_log.end_at_output_time(d)
+    d.step.communication_point = d.step.end if due else d.step.start + 0.4
+    breaks, clock = d.step.breaks, d.step.communication_point
+    contact_log.end_at_communication_point(d)
     assert d.step.end == clock
     assert d.touch.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
     assert dropped == ([] if due else [d])
@@ -185,28 +185,28 @@ def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatc
 
 def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch):
     d, motion = pressed(TURNING)
-    d.step.time = d.step.start + 0.25
+    d.step.communication_point = d.step.start + 0.25
     d.quadrature.computed = 1
     reset_quadratures(d)
-    d.quadrature.state_end[0], d.quadrature.total[1] = 5.0, 1.0
+    d.quadrature.state_end[0], d.quadrature.integral[1] = 5.0, 1.0
     d.quadrature.state[0], d.quadrature.dense[:, 0] = 2.0, 0.0
     d.quadrature.dense[0, 0] = 4.0  # 2 + 4 θ
-    before = d.statistics.rhs_evaluations, d.limits.other_cost
-    contact_log.update_own_to_output_time(d)
+    before = d.statistics.rhs_evaluations, d.budget.other_cost
+    contact_log.update_own_to_communication_point(d)
     t = 0.25 * FINE
     assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
-    assert d.quadrature.total[1] == pytest.approx(3.0, rel=1e-12)
-    assert (d.statistics.rhs_evaluations, d.limits.other_cost) == before
+    assert d.quadrature.integral[1] == pytest.approx(3.0, rel=1e-12)
+    assert (d.statistics.rhs_evaluations, d.budget.other_cost) == before
     there(d, points_of(d, motion.at(0.25)))
     # other quantities that the communication point updates
     told = []
     monkeypatch.setattr(hooks, "on_truncate", told.append)
     d, _ = pressed(TURNING)
-    d.step.time, d.scratch.rate_end[:] = d.step.start + 0.25, math.nan
-    contact_log.update_to_output_time(d)
+    d.step.communication_point, d.scratch.rate_end[:] = d.step.start + 0.25, math.nan
+    contact_log.update_to_communication_point(d)
     assert told == [d]
-    assert d.step.end == d.step.time
+    assert d.step.end == d.step.communication_point
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
     # the accelerations belong to the communication point
     assert math.isfinite(d.touch.force_rate[1])
@@ -221,8 +221,8 @@ def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, ke
         d.latest.requested = kept
         make_rigid(d, impulsive)
         d.latest.end[0] = -1.0
-        d.touch.number[1] = d.impact.count = 5
-        d.step.time = d.step.start + until
+        d.touch.impact_number[1] = d.impact.count = 5
+        d.step.communication_point = d.step.start + until
         y = motion.at(until)
         locate_points(d, y)
         accelerate_points(d, y, motion.at(until, 1))
@@ -235,7 +235,7 @@ def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, ke
             assert latest.end[0] == -1.0
             continue
         t = until * FINE
-        assert latest.end[0] == d.step.time
+        assert latest.end[0] == d.step.communication_point
         assert latest.impulse[0] == 4.5
         assert latest.separation_speed[0] == pytest.approx(y[d.links + 3], rel=1e-12)
         force = 50.0 if impulsive else forces(d, t, TURNING).max()
@@ -275,15 +275,15 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
     size = len(d.contact_log.point)
     for count in (0, 5, size + 2):  # the oldest are lost
         d.contact_log.count = count
-        values = {"onset": 1.5, "onset_speed": 0.7, "peak_force": 9.0, "max_penetration": 0.3}
+        values = {"onset": 1.5, "impact_speed": 0.7, "peak_force": 9.0, "max_penetration": 0.3}
         for name, value in (values | {"effective_mass": 2.5}).items():
             d.touch[name][1] = value + count
-        d.quadrature.total[1], d.quadrature.impulse_at_onset[1] = 8.0, 6.5
+        d.quadrature.integral[1], d.quadrature.impulse_at_onset[1] = 8.0, 6.5
         d.touch.active[1] = 1
         contact_log.end_contact(d, 1, impulsive)
         assert not d.touch.active[1]
         log, row = d.contact_log, count % size
-        assert log.number[row] == d.touch.number[1]
+        assert log.impact_number[row] == d.touch.impact_number[1]
         assert log.count == count + 1
         assert (log.point[row], log.wall[row]) == (d.candidate.point[1], d.candidate.wall[1])
         assert log.onset[row] == 1.5 + count
@@ -303,9 +303,9 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
     stop, arm, log = stops_of(d)[0], 1.4, d.contact_log
     d.chain.longest_link = arm
     for c, force, depth in ((0, 2.0, 1e-3), (1, 1.0, 5e-3), (2, 3.0, 2e-3), (stop, 9.0, 0.3)):
-        d.touch.onset_speed[c], d.touch.effective_mass[c] = 0.7, 2.5
+        d.touch.impact_speed[c], d.touch.effective_mass[c] = 0.7, 2.5
         d.touch.peak_force[c], d.touch.max_penetration[c] = force, depth
-        d.quadrature.total[c], d.quadrature.impulse_at_onset[c] = 8.0, 6.5
+        d.quadrature.integral[c], d.quadrature.impulse_at_onset[c] = 8.0, 6.5
         rate = clearance(d, c)[1]
         contact_log.end_contact(d, c, 0)
     told = [log[name][3] for name in ("impact_speed", "separation_speed", "peak_force", "max_penetration")]

@@ -104,9 +104,9 @@ def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
 def test_a_search_ends_when_its_cost_is_used_up():
     d, _ = moving(0, near=1)
     d.solver.work_limit, d.statistics.rhs_evaluations = 10.0, 1000
-    before = d.limits.other_cost
+    before = d.budget.other_cost
     assert crossing.find_crossing(d) == -1.0
-    assert d.limits.other_cost == before
+    assert d.budget.other_cost == before
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -176,7 +176,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     d.step.regularized = c
     touch(d, [c])
     # u′ is close to the rate of the motion: the point leaves where u falls to zero
-    d.touch.depth_scale[c], d.touch.impact_speed[c] = 0.5 * rates[c] / 0.7, 1.0
+    d.touch.depth_scale[c], d.touch.law_speed[c] = 0.5 * rates[c] / 0.7, 1.0
     prepare(d)
     assert crossing.find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
     assert d.touch.event[c] == END
@@ -197,7 +197,7 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
     parts = np.polynomial.polynomial.polyfit(fine, states, 7)
     walls_away(d)
     set_step(d, Motion(parts), 0.5, regularized=0)
-    d.touch.depth_scale[:] = d.touch.impact_speed[:] = 1.0
+    d.touch.depth_scale[:] = d.touch.law_speed[:] = 1.0
     suspect_all(d)
     crossing.bound_curvature(d)
     gaps = gaps_of(d, states[::20])

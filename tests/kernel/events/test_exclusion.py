@@ -32,8 +32,8 @@ def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **mor
     for c in range(d.candidates):
         wall_at(d, c, motion.at(0.0), near * rng.uniform(0.5, 1.5) * (1.0 if c >= touching else -1.0))
     touch(d, range(touching))
-    d.touch.impact_speed[:] = 1e3
-    d.touch.kink_crossed[:] = d.touch.speed[:] = 0
+    d.touch.law_speed[:] = 1e3
+    d.touch.kink_crossed[:] = d.touch.penetration_rate[:] = 0
     d.solver.tolerance = 1e-6
     return d, motion
 
@@ -70,7 +70,7 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
 
 
 def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
-    for change in ("kink_crossed", "speed"):
+    for change in ("kink_crossed", "penetration_rate"):
         d, _ = stepped(0, near=2.0, touching=2)
         assert exclusion.excludes_events(d)
         d, _ = stepped(0, near=2.0, touching=2)
@@ -127,7 +127,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         set_step(d, motion, 0.5, start=2.0)
         d.search.input_rate, d.chain.joint_rate_bound = turn / 0.5, fade / 0.5
         touch(d, range(d.candidates) if active else [])
-        d.touch.impact_speed[:], d.touch.speed[:] = 1.0, 0.0
+        d.touch.law_speed[:], d.touch.penetration_rate[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
         for c in range(d.candidates):
             wall_at(d, c, motion.at(0.0), -gap if active else gap)
@@ -161,7 +161,7 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     assert exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
-@pytest.mark.parametrize("what", [exclusion.VALUES, exclusion.WITH_CURVES, exclusion.FAR])
+@pytest.mark.parametrize("what", [exclusion.VALUES, exclusion.WITH_CURVES, exclusion.SAFE_DISTANCE])
 def test_bounds_are_kept_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.breaks = 3
@@ -178,8 +178,8 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
     assert exclusion.excludes_events(d)
     least = phi_all(d, motion)[-1].min()
     assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
-    d.search.speed = length_bound(d, d.scratch.velocity)
-    d.search.acceleration = length_bound(d, d.scratch.acceleration)
+    d.search.speed_bound = length_bound(d, d.scratch.velocity)
+    d.search.acceleration_bound = length_bound(d, d.scratch.acceleration)
     lasted = 0
     for k in range(1, 40):
         y = motion.at(0.01 * (k + 1))
@@ -193,12 +193,12 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         assert far == (d.search.safe_distance > exclusion.allowed_position_error(d))
         if not far:
             break
-        assert exclusion.known_clearances(d) == exclusion.FAR
+        assert exclusion.known_clearances(d) == exclusion.SAFE_DISTANCE
         lasted += 1
     assert lasted >= 2
     # no point moves further than its speed and acceleration permit, so no point or wall is inspected
-    assert d.search.speed == length_bound(d, d.scratch.velocity)
-    assert d.search.acceleration == length_bound(d, d.scratch.acceleration)
+    assert d.search.speed_bound == length_bound(d, d.scratch.velocity)
+    assert d.search.acceleration_bound == length_bound(d, d.scratch.acceleration)
 
 
 @pytest.mark.parametrize("channels", [0, 2])
@@ -210,14 +210,14 @@ def test_the_way_of_a_step_counts_the_acceleration_at_its_start(monkeypatch, cha
     monkeypatch.setattr(exclusion, "fastest_wall", lambda d: (0.0, 0.0))
     for vectors in (d.scratch.velocity, d.scratch.acceleration):
         vectors.x[:], vectors.y[:] = 0.0, 0.0
-    d.search.speed, d.search.acceleration = 0.0, 100.0
+    d.search.speed_bound, d.search.acceleration_bound = 0.0, 100.0
     exclusion.remains_far(d)
     assert d.search.safe_distance == pytest.approx(safe - 100.0 * lasted * lasted)
 
 
 def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
-    d.search.safe_distance, d.search.speed, d.search.acceleration = 5.0, 0.0, 0.0
+    d.search.safe_distance, d.search.speed_bound, d.search.acceleration_bound = 5.0, 0.0, 0.0
     d.step.regularized = regularized
     exclusion.remember_clearances(d, exclusion.WITH_CURVES)
     return d
@@ -238,7 +238,9 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
         touch(d, [2])
         d.step.state_end[sundman_u_at(d.links)], d.touch.kink_crossed[2] = u, crossed
         assert exclusion.remains_far(d) == expected
-        assert exclusion.known_clearances(d) == (exclusion.FAR if expected else exclusion.WITH_CURVES)
+        assert exclusion.known_clearances(d) == (
+            exclusion.SAFE_DISTANCE if expected else exclusion.WITH_CURVES
+        )
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])
@@ -246,7 +248,7 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
 def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, end):
     """The check is at either end of the step."""
     d, _ = stepped(0, touching=1)
-    d.touch.impact_speed[0], d.touch.speed[0] = 3.0, 3.0 * speed
+    d.touch.law_speed[0], d.touch.penetration_rate[0] = 3.0, 3.0 * speed
     point = d.candidate.point[0]
     d.scratch.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
     d.scratch.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]

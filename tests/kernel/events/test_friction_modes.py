@@ -10,12 +10,12 @@ from chain_impact.kernel.chain.kinematics import largest_component, locate_point
 from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.events.friction_modes import (
     ACCELERATION_ERROR,
-    choose_modes,
+    choose_friction_modes,
     count_inconsistent,
     first_mode,
     is_inconsistent,
+    make_modes_consistent,
     set_slack,
-    update_modes,
     widen_slack,
 )
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, pending_changes
@@ -57,7 +57,7 @@ def test_the_modes_of_elements_at_rest_are_those_that_dense_algebra_finds(seed, 
     chain = AtRest(seed, *case, holding)
     right = chain.consistent()
     assert right
-    update_modes(chain.d, jumped)
+    choose_friction_modes(chain.d, jumped)
     assert chain.modes in right
     assert_laws_hold(chain)
     for reached in right.values() if holding == 1.0 else ():
@@ -68,9 +68,9 @@ def test_the_modes_of_elements_at_rest_are_those_that_dense_algebra_finds(seed, 
 def test_a_mode_that_is_consistent_is_kept_and_costs_one_evaluation(seed):
     chain = AtRest(seed, "free", 2, True, holding=1.7)
     d = chain.d
-    update_modes(d, True)
+    choose_friction_modes(d, True)
     modes, before, logged = chain.modes, int(d.statistics.rhs_evaluations), int(d.changes.count)
-    update_modes(d, False)
+    choose_friction_modes(d, False)
     assert (chain.modes, int(d.statistics.rhs_evaluations) - before) == (modes, 1)
     assert d.changes.count == logged
 
@@ -85,7 +85,7 @@ def test_moving_elements_slide_in_the_direction_of_their_motion(jumped):
     signs = [int(np.sign(tangential_rate(d, e))) for e in elements]
     assert set(signs) == {1, -1}
     d.element.mode[elements] = STICKS if jumped else [-sign for sign in signs]
-    update_modes(d, jumped)
+    choose_friction_modes(d, jumped)
     assert d.element.mode[elements].tolist() == signs
     assert not d.element.undecided[elements].any()
     assert not d.element.slack[elements].any()
@@ -97,14 +97,14 @@ def test_moving_elements_slide_in_the_direction_of_their_motion(jumped):
 def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
     chain = AtRest(0, "free", 2, True)
     d = chain.d
-    d.law.static_friction[:], d.drive.friction[:] = 1e9, 1e9
+    d.law.static_friction[:], d.drive.friction_moment[:] = 1e9, 1e9
     d.element.mode[chain.elements] = STICKS
     first, *others = chain.elements
     d.element.mode[others[0]] = 1
     here = d.element.anchor[chain.elements].copy()
     moved = here + 1e-9
     d.element.anchor[chain.elements] = moved
-    update_modes(d, False)
+    choose_friction_modes(d, False)
     assert chain.modes == (STICKS,) * len(chain.elements)
     assert d.element.anchor[first] == moved[0]
     assert d.element.anchor[others[0]] == pytest.approx(here[1], abs=1e-13)
@@ -114,7 +114,7 @@ def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
         assert tangential_position(d, e) == pytest.approx(d.element.anchor[e], abs=1e-12)
         assert abs(tangential_rate(d, e)) < 1e-12
     d.element.anchor[chain.elements] = moved + 1e-3
-    update_modes(d, True)
+    choose_friction_modes(d, True)
     assert d.element.anchor[chain.elements] == pytest.approx(moved, abs=1e-8)
 
 
@@ -122,16 +122,16 @@ def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
 def test_an_element_at_its_limit_slides_against_its_force(seed):
     chain = AtRest(seed, "free", 2, True)
     d = chain.d
-    d.law.static_friction[:], d.drive.friction[:] = 1e9, 1e9
+    d.law.static_friction[:], d.drive.friction_moment[:] = 1e9, 1e9
     d.element.mode[chain.elements] = STICKS
-    update_modes(d, True)
+    choose_friction_modes(d, True)
     assert not any(chain.modes)
     e = chain.elements[-1]
     force = float(d.element.force[e])
-    d.drive.friction[e - d.candidates] = 0.9 * abs(force) * d.chain.longest_link
+    d.drive.friction_moment[e - d.candidates] = 0.9 * abs(force) * d.chain.longest_link
     d.element.event[e] = STICKING_ENDS
     assert pending_changes(d) == 1
-    update_modes(d, False)
+    choose_friction_modes(d, False)
     assert d.element.mode[e] == sliding_sign(force) == -np.sign(force)
     assert pending_changes(d) == 0
     assert chain.modes in chain.consistent()
@@ -140,8 +140,8 @@ def test_an_element_at_its_limit_slides_against_its_force(seed):
 def test_joints_of_a_chain_without_friction_have_no_mode():
     chain = AtRest(0, "free", 2, True)
     d = chain.d
-    d.drive.friction[:] = 0.0
-    update_modes(d, True)
+    d.drive.friction_moment[:] = 0.0
+    choose_friction_modes(d, True)
     assert (d.element.mode[d.candidates :] == NO_FRICTION).all()
     assert d.friction.count == 2
     list_sticking(d)
@@ -154,7 +154,7 @@ def test_no_mark_of_a_change_outlives_the_choice_of_modes():
     d.element.event[:] = STICKING_ENDS
     d.touch.active[d.touch.active_index[0]] = 0
     list_touching(d)
-    update_modes(d, False)
+    choose_friction_modes(d, False)
     assert d.friction.count < d.elements
     assert not d.element.event.any()
 
@@ -198,7 +198,7 @@ def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(one, sign
     """All signs reverse with the sign of the motion and of the force."""
     (d, c), (event, before, speed, jumped, right, undecided) = one, case
     move_at(d, c, sign * speed)
-    d.element.before[c] = sign * before if abs(before) == 1 else before
+    d.element.mode_before[c] = sign * before if abs(before) == 1 else before
     d.element.event[c], d.element.force[c] = event, sign * 4.0
     assert first_mode(d, c, jumped) == sign * right
     assert d.element.undecided[c] == undecided
@@ -208,7 +208,7 @@ def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(one, sign
 def test_rest_has_a_speed_of_round_off(one, part, undecided):
     d, c = one
     move_at(d, c, part * rest_speed(d))
-    d.element.before[c] = STICKS
+    d.element.mode_before[c] = STICKS
     first_mode(d, c, True)
     assert d.element.undecided[c] == undecided
 
@@ -266,7 +266,7 @@ def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     monkeypatch.setattr(
         friction_modes, "list_sticking", lambda d: (rounds.append(chain.modes), list_sticking(d))
     )
-    choose_modes(d)
+    make_modes_consistent(d)
     changes = [sum(np.array(a) != np.array(b)) for a, b in itertools.pairwise(rounds)]
     many = friction_modes.MAX_STALLED_PIVOTS + 1
     assert changes[:many] == [len(chain.elements)] * many
@@ -293,16 +293,16 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
     """Of two contacts in one place, one carries a small part of the load, and the other the rest."""
     chain = Doubled(seed)
     d = chain.d
-    d.law.friction[:], d.drive.friction[:] = 1e9, 1e9
+    d.law.friction[:], d.drive.friction_moment[:] = 1e9, 1e9
     d.law.static_friction[:] = d.law.friction
     d.element.mode[chain.elements] = STICKS
-    update_modes(d, True)
+    choose_friction_modes(d, True)
     weak, strong = chain.twins
     needed = abs(d.element.force[weak] + d.element.force[strong])
     for e, share in ((weak, part), (strong, 1.0)):
         d.law.friction[e] = share * needed / d.touch.force[e]
         d.law.static_friction[e] = holding * d.law.friction[e]
-    update_modes(d, True)
+    choose_friction_modes(d, True)
     reached, scale = chain.accelerations(), np.abs(chain.bias).max()
     np.testing.assert_allclose(reached, 0.0, atol=1e-9 * scale)
     assert chain.modes[chain.elements.index(strong)] == STICKS
@@ -311,7 +311,7 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
     # below the load of both contacts, some elements slide, with the accelerations of the unique solution
     d.law.friction[strong] *= 0.9 * (1.0 - part)
     d.law.static_friction[:] = d.law.friction
-    update_modes(d, True)
+    choose_friction_modes(d, True)
     right = convex_accelerations(chain)
     assert np.abs(right).max() > 1e-6 * scale
     np.testing.assert_allclose(chain.accelerations(), right, atol=1e-6 * scale)

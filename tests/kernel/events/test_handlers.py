@@ -38,7 +38,7 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
     locate_points(d, y)
     d.step.state_end[:], d.step.end = y, 1.5
     d.scratch.rate_start[:] = random_state(rng, d)
-    d.step.method, d.step.stiff_count, d.step.switch_hysteresis = EXPLICIT, 3, 16
+    d.step.method, d.step.stiff_count, d.step.switch_after = EXPLICIT, 3, 16
     d.step.next_size, d.step.flight_size = 0.125, 0.25
     return d
 
@@ -46,7 +46,7 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
 def begins_explicit(d):
     """Return whether steps are explicit, when no earlier step was stiff."""
     own = d.step
-    return (own.method, own.stiff_count, own.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
+    return (own.method, own.stiff_count, own.switch_after) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
 
 
 @LAWS
@@ -57,7 +57,7 @@ def test_a_contact_begins_on_its_side_of_the_kink(law):
     assert d.touch.active[C] == 1
     assert d.touch.beyond_kink[C] == 0
     assert d.touch.onset[C] == 1.5
-    assert d.touch.impact_speed[C] == pytest.approx(1.0, rel=1e-9)
+    assert d.touch.law_speed[C] == pytest.approx(1.0, rel=1e-9)
     assert d.impact.count == 1
 
 
@@ -72,7 +72,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     if speed == 0.0:
         d.scratch.velocity.x[:] = d.scratch.velocity.y[:] = 0.0
     touch(d, [C])
-    d.touch.depth_scale[C], d.touch.impact_speed[C] = 0.2, 4.0
+    d.touch.depth_scale[C], d.touch.law_speed[C] = 0.2, 4.0
     press_in(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
@@ -88,7 +88,7 @@ def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
     mass, damping = d.touch.effective_mass[C], d.touch.damping[C]
     d.touch.beyond_kink[C] = 1
     assert apply_event(d, C, RELATCH)
-    assert d.touch.impact_speed[C] == pytest.approx(2.0, rel=1e-9)
+    assert d.touch.law_speed[C] == pytest.approx(2.0, rel=1e-9)
     energy = 0.5 * mass * 2.0**2
     assert elastic_energy(d, C, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
     assert d.touch.damping[C] == pytest.approx(0.5 * damping, rel=1e-9)
@@ -101,11 +101,11 @@ def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
     """A contact without a force gets a rising force again; a reversed contact has no damping any more."""
     d = arrived(law)
     apply_event(d, C, ONSET)
-    d.touch.beyond_kink[C], d.touch.force_rate[C], d.touch.speed[C] = beyond, -7.0, 3.0
+    d.touch.beyond_kink[C], d.touch.force_rate[C], d.touch.penetration_rate[C] = beyond, -7.0, 3.0
     assert apply_event(d, C, KINK)
     assert d.touch.beyond_kink[C] == 1 - beyond
     assert d.touch.force_rate[C] == (1.0 if beyond and law != "jankowski" else -7.0)
-    assert d.touch.speed[C] == (0.0 if law == "jankowski" else 3.0)
+    assert d.touch.penetration_rate[C] == (0.0 if law == "jankowski" else 3.0)
 
 
 def test_no_event_leaves_all_as_it_is():
@@ -131,7 +131,7 @@ def test_no_event_leaves_all_as_it_is():
 )
 def test_each_event_has_its_own_effect(kind, active, law, jumped):
     d = arrived(law, speed=-1.0 if kind == END else 1.0)
-    d.touch.depth_scale[:] = d.touch.impact_speed[:] = d.touch.effective_mass[:] = 1.0
+    d.touch.depth_scale[:] = d.touch.law_speed[:] = d.touch.effective_mass[:] = 1.0
     others = [1]
     touch(d, [*others, C] if active else others)
     d.touch.event[C] = kind
@@ -142,7 +142,7 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     assert d.contact_log.count == (kind == END)
     left = others + [C] * (kind == ONSET or (active and kind != END))
     assert d.touch.active_index[: d.touch.active_count].tolist() == left
-    assert d.touch.impact_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
+    assert d.touch.law_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
     assert d.touch.beyond_kink[C] == (kind == KINK)
     assert d.step.flight_size == flight
     if kind in {RELATCH, KINK}:
@@ -161,7 +161,7 @@ def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
     (gradient,) = gradients(scene, d, y[2:5], [C])
     y[5:10] -= gradient * (1.0 + gradient @ y[5:10]) / (gradient @ gradient)
     d.step.state_end[:], d.touch.event[C] = y, ONSET
-    d.step.method, d.step.stiff_count, d.step.switch_hysteresis = IMPLICIT, 3, 16
+    d.step.method, d.step.stiff_count, d.step.switch_after = IMPLICIT, 3, 16
     response = np.linalg.solve(mass_matrix(scene, y[2:5]), gradient)
     p = complementary_impulses(np.array([[gradient @ response]]), np.array([-1.0]), np.array([0.5]))
     assert apply_events(d)
@@ -176,7 +176,7 @@ def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
     assert d.step.flight_size == 0.125
     # a chain with another contact is not in flight
     d = arrived(touching=[1])
-    d.touch.impact_speed[:] = d.touch.depth_scale[:] = 1.0
+    d.touch.law_speed[:] = d.touch.depth_scale[:] = 1.0
     d.touch.event[C] = ONSET
     apply_events(d)
     assert d.step.flight_size == 0.25
@@ -203,7 +203,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d = arrived(touching=[0, 1, C])
-    d.touch.impact_speed[[0, 1, C]], d.touch.depth_scale[[0, 1, C]] = (1.0, 1.0, 4.0), (2.0, 1.0, 0.1)
+    d.touch.law_speed[[0, 1, C]], d.touch.depth_scale[[0, 1, C]] = (1.0, 1.0, 4.0), (2.0, 1.0, 0.1)
     d.step.method = method
     choose_next_size(d, onset, goes_on)
     if onset >= 0:
@@ -216,12 +216,12 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     else:
         kept = method == IMPLICIT or goes_on
         assert d.step.next_size == (0.125 if kept else control.size_at_onset(d, 0, EXPLICIT))
-        assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (method, 3, 16)
+        assert (d.step.method, d.step.stiff_count, d.step.switch_after) == (method, 3, 16)
 
 
 def test_a_lone_onset_has_the_step_of_its_own_variable():
     d = arrived(touching=[C])
-    d.touch.impact_speed[C], d.touch.depth_scale[C] = 4.0, 0.1
+    d.touch.law_speed[C], d.touch.depth_scale[C] = 4.0, 0.1
     choose_next_size(d, C, False)
     assert d.step.next_size == control.size_at_onset(d, C, EXPLICIT)
 
@@ -229,7 +229,7 @@ def test_a_lone_onset_has_the_step_of_its_own_variable():
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d = arrived(touching=[0, C])
-    d.step.method, d.touch.impact_speed[C], d.touch.depth_scale[C] = method, 4.0, 0.1
+    d.step.method, d.touch.law_speed[C], d.touch.depth_scale[C] = method, 4.0, 0.1
     d.inputs.drive_damping[:], d.chain.has_springs_or_dampers = 1e12, 1
     d.chain.joint_rate_bound = joint_rate_bound(d)
     choose_next_size(d, C, False)

@@ -49,9 +49,14 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
         aims = -rng.uniform(0.2, 2.0, len(candidates))
         y[6:12] += response @ np.linalg.solve(w, aims - jacobian @ y[6:12])
     d.step.state_end[:] = y
-    d.step.start, d.step.end, d.step.time = 1.0, 1.5, 1.2
+    d.step.start, d.step.end, d.step.communication_point = 1.0, 1.5, 1.2
     # values from an earlier problem
-    d.constraints.target[:], d.constraints.in_active_set[:], d.constraints.start[:], d.scratch.load.x[:] = (
+    (
+        d.constraints.target[:],
+        d.constraints.in_active_set[:],
+        d.constraints.unforced[:],
+        d.scratch.load.x[:],
+    ) = (
         5.0,
         0,
         5.0,
@@ -81,7 +86,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     np.testing.assert_allclose(after[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
     np.testing.assert_allclose(after[:6], y[:6], rtol=0, atol=1e-12)
     assert after[12] - y[12] == pytest.approx(there - kinetic(d, after), abs=1e-9)
-    np.testing.assert_allclose(d.quadrature.total[candidates], p, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(d.quadrature.integral[candidates], p, rtol=1e-9, atol=1e-9)
     assert d.impact.count == count
     assert not d.touch.event.any()
     # all points leave with a speed, and no contact lasts
@@ -149,7 +154,7 @@ def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
     d.law.restitution[:] = restitution
     lost, moved = impacts.find_impulses(d, 1.0)
     own = d.constraints
-    np.testing.assert_allclose(own.start[:4], speeds, rtol=1e-8)
+    np.testing.assert_allclose(own.unforced[:4], speeds, rtol=1e-8)
     np.testing.assert_allclose(own.target[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
     p = complementary_impulses(w, speeds, own.target[:4])
     np.testing.assert_allclose(own.impulse[:4], p, rtol=0, atol=1e-8)
@@ -204,7 +209,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
             gains += 1
             p = complementary_impulses(w, speeds, np.zeros(2))
         impacts.handle_impact(d)
-        np.testing.assert_allclose(d.quadrature.total[[first, second]], p, rtol=1e-7, atol=1e-9)
+        np.testing.assert_allclose(d.quadrature.integral[[first, second]], p, rtol=1e-7, atol=1e-9)
         after = kinetic(d, d.step.state_end)
         assert d.step.state_end[12] - lost == pytest.approx(there - after, abs=1e-9 * there)
         assert after <= there * (1.0 + 1e-9)
@@ -220,9 +225,9 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
         d.step.state_end[:] = y
         d.scratch.velocity.x[:], d.scratch.position.x[:] = 9.0, 9.0
-        before = d.quadrature.total[candidates].tolist()
+        before = d.quadrature.integral[candidates].tolist()
         act(d)
-        assert d.quadrature.total[candidates].tolist() == before
+        assert d.quadrature.integral[candidates].tolist() == before
         np.testing.assert_allclose(jacobian @ d.step.state_end[6:12], 0.0, atol=1e-13)
         assert set(d.touch.active.tolist()) <= {0, 1}
 
@@ -241,7 +246,7 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
     assert (np.linalg.solve(w, -(w @ p)) < 0.0).any()
     expected = complementary_impulses(w, w @ p, np.zeros(2))
     impacts.update_active_set(d)
-    np.testing.assert_allclose(d.quadrature.total[[first, second]], expected, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(d.quadrature.integral[[first, second]], expected, rtol=0, atol=1e-9)
     over = (w @ (p + expected)) > 1e-9
     assert over.any()
     rows = d.contact_log.count
@@ -343,7 +348,7 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     # the energy of a fall over this gap is too little to leave
     d.touch.event[1] = ONSET
     weight = d.chain.mass.sum() * d.chain.gravity_size
-    d.touch.effective_mass[1], d.touch.onset_speed[1] = 1.0, math.sqrt(2.0 * weight * gap)
+    d.touch.effective_mass[1], d.touch.impact_speed[1] = 1.0, math.sqrt(2.0 * weight * gap)
     d.law.minimum_impact_speed[:] = 0.0
     assert impacts.is_gentle(d)
 
@@ -386,17 +391,17 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     make_rigid(d, np.arange(d.candidates) == 5)
     d.step.state_end[:] = y
     d.scratch.velocity.x[:] = 1e9  # velocities of an earlier state
-    d.touch.speed[:], d.touch.force_rate[:] = 77.0, -5.0
+    d.touch.penetration_rate[:], d.touch.force_rate[:] = 77.0, -5.0
     monkeypatch.setattr(impacts, "set_kink_side", lambda _, c: sides.append(int(c)))
     impacts.set_rates_after_impulses(d)
     assert sides == [0, 9]
     for c in touched:
         if c in sides:
-            assert d.touch.speed[c] == -clearance(d, c)[1]
-            assert abs(d.touch.speed[c]) < 1e3
+            assert d.touch.penetration_rate[c] == -clearance(d, c)[1]
+            assert abs(d.touch.penetration_rate[c]) < 1e3
             assert d.touch.force_rate[c] == 1.0
         else:
-            assert (d.touch.speed[c], d.touch.force_rate[c]) == (77.0, -5.0)
+            assert (d.touch.penetration_rate[c], d.touch.force_rate[c]) == (77.0, -5.0)
 
 
 def test_a_force_contact_begins_if_its_point_moves_inward():

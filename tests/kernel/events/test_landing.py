@@ -99,7 +99,7 @@ def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clea
     d = touched(sign * gap, sign * rate, sign * bend, active=active, kind=END if active else ONSET)
     if gap == 0.0:
         d.candidate.offset[1] -= sign * 1e-12
-    there = points_of(d, d.scratch.y)
+    there = points_of(d, d.scratch.state)
     assert starts_clear(d, 0.1) == clear
     np.testing.assert_allclose(located(d), there, rtol=0, atol=1e-13)
     # other events and the regularized contact do not count; one of many candidates suffices

@@ -5,8 +5,8 @@
 import numpy as np
 
 from chain_impact.kernel.events.friction_modes import (
+    choose_friction_modes,
     log_changes,
-    update_modes,
 )
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
 from tests.kernel.rubbing import AtRest
@@ -15,13 +15,13 @@ from tests.kernel.rubbing import AtRest
 def test_changes_are_logged_with_their_place():
     chain = AtRest(0, "free", 2, True)
     d, (contact, other, *joints) = chain.d, chain.elements
-    d.element.before[:], d.changes.count = d.element.mode, 0
+    d.element.mode_before[:], d.changes.count = d.element.mode, 0
     log_changes(d)
     assert d.changes.count == 0
     d.step.end = 0.75
-    d.element.before[contact], d.element.mode[contact] = STICKS, -1
-    d.element.before[joints[1]], d.element.mode[joints[1]] = 1, STICKS
-    d.element.before[other], d.element.mode[other] = 1, NO_FRICTION
+    d.element.mode_before[contact], d.element.mode[contact] = STICKS, -1
+    d.element.mode_before[joints[1]], d.element.mode[joints[1]] = 1, STICKS
+    d.element.mode_before[other], d.element.mode[other] = 1, NO_FRICTION
     log_changes(d)
     log = d.changes
     rows = [(log.time[k], log.point[k], log.wall[k], log.mode[k]) for k in range(log.count)]
@@ -39,9 +39,9 @@ def test_in_a_full_log_changes_take_the_place_of_the_oldest():
     length = len(log.time)
     log.count, log.time[:] = length - 1, np.arange(length, dtype=float)
     d.step.end = 1e6
-    d.element.before[:] = d.element.mode
+    d.element.mode_before[:] = d.element.mode
     for e in chain.elements[:3]:
-        d.element.before[e] = 7
+        d.element.mode_before[e] = 7
     log_changes(d)
     assert log.count == length + 2
     assert log.time[[0, 1, length - 1]].tolist() == [1e6] * 3
@@ -52,7 +52,7 @@ def test_a_choice_is_logged_at_the_end_of_the_step():
     chain = AtRest(1, "free", 2, True)
     d, before = chain.d, chain.modes
     d.step.end, d.changes.count = 0.25, 0
-    update_modes(d, True)
+    choose_friction_modes(d, True)
     changed = [k for k, modes in enumerate(zip(before, chain.modes, strict=True)) if len(set(modes)) > 1]
     assert d.changes.count == len(changed) > 0
     assert d.changes.mode[: len(changed)].tolist() == [chain.modes[k] for k in changed]

@@ -9,7 +9,13 @@ from chain_impact import simulate
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure_clearances
-from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known_clearances, remember_clearances
+from chain_impact.kernel.events.exclusion import (
+    NOTHING,
+    SAFE_DISTANCE,
+    VALUES,
+    known_clearances,
+    remember_clearances,
+)
 from chain_impact.kernel.events.marks import END, KINK, ONSET, RELEASE
 from chain_impact.kernel.events.search import (
     find_event,
@@ -132,7 +138,7 @@ def test_a_ball_laid_on_the_floor_begins_one_contact():
 
 def known_rates(d):
     """Set rates at which no contact is near its kink or its second latch."""
-    d.touch.impact_speed[:], d.touch.kink_crossed[:] = 1e6, 0
+    d.touch.law_speed[:], d.touch.kink_crossed[:] = 1e6, 0
     d.touch.depth_scale[:] = d.touch.effective_mass[:] = 1.0
     d.touch.kink_margin[:] = 1e9
     d.touch.damping[:] = d.touch.beyond_kink[:] = 0
@@ -165,7 +171,7 @@ def test_without_candidates_there_is_no_event():
     assert find_event(d) == -1.0
 
 
-@pytest.mark.parametrize("what", [NOTHING, VALUES, FAR])
+@pytest.mark.parametrize("what", [NOTHING, VALUES, SAFE_DISTANCE])
 def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
     """The clearances at the start of the step are measured only if they are unknown."""
     measured = []
@@ -184,7 +190,7 @@ def test_later_events_are_those_of_contacts_up_to_the_touch():
     for touches, kind in ((0.3, ONSET), (0.7, KINK)):
         d, motion = falling([0.0, -1.0, 1.0])
         d.touch.depth_scale[:] = d.touch.effective_mass[:] = 1.0
-        d.touch.impact_speed[:] = 1e6
+        d.touch.law_speed[:] = 1e6
         other = 4  # the wall x_max, to which the base moves at 0.1 m/s
         wall_at(d, other, motion.at(touches), 0.0)
         found = find_event(d)
@@ -205,6 +211,6 @@ def test_a_time_that_runs_back_refuses_the_step():
     motion.coefficients[1, time_at(2)] = -1.0
     set_step(d, motion, 1.0, start=2.0)
     d.step.end = 3.0
-    d.touch.impact_speed[:], d.touch.kink_crossed[1] = 1e6, 1
+    d.touch.law_speed[:], d.touch.kink_crossed[1] = 1e6, 1
     find_event(d)
     assert d.trial.outcome == SPOILED

@@ -90,24 +90,24 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
         part[:] = part + shift * n
     for field in ("peak_force", "max_penetration", "force_rate"):
         d.touch[field][c] = 7.0
-    d.step.end, d.quadrature.total[c], d.impact.count = 1.25, 3.5, 4
+    d.step.end, d.quadrature.integral[c], d.impact.count = 1.25, 3.5, 4
     active_contacts.latch_onset(d, c)
     touched = d.touch
     first = max(speed, 1e-2)
     mass = 1.0 / (gradient @ np.linalg.solve(mass_matrix(scene, y[2:5]), gradient))
     assert touched.onset[c] == d.impact.last_time == 1.25
-    assert touched.impact_speed[c] == pytest.approx(first, rel=1e-9)
-    assert touched.onset_speed[c] == pytest.approx(max(0.0, speed), abs=1e-12)
-    assert math.copysign(1.0, touched.onset_speed[c]) == 1.0
-    assert d.impact.last_speed == touched.onset_speed[c]
-    assert touched.speed[c] == pytest.approx(speed, abs=1e-12)
+    assert touched.law_speed[c] == pytest.approx(first, rel=1e-9)
+    assert touched.impact_speed[c] == pytest.approx(max(0.0, speed), abs=1e-12)
+    assert math.copysign(1.0, touched.impact_speed[c]) == 1.0
+    assert d.impact.last_speed == touched.impact_speed[c]
+    assert touched.penetration_rate[c] == pytest.approx(speed, abs=1e-12)
     assert touched.effective_mass[c] == pytest.approx(mass, rel=1e-10)
     assert [touched[name][c] for name in ("peak_force", "max_penetration")] == [0.0] * 2
     assert touched.force_rate[c] > 0.0
     assert (d.impact.count, d.impact.last_point) == (5, d.candidate.point[c])
     assert d.impact.last_wall == d.candidate.wall[c] + 1
     assert d.quadrature.impulse_at_onset[c] == 3.5
-    assert touched.number[c] == 5
+    assert touched.impact_number[c] == 5
     if law == "newton_impact":
         assert touched.depth_scale[c] == d.chain.longest_link
     else:

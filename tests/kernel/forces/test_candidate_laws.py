@@ -161,7 +161,7 @@ def lasting():
     """Return a record of a chain with two contacts that last, whose damping is not derived yet."""
     _, d = chain(np.random.default_rng(4), 3)
     touch(d, LASTING)
-    d.touch.impact_speed[:], d.touch.effective_mass[:] = SPEED, MASS
+    d.touch.law_speed[:], d.touch.effective_mass[:] = SPEED, MASS
     d.touch.damping[:] = d.touch.depth_scale[:] = 0.0
     change_law(d, "ye", 0.5)
     return d
@@ -321,7 +321,7 @@ def test_the_law_of_a_stop_is_that_of_an_angle(law, rate, angle):
     """M = K φⁿ + d φᵖ φ̇, with d from K, v₀ in rad/s and the inertia; here F = M/s at δ = s φ."""
     d, c = stop_with(law)
     size, n, m = d.chain.longest_link, d.stops.exponent, law.mass_power
-    d.touch.effective_mass[c], d.touch.impact_speed[c] = INERTIA / size**2, RATE * size
+    d.touch.effective_mass[c], d.touch.law_speed[c] = INERTIA / size**2, RATE * size
     set_damping(d, c)
     p = n if law.rate_exponent is None else law.rate_exponent
     factor = law.damping_factor(restitution_for(law))
@@ -343,7 +343,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
     d.stops.exponent, d.given.stop_stiffness, d.given.stop_restitution = 1.3, 5e3, 0.4
     assert start_laws(d) == OK
     c = d.candidates - 1
-    d.touch.effective_mass[c], d.touch.impact_speed[c] = 0.3 / size**2, 2.0 * size
+    d.touch.effective_mass[c], d.touch.law_speed[c] = 0.3 / size**2, 2.0 * size
     force, elastic = law_force(d, c, 0.1 * size, 0.7 * size)
     assert told[0] == pytest.approx((0.1, 0.7, 2.0, 0.3, 5e3, 1.3, 0.4), rel=1e-12)
     assert force * size == pytest.approx(12.0, rel=1e-13)

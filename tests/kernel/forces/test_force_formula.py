@@ -33,7 +33,7 @@ def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
     changes = of_law(law) | {"stiffness": STIFFNESS, "restitution": restitution} | changes
     d = record_of(ball(**changes))
     assert candidate_laws.start_laws(d) == OK
-    d["touch"]["impact_speed"][0], d["touch"]["effective_mass"][0] = speed, MASS
+    d["touch"]["law_speed"][0], d["touch"]["effective_mass"][0] = speed, MASS
     forces.set_damping(d, 0)
     return d
 
@@ -217,7 +217,7 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     The margin of a reversal has an error of the tolerance.
     """
     d = contact_of(law.id, stiffness=stiffness, tolerance=1e-6)
-    d.touch.impact_speed[0], d.touch.effective_mass[0], d.touch.kink_margin[0] = speed, mass, 9.0
+    d.touch.law_speed[0], d.touch.effective_mass[0], d.touch.kink_margin[0] = speed, mass, 9.0
     forces.set_expected_depth(d, 0)
     assert forces.elastic_energy(d, 0, d.touch.depth_scale[0]) == pytest.approx(
         0.5 * mass * speed**2, rel=1e-12
@@ -237,13 +237,13 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
     """The margin is (v/v₀)² of the impulse; a point at rest reverses at the speed tolerance."""
     d = contact_of("jankowski")
     for tolerance, speed in ((1e-4, 2.0), (1e-10, 0.1)):
-        d.solver.tolerance, d.touch.impact_speed[0] = tolerance, speed
+        d.solver.tolerance, d.touch.law_speed[0] = tolerance, speed
         at_rest = tolerance * d.chain.longest_link
         margin = forces.turning_margin(d, 0)
         assert ((margin - at_rest) / speed) ** 2 == pytest.approx(
             forces.TURNING_RATE**2 * tolerance, rel=1e-9
         )
-        d.touch.impact_speed[0] = 0.0
+        d.touch.law_speed[0] = 0.0
         assert forces.turning_margin(d, 0) == pytest.approx(at_rest, rel=1e-12)
 
 

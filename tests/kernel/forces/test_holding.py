@@ -46,9 +46,9 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
     second = (np.array(gaps[0]) - 2 * np.array(gaps[1]) + np.array(gaps[2])) / 1e-8
     locate_points(d, y)
     most = holding.set_start_to_accelerations(d, y, rate)
-    np.testing.assert_allclose(own.start[:4], second, rtol=1e-4, atol=1e-4)
+    np.testing.assert_allclose(own.unforced[:4], second, rtol=1e-4, atol=1e-4)
     assert most == max(np.abs(d.scratch.acceleration.x).max(), np.abs(d.scratch.acceleration.y).max())
-    force = np.linalg.solve(w, -own.start[:4])
+    force = np.linalg.solve(w, -own.unforced[:4])
     own.least_force[:] = np.where(np.arange(d.candidates) % 2, -1e9, 0.0)
     holding.add_constraint_forces(d, y, rate)
     np.testing.assert_allclose(own.impulse[:4], force, rtol=1e-8, atol=1e-8)
@@ -77,14 +77,14 @@ def test_stopping_impulses_pull_by_no_more_than_errors_explain(seed):
     d, _y, _, _, w = problem(seed=seed)
     own = d.constraints
     for size in (1.0, 1e-9):  # s, for a motion and for errors
-        own.start[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
+        own.unforced[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
         constraints.activate_all(d)
         d.scratch.velocity.x[:], d.scratch.velocity.y[:] = size, 0.0
         d.solver.tolerance = 1e-7
-        equal = np.linalg.solve(w, -own.start[:4])
+        equal = np.linalg.solve(w, -own.unforced[:4])
         holding.solve_stopping_impulses(d)
         if equal.min() < -holding.tolerated_momentum(d, size):
-            expected = complementary_impulses(w, own.start[:4], np.zeros(4))
+            expected = complementary_impulses(w, own.unforced[:4], np.zeros(4))
             assert (own.reached[:4] > -1e-11).all()
         else:
             expected = equal
@@ -107,7 +107,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
         d.candidate.normal_x[second], d.candidate.normal_y[second] = c * nx - s * ny, s * nx + c * ny
         compliance.effective_mass(d, second)
         response[:, 1] = d.scratch.change  # M⁻¹ ∇g, by the recursion
-    own.start[:2] = 1e-6, -1e-6
+    own.unforced[:2] = 1e-6, -1e-6
     constraints.activate_all(d)
     d.solver.tolerance = tolerance
     holding.solve_positions(d)
@@ -144,7 +144,7 @@ def test_the_kinetic_energy_that_walls_take_is_dissipated(base):
 def test_a_projection_is_judged_by_residuals_and_link_lengths(monkeypatch, moved, again, turns):
     d, *_ = problem(pressed=(1, 1))
     own, size, called = d.constraints, d.chain.longest_link, []
-    own.start[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
+    own.unforced[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
     d.solver.tolerance = 1e-6
     limit = holding.LARGEST_CORRECTION * (1e-6 + 4e-3 / size)
 

@@ -199,7 +199,7 @@ def test_the_force_of_a_sliders_spring_counts_over_the_longest_link():
 def test_a_balance_starts_from_the_present_energies():
     d, y = moving()
     own, present = d.balance, energy_balance(d, y)
-    assert (own.start, own.since, own.breaks) == (1.0, 1.0, 7)
+    assert (own.window_start, own.run_start, own.breaks) == (1.0, 1.0, 7)
     for name in ("at_end", "at_start", "origin", "reference"):
         assert own[name] == present
     # all energy except the potential energy; nothing is supplied, but 1.3 J were dissipated
@@ -259,7 +259,7 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     for c in touched:
         press_in(d, c, 2e-3)
     touch(d, touched)
-    d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 3e-3, [0.5, 2.0]
+    d.touch.depth_scale[touched], d.touch.law_speed[touched] = 3e-3, [0.5, 2.0]
     d.touch.effective_mass[touched] = [0.7, 1.9]
     found = balance.energy_scales(d, y)
     forces = [force_formula.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]
@@ -381,7 +381,7 @@ def test_a_run_ends_when_its_steps_have_changed_a_fifth_of_the_energy(gain, tole
     """The run also ends after a change of twice a loose tolerance's budget, if that is larger."""
     d, _ = moving()
     own, d.solver.tolerance = d.balance, tolerance
-    own.available, own.allowed, own.start = 40.0, 1e9, d.step.end
+    own.available, own.allowed, own.window_start = 40.0, 1e9, d.step.end
     budget = 2.0 * balance.loss_budget(d, 40.0)
     assert (budget > 0.2 * 40.0) == (tolerance == 1.0)
     own.at_end = own.origin + gain * (budget if tolerance == 1.0 else own.available)

@@ -67,7 +67,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
     """The tangential error ½h²ω²L would be many penetrations, at the ends and in between."""
     instance = touching(tolerance)
     d, errors, seen = Plain(instance.record), {0.25: [], 0.5: [], 0.8: [], 1.0: []}, {}
-    y = np.zeros(len(d.scratch.y))
+    y = np.zeros(len(d.scratch.state))
     for time in np.arange(0.7, 1.2, 1e-3):
         instance.advance(time)
         if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING or d.step.start in seen:
@@ -137,7 +137,7 @@ def test_a_step_goes_a_little_beyond_the_first_end_of_a_contact(gap, gap_rate, s
     touch(d, [1, 6])
     for first in (0, 1):
         for k, (at, rate) in enumerate([(gap, gap_rate), (-0.7, 0.9 if size < 1.0 else -1.0)]):
-            d.implicit.start[gap_at(d, k ^ first)], d.implicit.start[rate_at(d, k ^ first)] = at, rate
+            d.implicit.z_start[gap_at(d, k ^ first)], d.implicit.z_start[rate_at(d, k ^ first)] = at, rate
         assert collocation.size_toward_end(d, 1.0) == pytest.approx(size, rel=1e-14)
 
 
@@ -195,10 +195,10 @@ def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
     d, _, _ = stiff_joint(1e3)
     own, listed = d.implicit, d.touch.listings
     for listing, made_by, measured in ((listed, IMPLICIT, 0), (STALE, IMPLICIT, 3), (listed, EXPLICIT, 3)):
-        own.listing, d.step.last_method, before = listing, made_by, d.limits.other_cost
+        own.listing, d.step.last_method, before = listing, made_by, d.budget.other_cost
         h = collocation.prepare(d, 0.1)
         assert h < 0.05 if measured else h == 0.1
-        assert d.limits.other_cost == before + measured
+        assert d.budget.other_cost == before + measured
 
 
 # --- the stages --------------------------------------------------------------------------------------------
@@ -210,7 +210,7 @@ def last_polynomial(d, degree, end=1.0):
     parts = np.zeros((degree + 1, size))
     parts[1:] = np.random.default_rng(degree).uniform(0.5, 1.0, (degree, size))
     columns = [np.polynomial.Polynomial(column) for column in parts.T]
-    own.last[:, :size] = np.transpose([column(np.array(NODES)) for column in columns])
+    own.last_stages[:, :size] = np.transpose([column(np.array(NODES)) for column in columns])
     own.listing, d.step.start, d.step.size = d.touch.listings, 3.0, 0.2
     d.step.end, d.step.last_method = 3.0 + 0.2 * end, IMPLICIT
     return columns
@@ -241,10 +241,10 @@ def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
     d = at_start()[1]
     touch(d, [1, 6])
     own, size, half = d.implicit, extended_size(d), velocity_at(N)
-    own.start_rate[:] = np.random.default_rng(0).normal(size=len(own.start_rate))
+    own.rate_start[:] = np.random.default_rng(0).normal(size=len(own.rate_start))
     own.stages[:], own.listing = 9.0, STALE
     collocation.extrapolate_stages(d, 0.3, size)
-    expected = 0.3 * np.outer(NODES, own.start_rate[:size])
+    expected = 0.3 * np.outer(NODES, own.rate_start[:size])
     moving = np.zeros(size, bool)
     moving[:half] = moving[[gap_at(d, 0), gap_at(d, 1)]] = True
     np.testing.assert_allclose(own.stages[:, :size], np.where(moving, expected, 0.0), rtol=1e-14)
@@ -271,7 +271,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 
     def unsolved(d, _h, _size):
         own = d.implicit
-        own.contraction, own.correction, own.iterations = contraction, correction, 4
+        own.contraction, own.relative_correction, own.iterations = contraction, correction, 4
         return False
 
     monkeypatch.setattr(collocation, "_converge", unsolved)
@@ -290,12 +290,12 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatch):
     d, _, _ = stiff_joint(1e3)
     h = collocation.prepare(d, 1e-3)
-    before, evaluations = d.limits.other_cost, d.statistics.rhs_evaluations
+    before, evaluations = d.budget.other_cost, d.statistics.rhs_evaluations
     monkeypatch.setattr(collocation, "error_estimate", lambda *_: 0.25)
     collocation.attempt(d, h)
     assert d.trial.error == 0.25
     iterations = d.implicit.iterations
-    assert d.limits.other_cost - before == 6 + 4 * iterations + 3
+    assert d.budget.other_cost - before == 6 + 4 * iterations + 3
     assert d.statistics.rhs_evaluations - evaluations == RADAU_STAGES * iterations
     monkeypatch.setattr(collocation, "error_estimate", lambda *_: math.nan)
     collocation.attempt(d, h)
@@ -307,16 +307,16 @@ def test_an_error_that_is_not_finite_is_infinite(bad):
     d, _, _ = stiff_joint(1e3)
     collocation.attempt(d, collocation.prepare(d, 1e-3))
     assert math.isfinite(collocation.error_estimate(d, 1e-3, extended_size(d)))
-    d.implicit.start_rate[0] = bad
+    d.implicit.rate_start[0] = bad
     assert collocation.error_estimate(d, 1e-3, extended_size(d)) == math.inf
 
 
 def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     d, _, _ = stiff_joint(1e3)
     collocation.attempt(d, collocation.prepare(d, 1e-3))
-    size, before = extended_size(d), d.limits.other_cost
+    size, before = extended_size(d), d.budget.other_cost
     free = collocation.error_estimate(d, 1e-3, size)
-    assert d.limits.other_cost == before
+    assert d.budget.other_cost == before
     monkeypatch.setattr(collocation, "any_constraint", lambda _: True)
     solve, solved = collocation.solve_real, []
 
@@ -330,7 +330,7 @@ def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     monkeypatch.setattr(collocation, "force_errors", lambda _: errors)
     # e₁ min(1, e₁/e₂), with the moments in place of the other errors
     assert collocation.error_estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
-    assert d.limits.other_cost == before + 1
+    assert d.budget.other_cost == before + 1
     assert free < 1e3
     # the error of the start is computed again
     assert [shift for shift, *_ in solved] == [1e-3 * REAL_EIGENVALUE] * 3

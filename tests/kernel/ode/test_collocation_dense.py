@@ -27,7 +27,7 @@ def step():
     own = d.implicit
     d.step.state[:] = random_state(rng, d)
     own.stages[:] = rng.uniform(-1e-3, 1e-3, own.stages.shape)
-    own.start[:] = rng.uniform(-1e-3, 1e-3, own.start.shape)
+    own.z_start[:] = rng.uniform(-1e-3, 1e-3, own.z_start.shape)
     d.step.state_end[:] = d.step.state
     d.step.state_end[: sundman_u_at(LINKS)] += own.stages[-1, : sundman_u_at(LINKS)]
     d.quadrature.state[:2] = 1.0, 2.0
@@ -49,13 +49,15 @@ def test_the_polynomial_goes_through_the_stages(step):
     stages = d.implicit.stages.copy()
     d.touch.listings = 7
     collocation.store_stages(d, False)
-    assert d.implicit.last[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
+    assert (
+        d.implicit.last_stages[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
+    )
     assert d.implicit.listing == 7
     y = np.zeros(len(d.step.state))
     for theta in (0.0, *NODES, 0.43):
         dense.interpolate(d.step, theta, y)
         assert y[:n] - d.step.state[:n] == pytest.approx(through(stages[:, :n], theta), abs=1e-14)
-        part = collocation.extended_component(d, 4, theta) - d.implicit.start[4]
+        part = collocation.extended_component(d, 4, theta) - d.implicit.z_start[4]
         assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
         for k in range(2):
             found = basis(theta) @ d.quadrature.dense[:, k]
@@ -75,7 +77,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     d.search.curvature[:] = -1.0
     collocation.bound_curvatures(d, H)
     for k, c in enumerate(d.touch.active_index[:2]):
-        sizes = np.abs(np.array(collocation.SHAPE) @ d.implicit.last[:, gap_at(d, k)])
+        sizes = np.abs(np.array(collocation.SHAPE) @ d.implicit.last_stages[:, gap_at(d, k)])
         assert d.search.curvature[c] == pytest.approx(np.dot(bound, sizes) / H**2, rel=1e-12)
     assert (np.delete(d.search.curvature, d.touch.active_index[:2]) == -1.0).all()
 

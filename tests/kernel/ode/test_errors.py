@@ -27,10 +27,10 @@ def deep(depth=1e-3, **more):
     touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
     y = struck(rng, d, touched, depth)
     d.trial.state[:] = y
-    d.scratch.error[:] = 0.0
+    d.scratch.y_error[:] = 0.0
     d.touch.gap_error[:] = 0.0
     d.touch.depth_scale[touched] = [2e-3, 3e-4]
-    d.touch.impact_speed[touched] = [0.5, 2.0]
+    d.touch.law_speed[touched] = [0.5, 2.0]
     d.touch.effective_mass[touched] = [0.7, 1.9]
     return scene, d, touched, y
 
@@ -56,17 +56,17 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
     """A clearance counts by its penetration. Supplied energy and the step's variable are not controlled."""
     _, d, touched, y = deep()
     for j, scale in enumerate(scales(d, y)):
-        d.scratch.error[:] = 0.0
-        d.scratch.error[ONE][j], d.scratch.error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
+        d.scratch.y_error[:] = 0.0
+        d.scratch.y_error[ONE][j], d.scratch.y_error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
         assert control.scaled_errors(d) == pytest.approx((0.3, 0.2), rel=1e-12)
         # a smaller error does not count beside a larger error
-        d.scratch.error[ONE][0], d.scratch.error[OTHER][0] = (
+        d.scratch.y_error[ONE][0], d.scratch.y_error[OTHER][0] = (
             5e-6 * d.chain.longest_link,
             -5e-6 * d.chain.longest_link,
         )
         assert control.scaled_errors(d) == pytest.approx((0.5, 0.5), rel=1e-12)
-    d.scratch.error[:] = 0.0
-    d.scratch.error[:, supplied_at(LINKS) :] = 1e3
+    d.scratch.y_error[:] = 0.0
+    d.scratch.y_error[:, supplied_at(LINKS) :] = 1e3
     assert control.scaled_errors(d) == (0.0, 0.0)
     for k, c in enumerate(touched):
         scale, d.touch.gap_error[:] = control.penetration_scale(d, c), 0.0
@@ -79,8 +79,12 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
 def test_a_state_that_is_not_finite_has_an_infinite_error(bad, where):
     _, d, _, _ = deep()
     for j in range(dissipated_at(LINKS) + 1):
-        d.scratch.error[:] = 0.0
-        row = {"one": d.scratch.error[ONE], "other": d.scratch.error[OTHER], "result": d.trial.state}[where]
+        d.scratch.y_error[:] = 0.0
+        row = {
+            "one": d.scratch.y_error[ONE],
+            "other": d.scratch.y_error[OTHER],
+            "result": d.trial.state,
+        }[where]
         right, row[j] = row[j], bad
         assert control.scaled_errors(d) == (math.inf, math.inf)
         row[j] = right
@@ -123,23 +127,23 @@ def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
         (size / 8.0, 8.0),
         (1e-9 * size, control.LARGEST_ERROR / TOLERANCE),
     ):
-        d.touch.impact_speed[c] = speed
+        d.touch.law_speed[c] = speed
         assert control.penetration_scale(d, c) == pytest.approx(leeway * depth, rel=1e-13)
     assert control.LARGEST_ERROR == 0.01
     # deeper than expected
-    d.touch.impact_speed[c], d.touch.depth_scale[c] = 4.0 * size, 1e-6
+    d.touch.law_speed[c], d.touch.depth_scale[c] = 4.0 * size, 1e-6
     assert control.penetration_scale(d, c) == pytest.approx(-clearance(d, c)[0], rel=1e-13)
     assert control.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
 
 
 def test_errors_of_clearances_are_errors_of_coordinates_along_normals():
     scene, d, touched, y = deep()
-    d.scratch.error[:] = np.random.default_rng(6).uniform(-1e-6, 1e-6, d.scratch.error.shape)
+    d.scratch.y_error[:] = np.random.default_rng(6).uniform(-1e-6, 1e-6, d.scratch.y_error.shape)
     locate_points(d, y)
     for row in (ONE, OTHER):
         control.set_gap_errors(d, row)
     slopes = gradients(scene, d, y[2 : LINKS + 2], touched)
-    right = slopes @ d.scratch.error[:2, : LINKS + 2].T
+    right = slopes @ d.scratch.y_error[:2, : LINKS + 2].T
     assert pytest.approx(right, rel=1e-12) == d.touch.gap_error[:2, :2].T
 
 
@@ -147,11 +151,11 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
     """The spring's moment has the error of the joint's angle, and the damper's moment that of the rate."""
     rng = np.random.default_rng(5)
     _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
-    d.scratch.error[:] = rng.uniform(-1e-3, 1e-3, d.scratch.error.shape)
+    d.scratch.y_error[:] = rng.uniform(-1e-3, 1e-3, d.scratch.y_error.shape)
     unit = d.chain.energy_scale * (1.0 + d.chain.gravity_size / d.chain.longest_link)
     for row in (ONE, OTHER):
-        turns = np.diff(d.scratch.error[row][2 : LINKS + 2], prepend=0.0)
-        spins = np.diff(d.scratch.error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)
+        turns = np.diff(d.scratch.y_error[row][2 : LINKS + 2], prepend=0.0)
+        spins = np.diff(d.scratch.y_error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)
         stiffness, damping = d.inputs.drive_stiffness[:-1], d.inputs.drive_damping[:-1]
         moments = stiffness * abs(turns) + damping * abs(spins)
         assert control.force_errors(d)[row] == pytest.approx(max(moments) / unit, rel=1e-12)
@@ -160,7 +164,7 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
 def test_the_force_of_a_slider_is_off_by_its_own_error_along_the_line():
     """The force counts times the longest link, 0.5 m; the pole has no spring and no damper."""
     d = begun(cart())
-    d.scratch.error[ONE][:2], d.scratch.error[ONE][3:5] = (2e-3, -1e-3), (-3e-3, 5e-3)
+    d.scratch.y_error[ONE][:2], d.scratch.y_error[ONE][3:5] = (2e-3, -1e-3), (-3e-3, 5e-3)
     line = np.array([math.cos(0.1), math.sin(0.1)])
     force = 5.0 * abs(line @ (2e-3, -1e-3)) + 0.4 * abs(line @ (-3e-3, 5e-3))
     unit = d.chain.energy_scale * (1.0 + 9.81 / 0.5)
@@ -174,8 +178,8 @@ def test_moments_count_where_a_rigid_wall_holds_a_point():
     d.inputs.drive_stiffness[:] = 1e9
     y = random_state(rng, d)
     locate_points(d, y)
-    d.trial.state[:], d.scratch.error[:] = y, 0.0
-    d.scratch.error[ONE][3], d.scratch.error[OTHER][4] = 1e-7, 2e-7
+    d.trial.state[:], d.scratch.y_error[:] = y, 0.0
+    d.scratch.y_error[ONE][3], d.scratch.y_error[OTHER][4] = 1e-7, 2e-7
     touch(d, [])
     free = control.scaled_errors(d)
     assert free == pytest.approx((1e-7 / TOLERANCE, 2e-7 / TOLERANCE), rel=1e-12)

@@ -61,9 +61,9 @@ def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at
     d.scratch.acceleration.x[:] = d.scratch.acceleration.y[:] = 1e9  # accelerations of another state
     if not at_end:
         kinematics.locate_points(d, y + 0.1)
-    d.scratch.at_end = at_end
+    d.scratch.located_at_end = at_end
     extended.extend_start(d)
-    start, rate = d.implicit.start, d.implicit.start_rate
+    start, rate = d.implicit.z_start, d.implicit.rate_start
     assert start[:FIRST].tolist() == y[:FIRST].tolist()
     assert rate[:FIRST].tolist() == d.scratch.rate_start[:FIRST].tolist()
     assert start[FIRST : FIRST + 4] == pytest.approx(np.transpose(gaps).ravel(), rel=1e-12)
@@ -78,7 +78,7 @@ def test_forces_are_those_at_the_clearances_of_the_step(touching):
     """The coordinates' own clearances differ from the integrated clearances."""
     scene, d, touched, _ = touching
     extended.extend_start(d)
-    z, rate = d.implicit.start.copy(), np.zeros(len(d.implicit.start))
+    z, rate = d.implicit.z_start.copy(), np.zeros(len(d.implicit.z_start))
     z[gap_at(d, 0)] -= 2e-3
     z[rate_at(d, 1)] -= 0.3
     extended.extended_rate(d, z, 0.0, rate)
@@ -90,18 +90,20 @@ def test_forces_are_those_at_the_clearances_of_the_step(touching):
     bends = normal_accelerations(scene, d, z, rate, touched)
     assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
     # with the coordinates' clearances the result is the rate of the state
-    extended.extended_rate(d, d.implicit.start.copy(), 0.0, rate)
+    extended.extended_rate(d, d.implicit.z_start.copy(), 0.0, rate)
     assert rate[:FIRST] == pytest.approx(d.scratch.rate_start[:FIRST], rel=1e-9)
 
 
 def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
     _, d, touched, _ = touching
     extended.extend_start(d)
-    z = d.implicit.start.copy()
+    z = d.implicit.z_start.copy()
     z[gap_at(d, 0)], z[gap_at(d, 1)] = -3e-3, 1e-3  # the second point has left its wall
     extended.extended_slopes(d, z)
     for k, depth in enumerate((3e-3, 0.0)):
         right = force_formula.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
-        assert (d.implicit.stiffness[k], d.implicit.damping[k]) == pytest.approx(right, rel=1e-13)
+        assert (d.implicit.contact_stiffness[k], d.implicit.contact_damping[k]) == pytest.approx(
+            right, rel=1e-13
+        )
     for axis in "xy":
-        assert d.implicit.link[axis][:LINKS].tolist() == d.scratch.link[axis][:LINKS].tolist()
+        assert d.implicit.link_vector[axis][:LINKS].tolist() == d.scratch.link_vector[axis][:LINKS].tolist()

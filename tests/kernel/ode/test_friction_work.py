@@ -26,7 +26,7 @@ def test_only_the_corrected_motion_dissipates_whatever_the_rates_contain(rubbing
     """The stages have other forces and speeds when their rates are evaluated."""
     rng, d, elements, slopes = rubbing
     lost, first, count = dissipated_at(d.links), velocity_at(d.links), slopes.shape[1]
-    d.implicit.start[:] = d.implicit.stages[:] = 0.0
+    d.implicit.z_start[:] = d.implicit.stages[:] = 0.0
     expected = np.zeros(RADAU_STAGES)
     for m in range(RADAU_STAGES):
         moved, corrected = rng.normal(size=(2, count))

@@ -87,8 +87,8 @@ def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method
     assert not d.step.rate_known
     last_step.ensure_rate(d)
     np.testing.assert_allclose(d.scratch.rate_end, exact_rate(d, expected), atol=1e-12)
-    d.step.time = 0.25 * H
-    last_step.truncate_to_output_time(d)
+    d.step.communication_point = 0.25 * H
+    last_step.truncate_to_communication_point(d)
     assert d.step.end == 0.25 * H
     assert d.step.state_end[-1] == pytest.approx(0.25 * H, rel=1e-14)
     last_step.roll_back(d)
@@ -165,11 +165,11 @@ def test_bounds_on_clearances_end_with_their_step(how):
     d = with_a_step(started())
     exclusion.remember_clearances(d, exclusion.WITH_CURVES)
     assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
-    more = {"truncate_step": (0.5,), "reset_step": (0.0, d.scratch.y)}
+    more = {"truncate_step": (0.5,), "reset_step": (0.0, d.scratch.state)}
     getattr(last_step, how)(d, *more.get(how, ()))
     assert exclusion.known_clearances(d) == exclusion.NOTHING
-    exclusion.remember_clearances(d, exclusion.FAR)
-    assert exclusion.known_clearances(d) == exclusion.FAR
+    exclusion.remember_clearances(d, exclusion.SAFE_DISTANCE)
+    assert exclusion.known_clearances(d) == exclusion.SAFE_DISTANCE
 
 
 def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():
@@ -198,7 +198,7 @@ def test_without_contact_a_step_runs_in_time():
 def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
     d = with_a_step(started())
     last_step.ensure_dense(d, last_step.OUTPUTS)
-    there, y = d.step.state_end + 0.25, np.zeros(len(d.scratch.y))
+    there, y = d.step.state_end + 0.25, np.zeros(len(d.scratch.state))
     last_step.reset_step(d, 0.7, there)
     there[-2:] = 1.0, 0.0  # u, and the time in the step
     for theta in (0.0, 0.3, 1.0):

@@ -34,7 +34,7 @@ def linearized(turn, stiffness, damping):
     assert int(d.touch.active_count) > 0
     kinematics.locate_points(d, d.step.state_end)
     extended.extend_start(d)
-    extended.extended_slopes(d, d.implicit.start)
+    extended.extended_slopes(d, d.implicit.z_start)
     return d
 
 
@@ -50,15 +50,15 @@ def jacobian(d, turn):
     across, forces = relative_motion(N), np.zeros((N + 2, size))
     v, gap = slice(N + 2, 2 * N + 4), slice(extended.gap_at(d, 0), extended.rate_at(d, 0))
     rate, impulse = slice(extended.rate_at(d, 0), size - count), slice(size - count, size)
-    forces[:, gap] = -normals.T * d.implicit.stiffness[:count]
-    forces[:, rate] = -normals.T * d.implicit.damping[:count]
+    forces[:, gap] = -normals.T * d.implicit.contact_stiffness[:count]
+    forces[:, rate] = -normals.T * d.implicit.contact_damping[:count]
     forces[:, v] = -across.T @ np.diag(d.inputs.drive_damping[:-1]) @ across
     forces[:, : N + 2] = -across.T @ np.diag(d.inputs.drive_stiffness[:-1]) @ across
     matrix = np.zeros((size, size))
     matrix[v] = np.linalg.solve(mass_matrix(scene, angles), forces)
     matrix[rate] = normals @ matrix[v]
-    matrix[impulse, gap] = -np.diag(d.implicit.stiffness[:count])
-    matrix[impulse, rate] = -np.diag(d.implicit.damping[:count])
+    matrix[impulse, gap] = -np.diag(d.implicit.contact_stiffness[:count])
+    matrix[impulse, rate] = -np.diag(d.implicit.contact_damping[:count])
     matrix[: N + 2, v], matrix[gap, rate] = np.eye(N + 2), np.eye(count)
     return matrix
 
@@ -114,7 +114,7 @@ def held(base, stiffness, damping):
     d.step.state_end[:] = struck(rng, d, candidates, 0.0)
     d.chain.has_springs_or_dampers = d.chain.has_springs = 1
     extended.extend_start(d)
-    extended.extended_slopes(d, d.implicit.start)
+    extended.extended_slopes(d, d.implicit.z_start)
     angles, free = d.step.state_end[2 : N + 2], free_coordinates(d)
     normals = gradients(scene, d, angles, candidates)[:, free]
     inverse = np.linalg.inv(mass_matrix(scene, angles)[free, free])

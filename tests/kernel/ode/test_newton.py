@@ -12,7 +12,7 @@ from chain_impact.kernel.ode import collocation, control, radau
 from tests.helpers.kernel.plain import Plain
 
 ORDER = 9  # of Radau IIA with 5 stages
-SCALARS = ("correction", "contraction")
+SCALARS = ("relative_correction", "contraction")
 
 
 def record(start, weight=1e14):
@@ -20,7 +20,7 @@ def record(start, weight=1e14):
     size = len(start)
     implicit = np.dtype(
         [(name, float, (radau.RADAU_STAGES, size)) for name in ("stages", "rates", "parts")]
-        + [(name, float, (size,)) for name in ("start", "start_rate", "z", "weight")]
+        + [(name, float, (size,)) for name in ("z_start", "rate_start", "z", "error_weight")]
         + [(name, float) for name in SCALARS]
         + [("iterations", int)]
     )
@@ -28,7 +28,7 @@ def record(start, weight=1e14):
     parts = {part: [(name, int) for of, name in counts if of == part] for part, _ in counts}
     block = np.zeros(1, [("implicit", implicit), *parts.items()])
     d = Plain(block[0])
-    d.implicit.start[:], d.implicit.weight[:] = start, weight
+    d.implicit.z_start[:], d.implicit.error_weight[:] = start, weight
     return d
 
 
@@ -43,7 +43,7 @@ def problem(rate, jacobian):
         out[: len(y)] = rate(y)
 
     def solve(d, h, _size):
-        parts, matrix = d.implicit.parts, h * jacobian(d.implicit.start)
+        parts, matrix = d.implicit.parts, h * jacobian(d.implicit.z_start)
         one = np.eye(len(matrix))
         parts[0] = np.linalg.solve(one - radau.REAL_EIGENVALUE * matrix, parts[0])
         for pair, (real, imaginary) in enumerate(radau.COMPLEX_EIGENVALUES):
@@ -57,14 +57,14 @@ def problem(rate, jacobian):
 
     def step(d, h):
         d.implicit.stages[:] = 0.0
-        return converge(d, h, len(d.implicit.start))
+        return converge(d, h, len(d.implicit.z_start))
 
     def patient(d, h):
         d.implicit.stages[:] = 0.0
         for _ in range(60):
-            find_residuals(d, h, len(d.implicit.start))
-            solve(d, h, len(d.implicit.start))
-            correct_stages(d, h, len(d.implicit.start))
+            find_residuals(d, h, len(d.implicit.z_start))
+            solve(d, h, len(d.implicit.z_start))
+            correct_stages(d, h, len(d.implicit.z_start))
 
     return step, patient
 
@@ -75,12 +75,12 @@ def estimated(monkeypatch):
 
     def of(rate, jacobian):
         def solve(d, shift, x):
-            matrix = jacobian(d.implicit.start)
+            matrix = jacobian(d.implicit.z_start)
             x[:] = np.linalg.solve(np.eye(len(matrix)) - shift * matrix, x)
 
         def found(d, h):
-            d.implicit.start_rate[:] = rate(d.implicit.start)
-            return collocation.error_estimate(d, h, len(d.implicit.start))
+            d.implicit.rate_start[:] = rate(d.implicit.z_start)
+            return collocation.error_estimate(d, h, len(d.implicit.z_start))
 
         monkeypatch.setattr(collocation, "solve_real", solve)
         return found
@@ -92,8 +92,8 @@ def integrate(step, start, end, steps):
     d = record(start)
     for _ in range(steps):
         step(d, end / steps)
-        d.implicit.start[:] += d.implicit.stages[-1]
-    return d.implicit.start.copy()
+        d.implicit.z_start[:] += d.implicit.stages[-1]
+    return d.implicit.z_start.copy()
 
 
 def oscillator(y):

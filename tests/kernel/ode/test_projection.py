@@ -35,12 +35,12 @@ def step():
     touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
     y = struck(rng, d, touched)
     d.touch.depth_scale[touched] = [2e-3, 5e-4]
-    d.touch.impact_speed[touched], d.touch.effective_mass[touched] = 0.5, 1.0
-    d.step.state_end[:], d.scratch.at_end = y, 1
+    d.touch.law_speed[touched], d.touch.effective_mass[touched] = 0.5, 1.0
+    d.step.state_end[:], d.scratch.located_at_end = y, 1
     extend_start(d)
-    extended_slopes(d, d.implicit.start)
+    extended_slopes(d, d.implicit.z_start)
     factorize_real(d, SHIFT)
-    z = d.implicit.start.copy()
+    z = d.implicit.z_start.copy()
     set_weights(d)
     locate_points(d, y)
     return scene, d, touched, y, z
@@ -94,7 +94,7 @@ def test_a_projection_returns_its_largest_change_and_residual(step):
     changes = np.concatenate([response(scene, d, y, touched, wanted) for wanted in (gaps, rates)])
     apart, moved = extended.largest_mismatch(d, z) / extended.CLEARANCE_MISMATCH, y.copy()
     worst = extended.project_clearances(d, z, moved)
-    assert worst == pytest.approx((max(abs(changes) * d.implicit.weight[: 2 * HALF]), apart), rel=1e-7)
+    assert worst == pytest.approx((max(abs(changes) * d.implicit.error_weight[: 2 * HALF]), apart), rel=1e-7)
     assert moved[: 2 * HALF] - y[: 2 * HALF] == pytest.approx(changes, rel=1e-7, abs=1e-14)
     assert extended.CLEARANCE_MISMATCH == 0.03
 
@@ -105,6 +105,6 @@ def test_the_change_of_either_part_may_be_the_largest(step):
         off = z.copy()
         off[at(d, 0)] += wanted[0]
         changes = response(scene, d, y, touched, np.array(wanted))
-        weights = d.implicit.weight[:HALF] if at is gap_at else d.implicit.weight[HALF : 2 * HALF]
+        weights = d.implicit.error_weight[:HALF] if at is gap_at else d.implicit.error_weight[HALF : 2 * HALF]
         worst, _ = extended.project_clearances(d, off, y.copy())
         assert worst == pytest.approx(max(abs(changes) * weights), rel=1e-7)

@@ -1,4 +1,4 @@
-"""Quadratures of a step, from its stages to the totals; and impulses of walls in runs.
+"""Quadratures of a step, from its stages to the integrals; and impulses of walls in runs.
 
 Gravity and the walls together change the momentum of the chain.
 """
@@ -84,7 +84,7 @@ def test_without_them_the_motion_is_the_same_bit_by_bit():
 # --- beside a step ------------------------------------------------------------------------------------------
 
 TOUCHED = [1, 3]
-FIELDS = ("state", "state_end", "tried", "total", "rate", "rate_end", "impulse_at_onset")
+FIELDS = ("state", "state_end", "tried", "integral", "rate", "rate_end", "impulse_at_onset")
 
 
 @pytest.fixture
@@ -134,7 +134,7 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     own.rate[:] = 99.0
     dense.store_end_rates(d)
     dense.commit_quadratures(d)
-    right = np.zeros(len(own.total))
+    right = np.zeros(len(own.integral))
     right[touched], right[d.candidates + touched] = d.touch.force[touched], d.element.force[touched]
     right[last] = 3.5
     assert own.rate.tolist() == right.tolist()
@@ -154,7 +154,7 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
 
 def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     """The totals belong to the end of the step."""
-    end, tried, total = *values(d, "state_end", "tried"), d.quadrature.total.copy()
+    end, tried, total = *values(d, "state_end", "tried"), d.quadrature.integral.copy()
     dense.accept_quadratures(d)
     assert values(d, "state", "state_end") == [end, tried]
     right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
@@ -162,7 +162,7 @@ def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     assert values(d, "state", "state_end") == [end, right]
     dense.commit_quadratures(d)
     total[TOUCHED] = right
-    assert d.quadrature.total.tolist() == total.tolist()
+    assert d.quadrature.integral.tolist() == total.tolist()
     dense.roll_back_quadratures(d)
     assert values(d, "state", "state_end") == [end, end]
 
@@ -201,7 +201,7 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
 
 
 def test_a_new_phase_starts_from_the_totals(d):
-    total, rate = d.quadrature.total[TOUCHED].tolist(), d.quadrature.rate[TOUCHED].tolist()
+    total, rate = d.quadrature.integral[TOUCHED].tolist(), d.quadrature.rate[TOUCHED].tolist()
     dense.reset_quadratures(d)
     assert values(d, "rate_end") == [rate]
     assert values(d, "state", "state_end") == [total, total]
@@ -225,7 +225,7 @@ def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, i
     """Compliant contacts get no immediate impulse."""
     make_rigid(d, np.isin(np.arange(d.candidates), rigid))
     d.constraints.impulse[:2] = impulses
-    right = d.quadrature.total.copy()
+    right = d.quadrature.integral.copy()
     right[TOUCHED] += given
     dense.add_impulses_of_impact(d)
-    assert d.quadrature.total.tolist() == right.tolist()
+    assert d.quadrature.integral.tolist() == right.tolist()

@@ -77,7 +77,7 @@ def contact(seed=17):
     _, d = chain(np.random.default_rng(seed), LINKS)
     c = d.candidate.point.tolist().index(2)
     y = struck(np.random.default_rng(seed), d, [c], DEPTH)
-    d.touch.depth_scale[c], d.touch.impact_speed[c] = SCALE, 1.0
+    d.touch.depth_scale[c], d.touch.law_speed[c] = SCALE, 1.0
     d.touch.effective_mass[c] = 1.0
     d.step.regularized, d.step.method = c, control.EXPLICIT
     return d, c, y
@@ -189,7 +189,7 @@ def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     place(d, c, -SCALE * (0.5 * sundman.RESTING_SUM) ** 2)  # u = RESTING_SUM/2
     own = c, pytest.approx(0.5 * sundman.RESTING_SUM, rel=1e-6)
     for part, right in ((0.49, IN_TIME), (0.51, own)):
-        d.touch.impact_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
+        d.touch.law_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
         assert sundman.lone_contact(d) == right
 
 

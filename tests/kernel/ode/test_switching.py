@@ -24,8 +24,8 @@ from tests.kernel.chains import chain, struck, touch
 @pytest.mark.parametrize("longer", [0.9, 1.1])
 def test_the_size_of_the_next_implicit_step_decides(longer, last):
     """The last step may be a first step after an event, or cut short by an input."""
-    step = SimpleNamespace(method=IMPLICIT, other_size=2.0, start=1.0, end=1.0 + last)
-    step.next_size = longer * methods.EQUAL_COST_RATIO * step.other_size
+    step = SimpleNamespace(method=IMPLICIT, other_method_size=2.0, start=1.0, end=1.0 + last)
+    step.next_size = longer * methods.EQUAL_COST_RATIO * step.other_method_size
     assert suggests_switch(SimpleNamespace(step=step)) == (longer < 1.0)
 
 
@@ -34,8 +34,8 @@ def test_explicit_steps_far_shorter_than_implicit_ones_do_not_pay(pressed, part)
     """Errors that are random, such as those of round-off, only let very short explicit steps pass."""
     d, _ = pressed
     d.step.start = d.step.end * (1.0 - 1e-6)  # the last step was not stiff
-    d.step.other_size = 0.7
-    d.step.next_size = part * d.step.other_size / methods.FAR_SHORTER
+    d.step.other_method_size = 0.7
+    d.step.next_size = part * d.step.other_method_size / methods.FAR_SHORTER
     assert suggests_switch(d) == (part < 1.0)
 
 
@@ -154,7 +154,7 @@ def test_stiffness_is_that_of_joints_where_they_are_faster(rng):
 
 def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
     d, touched = pressed
-    d.touch.depth_scale[touched], d.touch.impact_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
+    d.touch.depth_scale[touched], d.touch.law_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
     d.step.end, slow = 2.0, methods.SUSTAINED_AFTER * 4e-3 / 0.5
     # all contacts must last; the first is four times as fast
     for first, second, right in (
@@ -172,7 +172,7 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
 @pytest.mark.parametrize("lasting", [False, True])
 def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
     d, touched = pressed
-    d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 1e-3, 1.0
+    d.touch.depth_scale[touched], d.touch.law_speed[touched] = 1e-3, 1.0
     stiff, stiff_contact, rate = STIFF_STEP, methods.STIFF_STEP_IN_CONTACT, methods.fastest_contact(d)
     rows = (
         (1.01 * stiff, True),
@@ -188,7 +188,7 @@ def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
 
 def test_implicit_steps_do_where_nothing_is_known_and_they_are_not_stiff(pressed):
     d, _ = pressed
-    d.step.method, d.step.other_size = IMPLICIT, 0.0
+    d.step.method, d.step.other_method_size = IMPLICIT, 0.0
     for part in (0.99, 1.01):
         d.step.next_size = part * methods.NOT_STIFF_STEP / methods.fastest_contact(d)
         assert suggests_switch(d) == (part < 1.0)
@@ -198,10 +198,10 @@ def test_a_phase_begins_with_what_is_explicit_and_without_a_count(rng):
     _, d = chain(rng, 1)
     d.step.method = IMPLICIT
     for begin, method in ((methods.reset_stiff_count, IMPLICIT), (methods.begin_explicit, EXPLICIT)):
-        d.step.stiff_count, d.step.other_size, d.step.switch_hysteresis = 2, 0.7, 48
+        d.step.stiff_count, d.step.other_method_size, d.step.switch_after = 2, 0.7, 48
         begin(d)
-        assert (d.step.method, d.step.switch_hysteresis) == (method, MIN_SWITCH_STEPS)
-        assert (d.step.stiff_count, d.step.other_size) == (0, 0.0)
+        assert (d.step.method, d.step.switch_after) == (method, MIN_SWITCH_STEPS)
+        assert (d.step.stiff_count, d.step.other_method_size) == (0, 0.0)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
@@ -211,7 +211,7 @@ def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, me
     d, tip, rate = jointed(rng, touching=True)
     h = number * STIFF_STEP / (methods.IMPACT_PART * rate)
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
-    d.touch.depth_scale[tip], d.touch.impact_speed[tip] = depth, 1.0
+    d.touch.depth_scale[tip], d.touch.law_speed[tip] = depth, 1.0
     methods.begin_impact(d, tip)
     stiff, first = number > 1.0 and method == IMPLICIT, control.size_at_onset(d, tip, IMPLICIT)
     assert d.step.method == (IMPLICIT if stiff else EXPLICIT)
@@ -242,16 +242,16 @@ def test_a_method_changes_after_steps_in_a_row_and_later_the_next_time(pressed):
         assert (d.step.method, d.step.stiff_count) == (EXPLICIT, done)
     choose_method(d)
     assert (d.step.method, d.step.stiff_count) == (IMPLICIT, 0)
-    assert d.step.other_size == d.step.end
-    assert d.step.switch_hysteresis == MIN_SWITCH_STEPS
+    assert d.step.other_method_size == d.step.end
+    assert d.step.switch_after == MIN_SWITCH_STEPS
     # implicit steps that are not longer do not pay
     d.step.next_size = d.step.end
     for _ in range(MIN_SWITCH_STEPS):
         assert d.step.method == IMPLICIT
         choose_method(d)
     assert (d.step.method, d.step.stiff_count) == (EXPLICIT, 0)
-    assert d.step.other_size == d.step.end
-    assert d.step.switch_hysteresis == 2 * MIN_SWITCH_STEPS
+    assert d.step.other_method_size == d.step.end
+    assert d.step.switch_after == 2 * MIN_SWITCH_STEPS
 
 
 def test_a_step_that_is_not_stiff_resets_the_count_of_stiff_steps(pressed):
@@ -263,12 +263,12 @@ def test_a_step_that_is_not_stiff_resets_the_count_of_stiff_steps(pressed):
     # a cut step says nothing about the size of explicit steps
     d.step.start, d.step.end_fraction, d.step.stiff_count = 0.0, 0.5, MIN_SWITCH_STEPS - 1
     choose_method(d)
-    assert (d.step.method, d.step.other_size) == (IMPLICIT, 0.0)
+    assert (d.step.method, d.step.other_method_size) == (IMPLICIT, 0.0)
 
 
 def test_a_step_of_no_length_does_not_count(pressed):
     d, _ = pressed
-    d.step.method, d.step.other_size, d.step.next_size = IMPLICIT, 1.0, 0.1
+    d.step.method, d.step.other_method_size, d.step.next_size = IMPLICIT, 1.0, 0.1
     d.step.end = 1.0
     for start, count in ((1.0, 1), (0.9, 2)):
         d.step.start, d.step.stiff_count = start, 1

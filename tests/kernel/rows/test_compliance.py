@@ -64,10 +64,10 @@ def assert_moved(scene, d, angles, change):
     """Assert that points and joints move as the change of the coordinates says."""
     count = d.links
     moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
-    np.testing.assert_allclose(vectors(d.scratch.motion), moved, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(vectors(d.scratch.place_change), moved, rtol=0, atol=1e-9)
     if d.chain.has_joint_stops:
         turns = d.chain.longest_link * (relative_motion(count) @ change)
-        np.testing.assert_allclose(d.scratch.motion.x[count + 1 :], turns, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(d.scratch.place_change.x[count + 1 :], turns, rtol=0, atol=1e-9)
 
 
 def assert_loads(scene, d, angles, added, work):
@@ -110,7 +110,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
         d.scratch.impedance.joint[i] = drive_resistance(d, i, time)
     geometry.add_joint_impedances(d, d.scratch.impedance)
     with_joints = d.chain.has_springs_or_dampers or d.chain.has_joint_stops
-    response.factorize(d, d.scratch.link, d.scratch, response.SHIFTED, with_joints)
+    response.factorize(d, d.scratch.link_vector, d.scratch, response.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
     joints[0] *= d.chain.has_base_joint  # a free base is no joint
     geometry.clear_loads_of(d, d.scratch.load)
@@ -118,7 +118,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
         geometry.add_along(geometry.normal_row(d, d.touch.active_index[k]), d.scratch.load, impulse[k])
     d.scratch.load.joint[:] += joints
     change = np.full(count + 2, np.nan)
-    compliance.solve_space(d, d.scratch.link, d.scratch, response.SHIFTED, change)
+    compliance.solve_space(d, d.scratch.link_vector, d.scratch, response.SHIFTED, change)
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.chain.has_base_joint

@@ -33,10 +33,10 @@ def test_impulses_are_complementary(seed):
     rng = np.random.default_rng(seed)
     d, _, _, response, w = problem(pressed=rng.integers(0, 2, rng.integers(1, 5)), seed=seed)
     own, count = d.constraints, len(w)
-    own.target[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.start[:count])
-    expected = complementary_impulses(w, own.start[:count], own.target[:count])
+    own.target[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.unforced[:count])
+    expected = complementary_impulses(w, own.unforced[:count], own.target[:count])
     constraints.factorize_free(d)
-    constraints.solve_lcp(d, np.abs(own.start[:count]).max())
+    constraints.solve_lcp(d, np.abs(own.unforced[:count]).max())
     scale = np.linalg.cond(w) * max(1.0, np.abs(expected).max())
     np.testing.assert_allclose(own.impulse[:count], expected, atol=1e-14 * scale)
     np.testing.assert_allclose(own.change, response @ expected, atol=1e-13 * scale)
@@ -50,7 +50,7 @@ def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
     d.candidate.place[second] = d.candidate.place[first]
     for normal in (d.candidate.normal_x, d.candidate.normal_y):
         normal[second] = -normal[first]
-    own.start[:2], own.target[:2] = (-1.0, 1.0), 0.0
+    own.unforced[:2], own.target[:2] = (-1.0, 1.0), 0.0
     constraints.factorize_free(d)
     constraints.solve_lcp(d, 1.0)
     np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-14)
@@ -65,7 +65,7 @@ def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
     assert not own.change.any()
     assert not own.impulse[:4].any()
     assert (own.impulse[4:] == 9.0).all()
-    np.testing.assert_array_equal(own.reached[:4], own.start[:4])
+    np.testing.assert_array_equal(own.reached[:4], own.unforced[:4])
     own.target[1] = 1e3  # target of a contact that is not pressed
     for amount in (0.0, 4.5):
         constraints.set_impedance(d, amount)
@@ -87,7 +87,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
         d.constraints.impedance[0] = amount
         compliance.factorize_contacts(d, HELD, d.constraints.impedance)
         compliance.solve_contacts(d, HELD, np.ones(len(d.constraints.impulse)), d.constraints.change)
-        moved = geometry.along(geometry.normal_row(d, c), d.scratch.motion)
+        moved = geometry.along(geometry.normal_row(d, c), d.scratch.place_change)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
         assert moved < 1e-5 * w[k, k]
         touch(d, CANDIDATES if base == "free" else [c - 1 for c in CANDIDATES])
@@ -100,19 +100,19 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
 def test_all_pressed_contacts_reach_their_targets(base, pressed):
     """A single pressed contact takes one solution, and several contacts take a few sweeps."""
     d, _, _, response, w = problem(base, pressed)
-    own, rows, before, alone = d.constraints, np.flatnonzero(pressed), d.limits.other_cost, sum(pressed) == 1
+    own, rows, before, alone = d.constraints, np.flatnonzero(pressed), d.budget.other_cost, sum(pressed) == 1
     assert constraints.single_active(d) == (rows[0] if alone else -1)
     constraints.factorize_free(d)
     constraints.solve_equality(d, 2.0)
     expected, off = np.zeros(4), 1e-12 if alone else 1e-9
-    expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target - own.start)[rows])
+    expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target - own.unforced)[rows])
     np.testing.assert_allclose(own.impulse[:4], expected, rtol=off, atol=off * (not alone))
     np.testing.assert_allclose(own.change, response @ expected, rtol=10 * off, atol=off)
-    np.testing.assert_allclose(own.reached[:4], own.start[:4] + w @ expected, rtol=10 * off, atol=off)
+    np.testing.assert_allclose(own.reached[:4], own.unforced[:4] + w @ expected, rtol=10 * off, atol=off)
     if alone:
-        assert d.limits.other_cost == before + 1
+        assert d.budget.other_cost == before + 1
     elif any(pressed):
-        assert 2 <= d.limits.other_cost - before <= 12
+        assert 2 <= d.budget.other_cost - before <= 12
 
 
 def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
@@ -120,11 +120,11 @@ def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
     own = d.constraints
     for part, iterates in ((1.01, True), (0.99, False)):
         monkeypatch.setattr(constraints, "LEAST_SINGLE_MOBILITY", part * w[1, 1] * compliance.mean_mass(d))
-        before = d.limits.other_cost
+        before = d.budget.other_cost
         constraints.factorize_free(d)
         constraints.solve_equality(d, 2.0)
-        assert own.impulse[1] == pytest.approx((own.target - own.start)[1] / w[1, 1], rel=1e-12)
-        assert d.limits.other_cost >= before + 4 if iterates else d.limits.other_cost == before + 1
+        assert own.impulse[1] == pytest.approx((own.target - own.unforced)[1] / w[1, 1], rel=1e-12)
+        assert d.budget.other_cost >= before + 4 if iterates else d.budget.other_cost == before + 1
 
 
 def test_a_contact_that_pulls_or_falls_short_is_wrong_beyond_round_off():
@@ -186,11 +186,11 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
     d, *_ = problem(pressed=(1, 1, 0, 0))
     own = d.constraints
     d.touch.active_index[1] = d.touch.active_index[0]
-    own.start[:2], own.target[:2] = 0.0, (1.0, -1.0)
-    before = d.limits.other_cost
+    own.unforced[:2], own.target[:2] = 0.0, (1.0, -1.0)
+    before = d.budget.other_cost
     constraints.factorize_free(d)
     assert constraints.solve_equality(d, 1.0) == pytest.approx(1.0, rel=1e-6)
-    assert d.limits.other_cost - before <= 20
+    assert d.budget.other_cost - before <= 20
     for tolerated, noted in ((2.0, constraints.SOLVED), (0.5, constraints.MOVING)):
         constraints.clear_unsolved(d)
         constraints.note_moving(d, tolerated)
@@ -207,10 +207,10 @@ def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part
     monkeypatch.setattr(constraints, "LEAST_SINGLE_MOBILITY", 1e9)
     monkeypatch.setattr(constraints, "holding_impedance", lambda _: part / w[1, 1])
     monkeypatch.setattr(constraints, "LARGEST_IMPEDANCE", 1e12 * part / w[1, 1] / compliance.mean_mass(d))
-    before = d.limits.other_cost
+    before = d.budget.other_cost
     constraints.factorize_free(d)
     assert constraints.solve_equality(d, 2.0) <= 2e-15
-    assert d.limits.other_cost - before <= 22
+    assert d.budget.other_cost - before <= 22
     assert d.constraints.impulse[1] == pytest.approx(
-        (d.constraints.target - d.constraints.start)[1] / w[1, 1], rel=1e-12
+        (d.constraints.target - d.constraints.unforced)[1] / w[1, 1], rel=1e-12
     )

@@ -71,14 +71,14 @@ def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
         wall = d.candidate.wall[c]
         if wall < len(WALLS):  # walls of the box are exact
             assert normal_row(d, c)[1:] == NORMALS[wall]
-            assert abs(d.candidate.offset[c]) == abs(d.chain.wall[wall])
+            assert abs(d.candidate.offset[c]) == abs(d.chain.box_wall[wall])
 
 
 def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
     scene, d = placed
     d.contact.radius = 0.07
     set_candidate_rows(d)
-    y = np.random.default_rng(3).normal(size=len(d.scratch.y))
+    y = np.random.default_rng(3).normal(size=len(d.scratch.state))
     kinematics.locate_points(d, y)
     names = list(scene.half_planes)
     for c in range(d.candidates):
@@ -158,7 +158,12 @@ def assert_adjoint(d, rows, change):
 
     Also check loads and impedances of joints that have been converted into moments.
     """
-    rng, motion, load, own = np.random.default_rng(9), d.scratch.motion, d.scratch.load, d.scratch.impedance
+    rng, motion, load, own = (
+        np.random.default_rng(9),
+        d.scratch.place_change,
+        d.scratch.load,
+        d.scratch.impedance,
+    )
     turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
     for row in rows:
         speed, force = along(row, motion), rng.normal()
@@ -185,16 +190,16 @@ def any_change(d):
     """Return some change of the coordinates, along which the points and joints move."""
     change = np.random.default_rng(8).normal(size=d.links + 2)
     change[: 2 * d.chain.has_base_joint] = 0.0
-    kinematics.move_points(d, d.scratch.link, change, d.scratch.motion)
+    kinematics.move_points(d, d.scratch.link_vector, change, d.scratch.place_change)
     return change
 
 
 def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     d, y = stopped
-    change, bound = any_change(d), length_bound(d, d.scratch.motion)
+    change, bound = any_change(d), length_bound(d, d.scratch.place_change)
     rows = [normal_row(d, c) for c in range(d.candidates)]
     assert_adjoint(d, rows, change)
-    speeds = [along(row, d.scratch.motion) for row in rows]
+    speeds = [along(row, d.scratch.place_change) for row in rows]
     assert np.abs(speeds).max() <= bound
     np.testing.assert_allclose(speeds, differenced(d, y, change), rtol=0, atol=1e-6)
 
@@ -217,11 +222,11 @@ def test_any_place_may_be_the_fastest(place):
     """The places are points 0 to 3, and the joints of three links."""
     d = stopped_chain(3)[1]
     for axis in "xy":
-        d.scratch.motion[axis][:] = 0.25
-    d.scratch.motion.x[place] = -4.0
-    assert length_bound(d, d.scratch.motion) == (4.25 if place <= 3 else 4.0)
+        d.scratch.place_change[axis][:] = 0.25
+    d.scratch.place_change.x[place] = -4.0
+    assert length_bound(d, d.scratch.place_change) == (4.25 if place <= 3 else 4.0)
     d.chain.has_joint_stops = 0
-    assert length_bound(d, d.scratch.motion) == (4.25 if place <= 3 else 0.5)
+    assert length_bound(d, d.scratch.place_change) == (4.25 if place <= 3 else 0.5)
 
 
 def test_round_off_of_clearances_is_that_of_coordinates_or_angles():

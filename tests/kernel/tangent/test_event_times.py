@@ -18,12 +18,12 @@ def tangent(monkeypatch):
     monkeypatch.setattr(event_times, "locate_points", lambda _t, _y: None)
     monkeypatch.setattr(event_times, "rate_from_points", lambda _t, _y, _rate: None)
     monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)
-    t = SimpleNamespace(touch=SimpleNamespace(impact_speed=[dual(0.5, 1.0, 2.0)] * 2))
+    t = SimpleNamespace(touch=SimpleNamespace(law_speed=[dual(0.5, 1.0, 2.0)] * 2))
     t.step = SimpleNamespace(
         start=dual(1.3), end=dual(1.5), state_end=[dual(2.0, 1.0, 0.0), dual(1.0, 0.0, 4.0)]
     )
     t.scratch = SimpleNamespace(
-        y=np.zeros(2, object), rate=None, rate_end=[dual(3.0, 9.0, 9.0), dual(-1.0, 9.0, 9.0)]
+        state=np.zeros(2, object), rate=None, rate_end=[dual(3.0, 9.0, 9.0), dual(-1.0, 9.0, 9.0)]
     )
     return t
 
@@ -51,7 +51,7 @@ def test_a_relatched_contact_is_late_by_speed_over_acceleration(monkeypatch, tan
 def test_a_function_of_the_motion_is_late_by_its_derivatives_over_its_rate(tangent):
     """φ = y₀² − 4 y₁ c: φ̇ = 2 y₀ ẏ₀ − 4 ẏ₁ c = 16 for c = 1, and φ′ = (4, −16)."""
     after, rate_at_end = event_times.along_motion(
-        lambda t, c: t.scratch.y[0] * t.scratch.y[0] - 4.0 * c * t.scratch.y[1]
+        lambda t, c: t.scratch.state[0] * t.scratch.state[0] - 4.0 * c * t.scratch.state[1]
     )
     rate = rate_at_end(tangent, 1)
     assert rate == pytest.approx(16.0, rel=1e-9)
@@ -64,7 +64,7 @@ def test_a_function_of_the_motion_is_late_by_its_derivatives_over_its_rate(tange
 
 
 def test_an_event_without_a_rate_has_no_delay(tangent):
-    after, rate_at_end = event_times.along_motion(lambda t, _c: 0.0 * t.scratch.y[0] + 1.0)
+    after, rate_at_end = event_times.along_motion(lambda t, _c: 0.0 * t.scratch.state[0] + 1.0)
     assert rate_at_end(tangent, 0) == 0.0
     assert parts(event_times.delay_along_motion(after)(tangent, 0, math.inf))[1] == [0.0, 0.0]
     tangent.step.start = tangent.step.end

@@ -78,7 +78,7 @@ def test_the_force_drops_at_contacts_where_sliding_has_less_friction(t, e, stati
 def margin_of(monkeypatch, t, rate):
     """Return φ = 9 − y₀, where y₀ = 9 at the end of the step and grows at a rate."""
     y = [dual(9.0, 2.0, -6.0)]
-    t.scratch.y, t.step.state_end, t.scratch.rate_end = [None], y, [dual(rate, 70.0, 70.0)]
+    t.scratch.state, t.step.state_end, t.scratch.rate_end = [None], y, [dual(rate, 70.0, 70.0)]
     located = []
     monkeypatch.setattr(event_times, "locate_points", lambda _t, y: located.append(y[0].value - 9.0))
     monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)
@@ -158,16 +158,16 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
 def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
     """Element 2 has just stopped: only the derivatives of its speed become zero."""
     t.friction.stuck_count, t.element.stuck = 2, [1, 2]
-    t.element.before = [friction.STICKS, friction.STICKS, 1]
+    t.element.mode_before = [friction.STICKS, friction.STICKS, 1]
     assert friction.any_begins_to_stick(t)
-    t.element.before = [friction.STICKS, friction.NO_FRICTION, friction.STICKS]
+    t.element.mode_before = [friction.STICKS, friction.NO_FRICTION, friction.STICKS]
     assert not friction.any_begins_to_stick(t)
     # a free point: two coordinates and their rates
     t.links, t.step.state_end = 0, [dual(1.0 + j, 2.0, 3.0) for j in range(4)]
     t.constraints = SimpleNamespace(change=[dual(1e-9, -2.0, 0.0), dual(1e-9, 0.0, -3.0)])
     called = []
     monkeypatch.setattr(friction, "activate_all", lambda _t: called.append("all"))
-    monkeypatch.setattr(friction, "set_start_to_state", lambda _t, derivative: called.append(derivative))
+    monkeypatch.setattr(friction, "set_unforced_to_state", lambda _t, derivative: called.append(derivative))
     monkeypatch.setattr(friction, "solve_stopping_impulses", lambda _t: called.append("stop"))
     monkeypatch.setattr(friction, "locate_points", lambda _t, y: called.append(y is t.step.state_end))
     friction.clear_sticking_speeds(t)
@@ -246,8 +246,8 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     monkeypatch.setattr(friction, "settling_time", lambda _t: 0.5)
     monkeypatch.setattr(friction, "negligible", lambda *_: False)
     t.friction.stuck_count = 0
-    t.element.before, t.element.mode, t.element.chosen = [mode] * 3, [mode] * 3, [mode] * 3
+    t.element.mode_before, t.element.mode, t.element.chosen = [mode] * 3, [mode] * 3, [mode] * 3
     t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"
-    friction.choose_modes(t)
+    friction.make_modes_consistent(t)
     assert t.element.mode == [mode] * 3
     assert ended == ([(trust.AT_LIMIT, 1)] if is_open else [])

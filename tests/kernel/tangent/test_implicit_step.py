@@ -144,12 +144,12 @@ def dual(*slopes):
 def slopes(start, end, parts):
     """Return a two-component step, with these slopes of its start, its last stage and its corrections."""
     none = np.array([[dual(), dual()] for _ in range(RADAU_STAGES)], object)
-    own = SimpleNamespace(start=[dual(*one) for one in start], stages=none.copy(), parts=none)
+    own = SimpleNamespace(z_start=[dual(*one) for one in start], stages=none.copy(), parts=none)
     own.stages[RADAU_STAGES - 1] = [dual(*one) for one in end]
     for (i, j), part in parts.items():
         own.parts[i, j] = dual(*part)
     d = SimpleNamespace(friction=SimpleNamespace(stuck_count=0), step=SimpleNamespace(size=0.1))
-    d.implicit, d.chain = SimpleNamespace(weight=[2.0, 10.0]), None
+    d.implicit, d.chain = SimpleNamespace(error_weight=[2.0, 10.0]), None
     return d, SimpleNamespace(implicit=own)
 
 
@@ -180,24 +180,24 @@ def test_a_correction_that_is_not_finite_is_far_off(start, parts):
 
 def test_stages_have_the_values_of_the_run_and_their_own_slopes():
     d, t = slopes([(0.0,)] * 2, [(1.0, 2.0), (3.0, 4.0)], {})
-    d.implicit.last = np.arange(2.0 * RADAU_STAGES).reshape(RADAU_STAGES, 2)
+    d.implicit.last_stages = np.arange(2.0 * RADAU_STAGES).reshape(RADAU_STAGES, 2)
     replay.copy_stages(d, t, 2)
-    assert [[one.value for one in row] for row in t.implicit.stages] == d.implicit.last.tolist()
+    assert [[one.value for one in row] for row in t.implicit.stages] == d.implicit.last_stages.tolist()
     assert [stage.slope[:2].tolist() for stage in t.implicit.stages[-1]] == [[1.0, 2.0], [3.0, 4.0]]
 
 
 def test_the_linear_system_is_that_of_the_run():
     def data(scale):
         link = SimpleNamespace(x=[scale, 2 * scale], y=[3 * scale, 4 * scale])
-        slopes = {"stiffness": [5 * scale, 6 * scale], "damping": [7 * scale, 8 * scale]}
+        slopes = {"contact_stiffness": [5 * scale, 6 * scale], "contact_damping": [7 * scale, 8 * scale]}
         slopes |= {"drive_stiffness": [9 * scale, 10 * scale], "drive_damping": [11 * scale, 12 * scale]}
-        own = SimpleNamespace(link=link, start=[scale], **slopes)
+        own = SimpleNamespace(link_vector=link, z_start=[scale], **slopes)
         return SimpleNamespace(links=2, slides=0, touch=SimpleNamespace(active_count=1), implicit=own)
 
     d, t = data(1), data(100)
     replay.copy_jacobian_data(d, t)
-    assert (t.implicit.link.x, t.implicit.link.y) == ([1, 2], [3, 4])
-    assert (t.implicit.stiffness, t.implicit.damping) == ([5, 600], [7, 800])
+    assert (t.implicit.link_vector.x, t.implicit.link_vector.y) == ([1, 2], [3, 4])
+    assert (t.implicit.contact_stiffness, t.implicit.contact_damping) == ([5, 600], [7, 800])
     assert (t.implicit.drive_stiffness, t.implicit.drive_damping) == ([9, 10], [11, 12])
 
 

@@ -35,7 +35,7 @@ CASES = {
 # the last step and its results: equal bits
 SAME = {
     "step": ("start", "end", "size", "state", "state_end", "dense", "end_fraction", "regularized"),
-    "touch": ("active", "onset", "onset_speed", "impact_speed", "effective_mass", "damping", "peak_force"),
+    "touch": ("active", "onset", "impact_speed", "law_speed", "effective_mass", "damping", "peak_force"),
     "contact_log": ("onset", "end", "impact_speed", "separation_speed", "peak_force", "max_penetration"),
     "output": (
         "point_position",
@@ -89,11 +89,15 @@ def instances(regularized=-1, events=(NONE, NONE), end_fraction=1.0, method=EXPL
     )
     d.step.state_end = rng.normal(size=SIZE)
     d.scratch = SimpleNamespace(rate_end=rng.normal(size=SIZE))
-    d.chain, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace(event=0)
+    d.chain, d.drive, t.drive = (
+        SimpleNamespace(limited=0),
+        SimpleNamespace(mode_ends=0),
+        SimpleNamespace(mode_ends=0),
+    )
     d.touch, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
     t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
-    t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
+    t.touch.law_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.start_delay = dual(0.0)
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
@@ -219,7 +223,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     """Contacts have priority over mode changes, and mode changes over kinks of a force."""
     _, t = instances(regularized)
     t.step.start = t.step.end - 0.2
-    *t.touch.event, t.element.event[1], t.drive.event = events
+    *t.touch.event, t.element.event[1], t.drive.mode_ends = events
     names = {KINK: "kink", RELEASE: "release"}
     monkeypatch.setattr(step_ends, "delay_of_crossing", lambda _t, c, kind: (c, kind))
     monkeypatch.setattr(step_ends, "delay_without_force_jump", lambda _t, c, kind: f"{names[kind]} of {c}")
@@ -238,7 +242,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
 def test_events_that_a_jump_causes_have_the_time_of_the_jump(calls, events):
     """A step of zero length ends where a force is beyond its kink, or a speed is much larger than before."""
     _, t = instances(events=events)
-    *t.touch.event, t.step.start, t.drive.event = *events, t.step.end, 1
+    *t.touch.event, t.step.start, t.drive.mode_ends = *events, t.step.end, 1
     step_ends.move_end(t)
     assert calls == []
 
@@ -267,7 +271,7 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
 )
 def test_a_step_after_a_drives_limit_starts_at_a_plain_time(monkeypatch, calls, limit, events, fixed):
     d, t = instances()
-    t.drive.event, t.touch.event, t.element.event = limit, list(events), [NONE] * 3
+    t.drive.mode_ends, t.touch.event, t.element.event = limit, list(events), [NONE] * 3
     monkeypatch.setattr(step_ends, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))
     monkeypatch.setattr(replay, "repeat_step", lambda _d, t, _h: calls.append(("make", parts(t.step.end))))
     monkeypatch.setattr(replay, "copy_end_values", lambda _d, _t: None)

@@ -42,10 +42,10 @@ def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
 
 PARAMETERS = {
     "chain": (
-        *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "wall"),
+        *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "box_wall"),
         "joint_armature",
     ),
-    "drive": ("friction", "limit"),
+    "drive": ("friction_moment", "torque_limit"),
     "walls": ("x", "y", "angle"),
     "initial": ("position", "velocity", "angle", "angular_velocity"),
     "contact": ("exponent", "radius"),
@@ -102,7 +102,7 @@ def test_given_values_hold_with_their_derivatives(both):
     d.given.law, d.given.stiffness, d.given.restitution = number, 5e5, 0.25
     d.given.friction, d.given.static_friction = 0.25, 0.5
     d.given.motor[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
-    d.given.piece.order, d.given.piece.until = 1, 6.5
+    d.given.piece.degree, d.given.piece.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     assert candidate_laws.update_laws(d) == OK
     replay.copy_given_and_modes(d, t)
@@ -111,7 +111,7 @@ def test_given_values_hold_with_their_derivatives(both):
     assert (t.law.number == number).all()
     assert t.given.law == number
     assert t.contact.any_friction == 1
-    assert (t.inputs.piece.order, t.inputs.piece.until) == (1, 6.5)
+    assert (t.inputs.piece.degree, t.inputs.piece.until) == (1, 6.5)
     for name in GIVEN[:4]:
         for number in getattr(t.law, name):
             assert number.value == d.given[name]
@@ -175,7 +175,16 @@ def test_a_replay_starts_as_the_instance_does(twins):
         for name in dtype.names:
             if not dtype[name].names:
                 np.testing.assert_array_equal(t[record][name], d[record][name], err_msg=f"{record}.{name}")
-    for name in ("time", "start", "end", "clock", "size", "regularized", "method", "switch_hysteresis"):
+    for name in (
+        "communication_point",
+        "start",
+        "end",
+        "clock",
+        "size",
+        "regularized",
+        "method",
+        "switch_after",
+    ):
         assert t.step[name] == d.step[name], name
     np.testing.assert_array_equal(t.step.state_end, d.step.state_end)
     np.testing.assert_array_equal(vectors(t.scratch.load), vectors(d.scratch.load))
@@ -200,12 +209,17 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
     assert candidate_laws.update_laws(d) == OK
-    t.scratch.load.x[:], t.touch.beyond_kink[4], t.step.time, t.step.start_delay = 9.0, 5, 1.0, 7.0
+    t.scratch.load.x[:], t.touch.beyond_kink[4], t.step.communication_point, t.step.start_delay = (
+        9.0,
+        5,
+        1.0,
+        7.0,
+    )
     told = []
     monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
     replay.reinit_tangent(d, t)
     assert told == [(t,)]
-    assert t.step.time == t.step.start == t.step.end == 2.5
+    assert t.step.communication_point == t.step.start == t.step.end == 2.5
     assert t.step.start_delay == 0.0
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
     assert vectors(t.scratch.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
@@ -215,7 +229,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
         assert t.touch.damping[4] == damping
         assert t.touch.beyond_kink[4] == 5
     else:
-        mass, speed = t.touch.effective_mass[4], t.touch.impact_speed[4]
+        mass, speed = t.touch.effective_mass[4], t.touch.law_speed[4]
         expected = CONTACT_LAWS[law].damping_factor(0.8) * 3e5 / speed
         assert t.touch.damping[4] == pytest.approx(expected, rel=1e-12)
         energy = force_formula.elastic_energy(t, 4, t.touch.depth_scale[4])

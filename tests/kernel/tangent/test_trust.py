@@ -105,7 +105,7 @@ def instance(events=(), speeds=(3.0, 4.0)):
     events = (*events, *[NONE] * (4 - len(events)))
     t = SimpleNamespace(links=1, candidates=4)
     t.touch = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)
-    t.touch.impact_speed, t.touch.speed = [dual(0.5)] * 4, [dual(0.3)] * 4
+    t.touch.law_speed, t.touch.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
     t.candidate = SimpleNamespace(point=[4, 5, 6, 7], wall=[0, 1, 2, 3])
     t.law = SimpleNamespace(impulsive=[0] * 4, number=[trust.USER_LAW] * 4)
     t.law.minimum_impact_speed, t.law.static_friction = (
@@ -113,9 +113,11 @@ def instance(events=(), speeds=(3.0, 4.0)):
         [Dual(0.0, np.zeros(DIRECTIONS))] * 4,
     )
     t.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
-    t.step = SimpleNamespace(start=dual(TIME - 1.0), end=dual(TIME), time=dual(TIME), state_end="state")
+    t.step = SimpleNamespace(
+        start=dual(TIME - 1.0), end=dual(TIME), communication_point=dual(TIME), state_end="state"
+    )
     x, y = (np.array([dual(0.0), dual(speed)], object) for speed in speeds)
-    t.scratch = SimpleNamespace(velocity=SimpleNamespace(x=x, y=y), at_end=1)
+    t.scratch = SimpleNamespace(velocity=SimpleNamespace(x=x, y=y), located_at_end=1)
     t.trust = SimpleNamespace(reason=trust.TRUSTED, time=0.0, point=9, wall=9)
     return t
 
@@ -179,7 +181,11 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
     # registered laws are not checked
     for present, number in ((False, trust.USER_LAW), (True, 1), (True, trust.USER_LAW)):
         t = instance()
-        t.touch.speed[2], t.law.number[2], t.scratch.at_end = dual(rates[0]), number, at_end
+        t.touch.penetration_rate[2], t.law.number[2], t.scratch.located_at_end = (
+            dual(rates[0]),
+            number,
+            at_end,
+        )
         monkeypatch.setattr(trust.user_law, "is_present", lambda present=present: present)
         assert asked == []
         trust.check_turns(t)

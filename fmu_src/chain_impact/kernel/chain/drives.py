@@ -125,11 +125,11 @@ def set_effect_flags(d):
             chain.has_springs_or_dampers = 1
         if not is_slider(d, i) and has_effect(drive_inertia(d, i)):
             chain.has_armatures = 1
-        if d.drive.friction[i] > 0.0:
+        if d.drive.friction_moment[i] > 0.0:
             chain.has_drive_friction = 1
             if not is_slider(d, i):
                 chain.has_joint_places = 1
-        if d.drive.limit[i] < math.inf:
+        if d.drive.torque_limit[i] < math.inf:
             chain.has_drive_limits = 1
 
 
@@ -193,7 +193,7 @@ def is_powered(d, i):
     Other drives are passive. All work of a powered drive counts as supplied energy. In a passive drive the
     spring stores energy, the damper dissipates energy, and the motor supplies energy.
     """
-    return d.chain.has_servos != 0 or d.drive.limit[i] < math.inf
+    return d.chain.has_servos != 0 or d.drive.torque_limit[i] < math.inf
 
 
 def unlimited_spring_force(d, y, i):
@@ -242,7 +242,7 @@ def drive_force(d, y, i):
     smooth within every step.
     """
     mode = d.drive.mode[i]
-    return unlimited_force(d, y, i) if mode == 0 else float(mode) * d.drive.limit[i]
+    return unlimited_force(d, y, i) if mode == 0 else float(mode) * d.drive.torque_limit[i]
 
 
 def transmitted_moment(d, y, rate, i):
@@ -289,7 +289,7 @@ def mode_margin(d, y):
     """
     least = math.inf
     for i in range(drive_count(d)):
-        mode, limit = d.drive.mode[i], d.drive.limit[i]
+        mode, limit = d.drive.mode[i], d.drive.torque_limit[i]
         if 0.0 < limit < math.inf:
             unlimited, size = (
                 unlimited_force(d, y, i),

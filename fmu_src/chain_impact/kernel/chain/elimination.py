@@ -83,7 +83,7 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
     outer joint.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
-    link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link, i, outward)
+    link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link_vector, i, outward)
     w2 = omega * omega
     # d = b' − f − ω² A' L is the force at the outer joint, with the load f there, if α = 0 and the inner
     # joint has no acceleration
@@ -100,7 +100,7 @@ def eliminate_end(d, y, i, outward):
     link's inner joint, as ``eliminate_inner`` does.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
-    link = _, _, sx, sy, inertia = arm_of_link(d, d.scratch.link, i, outward)
+    link = _, _, sx, sy, inertia = arm_of_link(d, d.scratch.link_vector, i, outward)
     dx, dy = -d.scratch.load.x[joint], -d.scratch.load.y[joint]
     w2 = omega * omega
     return eliminate_link(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
@@ -144,7 +144,7 @@ def accelerate_link(d, y, i, outward, ax, ay, rate):
     rate[speed_index] = a
     w2 = y[speed_index] * y[speed_index]
     sign = 1.0 if outward else -1.0
-    lx, ly = sign * d.scratch.link.x[i], sign * d.scratch.link.y[i]
+    lx, ly = sign * d.scratch.link_vector.x[i], sign * d.scratch.link_vector.y[i]
     # acceleration of the outer joint: a' = a + α L⊥ − ω² L, with a of the inner joint and the link vector L
     return (ax - w2 * lx) - a * ly, (ay - w2 * ly) + a * lx
 
@@ -153,7 +153,8 @@ def accelerations(d, y, rate):
     """Solve the equations of motion for the accelerations under the loads in the record.
 
     Args:
-        d: the instance; reads ``scratch.link`` (L_i) [m], ``scratch.load`` (external force on each point 0…N
+        d: the instance; reads ``scratch.link_vector`` (L_i) [m], ``scratch.load`` (external force on each
+        point 0…N
             [N] and moment on each link [N·m]), ``scratch.moment`` (net joint torque on each link) [N·m] and,
             with a slider, ``scratch.thrust`` (force of its drive) [N].
         y: state, of which the angular velocities ω_i [rad/s] are read.
@@ -215,7 +216,7 @@ def arms(d, y, rate, middle):
     # does not integrate the base's motion.
     cx, cy = ax, ay
     if d.channels > 0 and d.chain.base_moves:
-        ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
+        ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]
     for k in range(n - middle):
         ax, ay = accelerate_link(d, y, middle + k, True, ax, ay, rate)
         if k < middle:

@@ -3,11 +3,11 @@
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
 `given.piece` is the next piece and `inputs.piece` the piece in use; each has its `middle` [s] and `scale`
-[1/s]. u₀ of the next piece is the value in `given`. In a piece of order 0 the inputs are constant.
+[1/s]. u₀ of the next piece is the value in `given`. In a piece of degree 0 the inputs are constant.
 
-Prescribed motions (chain/motion.py) have the given coefficients in `motion.piece`, and the coefficients in
-use in `moved.piece`. The caller sets the coefficients together with `given.piece`; or, if
-`motion.interpolates` is 1, they follow from the values given at the communication points: position s,
+Prescribed motions (chain/motion.py) have the given coefficients in `given_channel.piece`, and the
+coefficients in use in `channel.piece`. The caller sets the coefficients together with `given.piece`; or, if
+`given_channel.interpolates` is 1, they follow from the values given at the communication points: position s,
 velocity v and acceleration a, last changed at a time t₀. The motion to the next communication point, at t₁ =
 t₀ + h, is a cubic. The cubic begins with the present position and velocity, and ends with the position s + v
 h + ½ a h² and the velocity v + a h of a uniform acceleration. So position and velocity are continuous, and a
@@ -48,7 +48,7 @@ CUBIC_CHANGE = 0.5
 # the largest distance, relative to the time at the end of the last step, at which this end counts as equal to
 # another time: the end of a segment of a signal, or the communication point at which a piece of the inputs
 # ends
-SAME_TIME = 4e-15
+TIME_ROUND_OFF = 4e-15
 
 
 def apply_inputs(d):
@@ -58,7 +58,7 @@ def apply_inputs(d):
     """
     d.given.changed = 0
     given, piece, used = d.given, d.given.piece, d.inputs.piece
-    used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
+    used.degree, used.change_rate, used.until = piece.degree, piece.change_rate, piece.until
     used.middle, used.scale = piece.middle, piece.scale
     for i in range(len(given.drive_damping)):
         d.inputs.drive_damping[i] = given.drive_damping[i]
@@ -68,11 +68,11 @@ def apply_inputs(d):
         given_values, given_powers = input_field(given, k), input_field(piece, k)
         for j in range(len(values)):
             values[j] = powers[0, j] = given_values[j]
-            for m in range(1, used.order + 1):
+            for m in range(1, used.degree + 1):
                 powers[m, j] = given_powers[m, j]
     for j in range(d.channels):
-        for m in range(used.order + 1):
-            d.moved.piece[m, j] = d.motion.piece[m, j]
+        for m in range(used.degree + 1):
+            d.channel.piece[m, j] = d.given_channel.piece[m, j]
     if d.signals > 0:
         set_from_signals(d, d.step.end)
 
@@ -88,10 +88,10 @@ def inputs_in_use(d):
     The result is False if the inputs in use, or the given ones, are not constant.
     """
     given, inputs, used = d.given, d.inputs, d.inputs.piece
-    if given.piece.order > 0 or used.order > 0:
+    if given.piece.degree > 0 or used.degree > 0:
         return False
     for j in range(d.channels):
-        if d.motion.piece[0, j] != d.moved.piece[0, j]:
+        if d.given_channel.piece[0, j] != d.channel.piece[0, j]:
             return False
     for i in range(len(given.drive_damping)):
         if (
@@ -109,7 +109,7 @@ def inputs_in_use(d):
 
 def ensure_inputs(d, y):
     """Set the inputs to their values at the time that the state y contains, unless they are constant."""
-    if d.inputs.piece.order > 0:
+    if d.inputs.piece.degree > 0:
         set_inputs(d, d.step.clock + y[time_at(d.links)])
     elif d.signals > 0:
         set_from_signals(d, d.step.clock + y[time_at(d.links)])
@@ -123,7 +123,7 @@ def set_inputs(d, time):
         if is_used(d, k):
             values, powers = input_field(d.inputs, k), input_field(piece, k)
             for j in range(len(values)):
-                values[j] = polynomial(powers, piece.order, j, x)
+                values[j] = polynomial(powers, piece.degree, j, x)
     if d.signals > 0:
         set_from_signals(d, time)
     if d.channels > 0:
@@ -146,14 +146,14 @@ def set_from_signals(d, time):
             input_field(d.inputs, k + 1)[i] = rate
 
 
-def polynomial(powers, order, i, x):
-    """Return the value at x of a polynomial of degree ``order``, by Horner's scheme.
+def polynomial(powers, degree, i, x):
+    """Return the value at x of a polynomial of the given ``degree``, by Horner's scheme.
 
     Its coefficients are in column i of ``powers``: row k belongs to xᵏ.
     """
-    total = powers[order, i]
-    for m in range(1, order + 1):
-        total = total * x + powers[order - m, i]
+    total = powers[degree, i]
+    for m in range(1, degree + 1):
+        total = total * x + powers[degree - m, i]
     return total
 
 
@@ -163,7 +163,9 @@ def inputs_continue(d):
     The result is True if only this piece has been set, if this piece continues the present one without a
     jump, and if the last step ends at the communication point.
     """
-    return d.given.changed == CONTINUES and d.step.end - d.step.time <= SAME_TIME * abs(d.step.end)
+    return d.given.changed == CONTINUES and d.step.end - d.step.communication_point <= TIME_ROUND_OFF * abs(
+        d.step.end
+    )
 
 
 def limit_to_piece(d, h):
@@ -172,7 +174,7 @@ def limit_to_piece(d, h):
     The step ends at the piece's end or well before (``limit_to_time``). If the step is through a regularized
     contact, or the inputs are constant, the result is h.
     """
-    if d.inputs.piece.order == 0 or d.step.regularized >= 0:
+    if d.inputs.piece.degree == 0 or d.step.regularized >= 0:
         return h
     return limit_to_time(d, d.inputs.piece.until, h)
 
@@ -192,25 +194,29 @@ def limit_to_time(d, time, h):
 
 def belts_jump(d):
     """Return whether the speed of any belt jumps at the start of the present piece of the inputs."""
-    return d.channels > 0 and d.motion.jumps != 0
+    return d.channels > 0 and d.given_channel.jumps != 0
 
 
 def begin_motion(d, time):
     """Begin all prescribed motions at a ``time`` [s], the start of a run.
 
-    If ``motion.interpolates`` is 1, a base or wall begins with the polynomial of its given position, velocity
-    and acceleration, and a belt with that of its given velocity; else the given polynomials stay.
+    If ``given_channel.interpolates`` is 1, a base or wall begins with the polynomial of its given position,
+    velocity and acceleration, and a belt with that of its given velocity; else the given polynomials stay.
     """
-    given, moved, piece = d.motion, d.moved, d.given.piece
-    moved.began, moved.until, moved.contradiction = time, time, 0
+    given, channel, piece = d.given_channel, d.channel, d.given.piece
+    channel.run_start, channel.until, channel.contradiction = time, time, 0
     for j in range(d.channels):
-        moved.given_position[j], moved.given_velocity[j] = given.position[j], given.velocity[j]
-        moved.given_acceleration[j], moved.given_at[j], moved.mean[j] = given.acceleration[j], time, 0.0
-        moved.from_position[j], moved.from_velocity[j] = given.position[j], given.velocity[j]
-        moved.anchored[j] = 1 - given.belt[j]
+        channel.given_position[j], channel.given_velocity[j] = given.position[j], given.velocity[j]
+        channel.given_acceleration[j], channel.given_at[j], channel.mean_velocity[j] = (
+            given.acceleration[j],
+            time,
+            0.0,
+        )
+        channel.from_position[j], channel.from_velocity[j] = given.position[j], given.velocity[j]
+        channel.anchored[j] = 1 - given.belt[j]
     if not given.interpolates:
         return
-    piece.order, piece.middle, piece.scale, piece.until = 0, time, 1.0, math.inf
+    piece.degree, piece.middle, piece.scale, piece.until = 0, time, 1.0, math.inf
     piece.change_rate = 0.0
     given.jumps = 0
     for j in range(d.channels):
@@ -222,7 +228,7 @@ def begin_motion(d, time):
             given.piece[0, j], given.piece[1, j] = given.position[j], given.velocity[j]
             given.piece[2, j] = 0.5 * given.acceleration[j]
         if given.velocity[j] != 0.0 or given.acceleration[j] != 0.0:
-            piece.order = 2
+            piece.degree = 2
 
 
 def interpolate_motion(d, time):
@@ -235,17 +241,17 @@ def interpolate_motion(d, time):
     Returns:
         WALL_JUMPS if the given position of a wall jumps (see UNEXPLAINED_PART); else OK.
     """
-    given, moved, piece = d.motion, d.moved, d.given.piece
-    if d.channels == 0 or not given.interpolates or not time > d.step.time:
+    given, channel, piece = d.given_channel, d.channel, d.given.piece
+    if d.channels == 0 or not given.interpolates or not time > d.step.communication_point:
         return OK
-    if time == moved.until and d.given.changed != REINITIALIZE:
+    if time == channel.until and d.given.changed != REINITIALIZE:
         return OK  # the same communication step continues after a pause, so all is set
-    now, h = d.step.time, time - d.step.time
+    now, h = d.step.communication_point, time - d.step.communication_point
     move_channels(d, now)
     for j in range(d.channels):
         if not has_signal(d, j) and not record_given(d, j, now):
             return refuse_channel(d, j)
-    moved.until = time
+    channel.until = time
     moves, jumps = False, False
     for j in range(d.channels):
         if has_signal(d, j):
@@ -253,10 +259,10 @@ def interpolate_motion(d, time):
         lasting = set_cubic(d, j, time, h)
         new = given.piece[1, j] != 0.0 or given.piece[2, j] != 0.0 or given.piece[3, j] != 0.0
         moves, jumps = moves or new, jumps or not lasting
-    if not moves and d.inputs.piece.order == 0:
+    if not moves and d.inputs.piece.degree == 0:
         return OK
-    piece.order, piece.middle, piece.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
-    piece.until = time + SAME_TIME / 4.0 * abs(time) if moves else math.inf
+    piece.degree, piece.middle, piece.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
+    piece.until = time + TIME_ROUND_OFF / 4.0 * abs(time) if moves else math.inf
     piece.change_rate = CUBIC_CHANGE / h if moves else 0.0
     given.jumps = 0
     if d.given.changed != REINITIALIZE:
@@ -268,7 +274,7 @@ def refuse_channel(d, j):
     """Store the cause of a fault, the first candidate at the wall that channel j moves; return WALL_JUMPS."""
     first = 0
     for c in range(d.candidates):
-        if d.shift.channel[d.candidates - 1 - c] == j:
+        if d.wall_motion.first_channel[d.candidates - 1 - c] == j:
             first = d.candidates - 1 - c
     return refuse_candidate(d, first, WALL_JUMPS)
 
@@ -278,12 +284,12 @@ def set_cubic(d, j, time, h):
 
     Return whether the acceleration at the cubic's start equals the present acceleration of the channel.
     """
-    given, moved = d.motion, d.moved
-    s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]
-    speed = moved.from_velocity[j] + moved.mean[j]
+    given, channel = d.given_channel, d.channel
+    s, v, lasted = channel.position[j], channel.velocity[j], time - channel.given_at[j]
+    speed = channel.from_velocity[j] + channel.mean_velocity[j]
     v_end = speed + lasted * given.acceleration[j]
-    if moved.anchored[j]:
-        s_end = moved.from_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
+    if channel.anchored[j]:
+        s_end = channel.from_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
     else:
         s_end = s + 0.5 * h * (v + v_end)
     v, v_end = 0.5 * h * v, 0.5 * h * v_end
@@ -295,7 +301,7 @@ def set_cubic(d, j, time, h):
     given.piece[2, j] = 0.25 * (v_end - v)
     given.piece[1, j] = 0.5 * (s_end - s) - third
     given.piece[0, j] = 0.5 * (s + s_end) - given.piece[2, j]
-    bend = (given.piece[2, j] - 3.0 * third) * 8.0 - moved.acceleration[j] * h * h
+    bend = (given.piece[2, j] - 3.0 * third) * 8.0 - channel.acceleration[j] * h * h
     return abs(bend) <= ACCELERATION_ROUND_OFF * size
 
 
@@ -304,24 +310,33 @@ def record_given(d, j, now):
 
     Return False if the position of a wall or belt jumps, else True. A base that is given a new position
     without velocities gets the mean velocity since its previous given position. The channel of the first
-    contradiction between position and velocity, or of a jump, is stored in `moved.contradiction`, counted
+    contradiction between position and velocity, or of a jump, is stored in `channel.contradiction`, counted
     from 1.
     """
-    given, moved = d.motion, d.moved
+    given, channel = d.given_channel, d.channel
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
-    as_before = s == moved.given_position[j] and moved.mean[j] == 0.0
-    if as_before and v == moved.given_velocity[j] and a == moved.given_acceleration[j]:
+    as_before = s == channel.given_position[j] and channel.mean_velocity[j] == 0.0
+    if as_before and v == channel.given_velocity[j] and a == channel.given_acceleration[j]:
         return True
-    lasted, before, displacement = now - moved.given_at[j], moved.from_velocity[j], s - moved.from_position[j]
-    at_rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != moved.given_velocity[j]
-    moved.given_position[j], moved.given_velocity[j], moved.given_acceleration[j] = s, v, a
-    moved.given_at[j], moved.mean[j], moved.from_position[j], moved.from_velocity[j] = now, 0.0, s, v
-    moved.anchored[j] = 1
+    lasted, before, displacement = (
+        now - channel.given_at[j],
+        channel.from_velocity[j],
+        s - channel.from_position[j],
+    )
+    at_rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != channel.given_velocity[j]
+    channel.given_position[j], channel.given_velocity[j], channel.given_acceleration[j] = s, v, a
+    channel.given_at[j], channel.mean_velocity[j], channel.from_position[j], channel.from_velocity[j] = (
+        now,
+        0.0,
+        s,
+        v,
+    )
+    channel.anchored[j] = 1
     if as_before:
         # no new position is given: the position continues from its present value, and so does the velocity
         # if only an acceleration is new
-        moved.from_position[j], moved.anchored[j] = moved.position[j], 0
-        moved.from_velocity[j] = v if v_anew else moved.velocity[j]
+        channel.from_position[j], channel.anchored[j] = channel.position[j], 0
+        channel.from_velocity[j] = v if v_anew else channel.velocity[j]
         return True
     unexplained = abs(displacement - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
     speeds, ignored = lasted * (abs(before) + abs(v)), UNEXPLAINED_DISPLACEMENT * d.chain.longest_link
@@ -329,10 +344,20 @@ def record_given(d, j, now):
         return True
     of_base = d.chain.base_moves and j < 2  # a moving base has the first two channels
     if not of_base and unexplained > speeds + ignored:
-        moved.contradiction, moved.distance, moved.lasted, moved.speed = j + 1, displacement, lasted, v
+        channel.contradiction, channel.distance, channel.lasted, channel.new_velocity = (
+            j + 1,
+            displacement,
+            lasted,
+            v,
+        )
         return False
-    if moved.contradiction == 0:
-        moved.contradiction, moved.distance, moved.lasted, moved.speed = j + 1, displacement, lasted, v
+    if channel.contradiction == 0:
+        channel.contradiction, channel.distance, channel.lasted, channel.new_velocity = (
+            j + 1,
+            displacement,
+            lasted,
+            v,
+        )
     if at_rest and lasted > 0.0:
-        moved.mean[j] = displacement / lasted
+        channel.mean_velocity[j] = displacement / lasted
     return True

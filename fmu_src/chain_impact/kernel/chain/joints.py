@@ -72,7 +72,7 @@ def largest_joint_rate(d, y):
     no_impedance(d, scratch.impedance)
     for i in range(d.links):
         scratch.impedance.joint[i] = drive_inertia(d, i)
-    factorize(d, scratch.link, scratch, FREE, True)
+    factorize(d, scratch.link_vector, scratch, FREE, True)
     clear_vectors(d, scratch.load)
     clear_joints(scratch.load)
     clear_link_moments(d, scratch.load)
@@ -80,7 +80,7 @@ def largest_joint_rate(d, y):
         c, k = drive_slopes(d, y, i)
         if c > 0.0 or k > 0.0:
             load_drive(d, scratch.load, i, 1.0)
-            solve(d, scratch.link, scratch, FREE, scratch.change)
+            solve(d, scratch.link_vector, scratch, FREE, scratch.change)
             load_drive(d, scratch.load, i, 0.0)
             # χ_iᵀ M⁻¹ χ_i, the change of the rate of the drive's coordinate by a unit impulse along it
             mobility = along_drive(d, scratch.change, 0, i)

@@ -93,12 +93,12 @@ def locate_points_now(d, y):
 
 def locate_from_link_vectors(d, y):
     """Locate the points for the state y, whose link vectors and prescribed motions have been set."""
-    n, link, position, velocity = d.links, d.scratch.link, d.scratch.position, d.scratch.velocity
+    n, link, position, velocity = d.links, d.scratch.link_vector, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
     if d.channels > 0 and d.chain.base_moves:
-        moved = d.moved
-        x, y_, vx, vy = moved.position[0], moved.position[1], moved.velocity[0], moved.velocity[1]
+        channel = d.channel
+        x, y_, vx, vy = channel.position[0], channel.position[1], channel.velocity[0], channel.velocity[1]
     for i in range(n):
         position.x[i], position.y[i], velocity.x[i], velocity.y[i] = x, y_, vx, vy
         omega = y[omega_at(n) + i]
@@ -132,10 +132,10 @@ def accelerate_points(d, y, rate):
     A joint's place gets the acceleration of the joint's angle times the length of the longest link. The
     points must be located for y.
     """
-    n, link, acceleration = d.links, d.scratch.link, d.scratch.acceleration
+    n, link, acceleration = d.links, d.scratch.link_vector, d.scratch.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
     if d.channels > 0 and d.chain.base_moves:
-        ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
+        ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]
     for i in range(n):
         acceleration.x[i], acceleration.y[i] = ax, ay
         omega, alpha = y[omega_at(n) + i], rate[omega_at(n) + i]
@@ -172,17 +172,17 @@ def set_link_vectors(d, y):
     Afterwards the positions, velocities and accelerations in ``scratch`` count as out of date.
     """
     note_points_elsewhere(d)
-    set_polar(d.chain.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)
+    set_polar(d.chain.length, y, ANGLES, d.scratch.link_vector.x, d.scratch.link_vector.y)
 
 
 def note_points_at_end(d):
     """Record that positions, velocities and accelerations of points are those at the last step's end."""
-    d.scratch.at_end = 1
+    d.scratch.located_at_end = 1
 
 
 def note_points_elsewhere(d):
     """Record that the data of points need not be those at the end of the last step."""
-    d.scratch.at_end = 0
+    d.scratch.located_at_end = 0
 
 
 def move_points(d, link_vectors, change, response):

@@ -30,49 +30,53 @@ def move_channels(d, time):
 
     The function also moves the walls and belts that channels move, for all candidates.
     """
-    moved, piece = d.moved, d.inputs.piece
-    x, since = (time - piece.middle) * piece.scale, time - moved.began
+    channel, piece = d.channel, d.inputs.piece
+    x, since = (time - piece.middle) * piece.scale, time - channel.run_start
     for m in range(d.channels):
-        s, v, half_a = moved.piece[piece.order, m], 0.0 * x, 0.0 * x
-        for k in range(1, piece.order + 1):
+        s, v, half_a = channel.piece[piece.degree, m], 0.0 * x, 0.0 * x
+        for k in range(1, piece.degree + 1):
             half_a = half_a * x + v
             v = v * x + s
-            s = s * x + moved.piece[piece.order - k, m]
-        # `added`, `added_rate` and `added_acceleration` are 0; in a tangent instance they have the
-        # derivatives of the given position, velocity and acceleration of the channel
-        moved.position[m] = (
-            s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_acceleration[m])
+            s = s * x + channel.piece[piece.degree - k, m]
+        # `added_position`, `added_velocity` and `added_acceleration` are 0; in a tangent instance they have
+        # the derivatives of the given position, velocity and acceleration of the channel
+        channel.position[m] = (
+            s
+            + channel.added_position[m]
+            + since * (channel.added_velocity[m] + 0.5 * since * channel.added_acceleration[m])
         )
-        moved.velocity[m] = v * piece.scale + moved.added_rate[m] + since * moved.added_acceleration[m]
-        moved.acceleration[m] = 2.0 * half_a * piece.scale * piece.scale + moved.added_acceleration[m]
+        channel.velocity[m] = (
+            v * piece.scale + channel.added_velocity[m] + since * channel.added_acceleration[m]
+        )
+        channel.acceleration[m] = 2.0 * half_a * piece.scale * piece.scale + channel.added_acceleration[m]
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL:
             m = d.signal.index[j]
-            moved.position[m], moved.velocity[m], moved.acceleration[m] = signal_at(d, j, time)
+            channel.position[m], channel.velocity[m], channel.acceleration[m] = signal_at(d, j, time)
     for c in range(d.candidates):
-        m = d.shift.channel[c]
+        m = d.wall_motion.first_channel[c]
         if m >= 0:
             move_wall(d, c, m)
 
 
 def move_wall(d, c, m):
     """Move the wall of candidate c along its normal with channel m, and its belt with the next channel."""
-    wall, moved = d.shift, d.moved
-    d.candidate.offset[c] = wall.unmoved_offset[c] + moved.position[m]
-    wall.rate[c], wall.acceleration[c] = moved.velocity[m], moved.acceleration[m]
-    wall.travel[c], wall.belt_rate[c] = moved.position[m + 1], moved.velocity[m + 1]
-    wall.belt_acceleration[c] = moved.acceleration[m + 1]
+    wall, channel = d.wall_motion, d.channel
+    d.candidate.offset[c] = wall.unmoved_offset[c] + channel.position[m]
+    wall.velocity[c], wall.acceleration[c] = channel.velocity[m], channel.acceleration[m]
+    wall.travel[c], wall.belt_velocity[c] = channel.position[m + 1], channel.velocity[m + 1]
+    wall.belt_acceleration[c] = channel.acceleration[m + 1]
 
 
 def motion_bounds(d, m):
     """Return upper bounds of |velocity| [m/s] and |acceleration| [m/s²] of channel m over the last step."""
-    piece, moved = d.inputs.piece, d.moved
+    piece, channel = d.inputs.piece, d.channel
     scale = piece.scale
     most = max(abs(d.step.start - piece.middle), abs(d.step.end - piece.middle)) * scale
     speed, bend = 0.0 * most, 0.0 * most
-    for k in range(1, piece.order + 1):
-        p = piece.order + 1 - k
-        size = p * abs(moved.piece[p, m])
+    for k in range(1, piece.degree + 1):
+        p = piece.degree + 1 - k
+        size = p * abs(channel.piece[p, m])
         speed = speed * most + size
         if p > 1:
             bend = bend * most + (p - 1) * size
@@ -90,9 +94,11 @@ def fastest_wall(d):
     """
     speed, acceleration = 0.0, 0.0
     for c in range(d.candidates):
-        if d.shift.channel[c] >= 0:
-            speed = max(speed, abs(d.shift.rate[c]), abs(d.shift.belt_rate[c]))
-            acceleration = max(acceleration, abs(d.shift.acceleration[c]), abs(d.shift.belt_acceleration[c]))
+        if d.wall_motion.first_channel[c] >= 0:
+            speed = max(speed, abs(d.wall_motion.velocity[c]), abs(d.wall_motion.belt_velocity[c]))
+            acceleration = max(
+                acceleration, abs(d.wall_motion.acceleration[c]), abs(d.wall_motion.belt_acceleration[c])
+            )
     return speed, acceleration
 
 
@@ -105,7 +111,7 @@ def travel_of_piece(d):
     most = 0.0
     for m in range(d.channels):
         total = 0.0
-        for p in range(1, d.inputs.piece.order + 1):
-            total += abs(d.moved.piece[p, m])
+        for p in range(1, d.inputs.piece.degree + 1):
+            total += abs(d.channel.piece[p, m])
         most = max(most, total)
     return most + travel_of_sines(d)

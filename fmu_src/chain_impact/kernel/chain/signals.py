@@ -76,7 +76,7 @@ def sine_at(d, j, time):
     """
     signal, i = d.signal, d.signal.source[j]
     s = time - signal.start[i]
-    rise = signal.rise[i] if signal.segment[j] == signal.first[j] + 1 else 0.0
+    rise = signal.rise[i] if signal.segment[j] == signal.first_knot[j] + 1 else 0.0
     rate, chirp = TAU * (signal.frequency[i] + signal.frequency_rate[i] * s), TAU * signal.frequency_rate[i]
     cosine, sine = direction(sine_phase(d, i, s))
     a = signal.amplitude[i]
@@ -110,7 +110,7 @@ def signal_bounds(d, j):
     if is_sine(d, j):
         i, size = signal.source[j], abs(signal.amplitude[signal.source[j]])
         w, chirp = largest_frequency(d, j), TAU * abs(signal.frequency_rate[i])
-        rises = signal.segment[j] == signal.first[j] + 1 and signal.rise[i] > 0.0
+        rises = signal.segment[j] == signal.first_knot[j] + 1 and signal.rise[i] > 0.0
         slope = STEEPEST / signal.rise[i] if rises else 0.0
         curve = ROUNDEST / (signal.rise[i] * signal.rise[i]) if rises else 0.0
         if signal.integrals[j] == 0:
@@ -126,7 +126,7 @@ def signal_bounds(d, j):
 
 def is_sine(d, j):
     """Return whether signal j has the form SINE and has begun, so that the sine adds to the polynomial."""
-    return d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]
+    return d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first_knot[j]
 
 
 def largest_frequency(d, j):
@@ -144,7 +144,7 @@ def moves_base(d, j):
 
 def acts_in_limited_drive(d, j):
     """Return whether signal j drives the motor, the target or the target velocity of a drive with a limit."""
-    return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
+    return is_of_drive(d.signal.input[j]) and d.drive.torque_limit[d.signal.index[j]] < math.inf
 
 
 def moves_base_as_sine(d, j):
@@ -219,20 +219,20 @@ def travel_of_sines(d):
 def segment_end(d, j):
     """Return the end of the present segment of signal j [s]; ∞ if the segment has no end."""
     signal, k = d.signal, d.signal.segment[j]
-    if k < signal.last[j]:
+    if k < signal.last_knot[j]:
         return signal.lap[j] * signal.period[j] + d.knot.time[k + 1]
     if signal.period[j] > 0.0:
-        return (signal.lap[j] + 1) * signal.period[j] + d.knot.time[signal.first[j]]
+        return (signal.lap[j] + 1) * signal.period[j] + d.knot.time[signal.first_knot[j]]
     return math.inf
 
 
 def next_segment(d, j):
     """Begin the next segment of signal j or, after its last segment, the next repetition of its table."""
     signal = d.signal
-    if signal.segment[j] < signal.last[j]:
+    if signal.segment[j] < signal.last_knot[j]:
         signal.segment[j] += 1
     else:
-        signal.segment[j] = signal.first[j]
+        signal.segment[j] = signal.first_knot[j]
         signal.lap[j] += 1
 
 
@@ -266,7 +266,7 @@ def derive_signals(d, time):
     """
     signal = d.signal
     for j in range(d.signals):
-        i, k = signal.source[j], signal.first[j]
+        i, k = signal.source[j], signal.first_knot[j]
         signal.begin[j], signal.integrals[j] = 0.0, 0
         signal.degree[j] = signal.order[j] + (RAMP_DEGREE if signal.form[j] == RAMP else 0)
         if signal.form[j] == TABLE:
@@ -278,8 +278,8 @@ def derive_signals(d, time):
         elif signal.form[j] == RAMP:
             derive_ramp(d, i, k, signal.shape[i])
         elif signal.form[j] == STEPS:
-            for n in range(signal.last[j] - k + 1):
-                given = signal.first[i] + n
+            for n in range(signal.last_knot[j] - k + 1):
+                given = signal.first_knot[i] + n
                 set_constant_knot(d, k + n, d.knot.given_time[given], d.knot.given_value[given])
         if signal.form[j] != TABLE:
             for _ in range(signal.order[j]):
@@ -295,8 +295,10 @@ def begin_signal(d, j, time):
     For a periodic table, the number of its repetition at this time is set, too; this number may be negative.
     """
     signal = d.signal
-    signal.segment[j], signal.lap[j] = signal.first[j], 0
-    while signal.period[j] > 0.0 and signal.lap[j] * signal.period[j] + d.knot.time[signal.first[j]] > time:
+    signal.segment[j], signal.lap[j] = signal.first_knot[j], 0
+    while (
+        signal.period[j] > 0.0 and signal.lap[j] * signal.period[j] + d.knot.time[signal.first_knot[j]] > time
+    ):
         signal.lap[j] -= 1
     while segment_end(d, j) <= time:
         next_segment(d, j)
@@ -358,11 +360,11 @@ def integrate(d, j, time):
     """
     signal, knot = d.signal, d.knot
     signal.integrals[j] += 1
-    for k in range(signal.first[j], signal.last[j] + 1):
+    for k in range(signal.first_knot[j], signal.last_knot[j] + 1):
         for p in range(SIGNAL_DEGREE, 0, -1):
             knot.powers[k, p] = knot.powers[k, p - 1] / p
         knot.powers[k, 0] = 0.0
-        if k > signal.first[j]:
+        if k > signal.first_knot[j]:
             signal.segment[j] = k - 1
             before, _, _ = signal_at(d, j, knot.time[k])
             signal.segment[j] = k
@@ -370,7 +372,7 @@ def integrate(d, j, time):
             knot.powers[k, 0] = before - after
     begin_signal(d, j, time)
     u, _, _ = signal_at(d, j, time)
-    for k in range(signal.first[j], signal.last[j] + 1):
+    for k in range(signal.first_knot[j], signal.last_knot[j] + 1):
         knot.powers[k, 0] -= u
 
 
@@ -383,8 +385,8 @@ def signals_are_valid(d):
     signal = d.signal
     for j in range(d.signals):
         i, total = signal.source[j], 0.0
-        for k in range(signal.first[j], signal.last[j] + 1):
-            if k > signal.first[j] and not d.knot.time[k] >= d.knot.time[k - 1]:
+        for k in range(signal.first_knot[j], signal.last_knot[j] + 1):
+            if k > signal.first_knot[j] and not d.knot.time[k] >= d.knot.time[k - 1]:
                 return False
             total += d.knot.time[k]
             for p in range(SIGNAL_DEGREE + 1):

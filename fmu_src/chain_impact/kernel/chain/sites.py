@@ -57,9 +57,9 @@ def locate_sites(d, y, first, position, velocity):
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
-        rx, ry = site_arm(d, d.scratch.link, s)
+        rx, ry = site_arm(d, d.scratch.link_vector, s)
         position.x[k], position.y[k] = position.x[i] + rx, position.y[i] + ry
-    set_site_motions(d, d.scratch.link, y, first, velocity)
+    set_site_motions(d, d.scratch.link_vector, y, first, velocity)
 
 
 def set_site_motions(d, link_vectors, turns, first, vectors):
@@ -81,10 +81,10 @@ def accelerate_sites(d, y, rate, first, acceleration):
     The angular velocities ω of the links begin at index ``first`` of the state y, their angular accelerations
     α at the same index of its ``rate``.
     """
-    set_site_motions(d, d.scratch.link, rate, first, acceleration)
+    set_site_motions(d, d.scratch.link_vector, rate, first, acceleration)
     for s in range(d.sites):
         k, omega = site_place(d, s), y[first + d.site.link[s]]
-        rx, ry = site_arm(d, d.scratch.link, s)
+        rx, ry = site_arm(d, d.scratch.link_vector, s)
         acceleration.x[k] -= omega * omega * rx
         acceleration.y[k] -= omega * omega * ry
 

@@ -28,7 +28,7 @@ from chain_impact.kernel.ode.last_step import (
     ensure_dense,
     ensure_points,
     ensure_rate,
-    truncate_to_output_time,
+    truncate_to_communication_point,
 )
 from chain_impact.kernel.ode.maximum import maximum_of
 from chain_impact.kernel.rows.constraints import any_point_held
@@ -81,7 +81,7 @@ def find_peaks(d, c, force_rate, time, reader):
     peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
     # force and penetration have a maximum inside the step if their rates fall through zero
     force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
-    depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
+    depth_peaked = touch.penetration_rate[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
     if force_peaked or depth_peaked:
         ensure_dense(d, reader)
     first = event_fraction(d)
@@ -111,9 +111,9 @@ def update_held_extremes(d):
     length = fraction(d, step.end) - first
     for j in range(HELD_SAMPLES):
         theta = first + length * j / (HELD_SAMPLES - 1)
-        interpolate(step, theta, d.scratch.y)
-        rate_from_state(d, d.scratch.y, d.scratch.rate)
-        refine_rate(d, theta, d.scratch.y, d.scratch.rate)
+        interpolate(step, theta, d.scratch.state)
+        rate_from_state(d, d.scratch.state, d.scratch.rate)
+        refine_rate(d, theta, d.scratch.state, d.scratch.rate)
         for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]
@@ -125,19 +125,19 @@ def update_held_extremes(d):
     count_evaluations(d, HELD_SAMPLES)
 
 
-def update_to_output_time(d):
+def update_to_communication_point(d):
     """Cut the last step at the communication point, log active contacts there, and call ``on_truncate``."""
-    update_own_to_output_time(d)
+    update_own_to_communication_point(d)
     hooks.on_truncate(d)
 
 
-def update_own_to_output_time(d):
-    """Do what ``update_to_output_time`` does, but do not call ``on_truncate`` (kernel/hooks.py).
+def update_own_to_communication_point(d):
+    """Do what ``update_to_communication_point`` does, but do not call ``on_truncate`` (kernel/hooks.py).
 
     The cost does not count, because the caller, not the motion, chooses the communication point.
     """
     counted = counted_cost(d)
-    end_at_output_time(d)
+    end_at_communication_point(d)
     ensure_rate(d)
     update_peaks(d)
     commit_quadratures(d)
@@ -145,15 +145,15 @@ def update_own_to_output_time(d):
     uncount_cost(d, counted)
 
 
-def end_at_output_time(d):
+def end_at_communication_point(d):
     """Cut the last step at the communication point, and drop the marks of its events.
 
     The next step finds the events again. If the step ends at the communication point without a cut, onsets
     and changes of modes stay marked, because the next step would not find them, for example the arrival of a
     point that is already at the wall.
     """
-    due = d.step.end == d.step.time
-    truncate_to_output_time(d)
+    due = d.step.end == d.step.communication_point
+    truncate_to_communication_point(d)
     for c in range(d.candidates):
         if not (due and d.touch.event[c] == ONSET):
             mark_contact_event(d, c, NONE)
@@ -171,7 +171,7 @@ def list_latest(d):
     if latest.requested == 0 or (d.touch.active_count == 0 and latest.listed == rows):
         return
     latest.listed = rows if d.touch.active_count == 0 else -1
-    theta, time = fraction(d, d.step.time), d.step.time
+    theta, time = fraction(d, d.step.communication_point), d.step.communication_point
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         _, gap_rate = clearance(d, c)
@@ -179,16 +179,16 @@ def list_latest(d):
         if not d.law.impulsive[c]:
             peak, depth, elsewhere = find_peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
             if elsewhere:
-                interpolate(d.step, theta, d.scratch.y)
-                locate_points(d, d.scratch.y)
+                interpolate(d.step, theta, d.scratch.state)
+                locate_points(d, d.scratch.state)
         log_contact(d, c, rows, time, gap_rate, peak, depth, d.output.impulse[c])
         rows += 1
     for row in range(min(rows, len(log.point))):
-        entry = d.impact.count - log.number[row]
+        entry = d.impact.count - log.impact_number[row]
         if 0 <= entry < latest.requested:
             latest.point[entry], latest.wall[entry] = log.point[row], log.wall[row] + 1
-            latest.time[entry], latest.end[entry] = log.onset[row], log.end[row]
-            latest.speed[entry] = log.impact_speed[row]
+            latest.onset[entry], latest.end[entry] = log.onset[row], log.end[row]
+            latest.impact_speed[entry] = log.impact_speed[row]
             latest.separation_speed[entry] = log.separation_speed[row]
             latest.peak_force[entry] = log.peak_force[row]
             latest.max_penetration[entry] = log.max_penetration[row]
@@ -217,8 +217,8 @@ def penetration_at(d, c, theta):
 
 def clearance_at(d, c, theta):
     """Return the clearance [m] of candidate c, and its rate [m/s], at the fraction θ of the last step."""
-    interpolate(d.step, theta, d.scratch.y)
-    locate_points(d, d.scratch.y)
+    interpolate(d.step, theta, d.scratch.state)
+    locate_points(d, d.scratch.state)
     return clearance(d, c)
 
 
@@ -229,10 +229,10 @@ def clear_log(d):
     """Clear the log of contacts and the outputs ``latest`` at the start of a run."""
     latest = d.latest
     d.contact_log.count, d.contact_log.collected, latest.listed = 0, 0, 0
-    for row in range(len(latest.time)):
-        latest.time[row], latest.end[row] = 0.0, 0.0
+    for row in range(len(latest.onset)):
+        latest.onset[row], latest.end[row] = 0.0, 0.0
         latest.point[row], latest.wall[row] = -1, 0
-        latest.speed[row], latest.separation_speed[row] = 0.0, 0.0
+        latest.impact_speed[row], latest.separation_speed[row] = 0.0, 0.0
         latest.peak_force[row], latest.max_penetration[row], latest.impulse[row] = 0.0, 0.0, 0.0
 
 
@@ -274,7 +274,7 @@ def log_with_peaks(d, c, row, end, separation_speed):
     """
     touch, peaks, arm = d.touch, d.peaks, lever_of_candidate(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
-    log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
+    log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.integral[c])
     if not at_joint_stop(d, c):
         peaks.force = max(peaks.force, force)
         peaks.penetration = max(peaks.penetration, depth)
@@ -301,12 +301,12 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
     """
     touch, log, arm = d.touch, d.contact_log, lever_of_candidate(d, c)
     entry = row % len(log.point)
-    log.number[entry] = touch.number[c]
+    log.impact_number[entry] = touch.impact_number[c]
     log.point[entry] = d.candidate.point[c]
     log.wall[entry] = d.candidate.wall[c]
     log.onset[entry] = touch.onset[c]
     log.end[entry] = end
-    log.impact_speed[entry] = touch.onset_speed[c] / arm
+    log.impact_speed[entry] = touch.impact_speed[c] / arm
     log.separation_speed[entry] = separation_speed / arm
     log.peak_force[entry] = peak_force * arm
     log.max_penetration[entry] = max_penetration / arm

@@ -88,15 +88,15 @@ def first_passage(function, samples, resolution):
 
 
 def locate_at(d, theta):
-    """Set ``scratch.y`` to the state at θ of the last step, 0 ≤ θ ≤ 1, and locate the points there."""
+    """Set ``scratch.state`` to the state at θ of the last step, 0 ≤ θ ≤ 1, and locate the points there."""
     count_other_cost(d, 1)
     if 0.0 < theta < 1.0:
         ensure_dense(d, SOLVER)
-        interpolate(d.step, theta, d.scratch.y)
+        interpolate(d.step, theta, d.scratch.state)
     else:
-        for j in range(len(d.scratch.y)):
-            d.scratch.y[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
-    locate_points(d, d.scratch.y)
+        for j in range(len(d.scratch.state)):
+            d.scratch.state[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
+    locate_points(d, d.scratch.state)
 
 
 # An interval in which the clearance or penetration φ can deviate from its chord by less than
@@ -275,7 +275,7 @@ def find_root(d, c, a, b):
             break
         theta = next_guess(low, high, guess, tries)
         locate_at(d, theta)
-        u, slope = sundman_u_now(d, d.scratch.y)
+        u, slope = sundman_u_now(d, d.scratch.state)
         set_clearance(d, c, u, slope)
     measure_located(d)
     return theta
@@ -297,12 +297,14 @@ def bound_curvature(d):
         p, change = rate_bounds(d.step, sundman_u_at(n))
     along_x = rate_bounds(d.step, velocity_at(n))
     along_y = rate_bounds(d.step, velocity_at(n) + 1)
-    reach = d.scratch.reach
-    reach[0] = 0.0
+    curvature = d.scratch.curvature
+    curvature[0] = 0.0
     for i in range(n):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)
         # the contribution of link i to the bound, in any direction
-        reach[i + 1] = reach[i] + d.chain.length[i] * (p * (alpha + p * omega * omega) + change * omega)
+        curvature[i + 1] = curvature[i] + d.chain.length[i] * (
+            p * (alpha + p * omega * omega) + change * omega
+        )
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
@@ -318,17 +320,17 @@ def bound_curvature(d):
 
 
 def links_curvature(d, c):
-    """Return the contribution of the links to the curvature bound of candidate c, from ``scratch.reach``.
+    """Return the contribution of the links to the curvature bound of candidate c, from ``scratch.curvature``.
 
     A site at the distance r from the proximal joint of a link of the length ℓ gets r/ℓ of this link's part.
     The candidate must not be a joint's stop.
     """
-    reach, point = d.scratch.reach, d.candidate.point[c]
+    curvature, point = d.scratch.curvature, d.candidate.point[c]
     if point <= d.links:
-        return reach[point]
+        return curvature[point]
     s = site_of_point(d, point)
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
-    return reach[i] + math.sqrt(along * along + beside * beside) * (reach[i + 1] - reach[i])
+    return curvature[i] + math.sqrt(along * along + beside * beside) * (curvature[i + 1] - curvature[i])
 
 
 def motion_bounds(d, c, along_x, along_y):
@@ -367,8 +369,8 @@ def prescribed_bounds(d, c):
             v, a = motion.motion_bounds(d, j)
             component = abs(d.candidate.normal_x[c] if j == 0 else d.candidate.normal_y[c])
             speed, acceleration = speed + component * v, acceleration + component * a
-    if d.shift.channel[c] >= 0:
-        v, a = motion.motion_bounds(d, d.shift.channel[c])
+    if d.wall_motion.first_channel[c] >= 0:
+        v, a = motion.motion_bounds(d, d.wall_motion.first_channel[c])
         speed, acceleration = speed + v, acceleration + a
     return speed, acceleration
 
@@ -384,6 +386,6 @@ def measure_located(d):
 
     ``locate_at`` must have located the points.
     """
-    u, slope = sundman_u_now(d, d.scratch.y)
+    u, slope = sundman_u_now(d, d.scratch.state)
     for k in range(d.search.suspect_count):
         set_clearance(d, d.search.suspect[k], u, slope)

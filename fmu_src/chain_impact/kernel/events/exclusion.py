@@ -33,9 +33,9 @@ NEARLY_FAST = 0.75
 
 
 # values of `search.known`, which tell what is known of φ (`search.phi_end`) at the end of the last step.
-# NOTHING: no φ; VALUES: φ and φ′ of the candidates; WITH_CURVES: also φ″; FAR: only that every candidate
-# without contact has at least the clearance `search.safe_distance`
-NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
+# NOTHING: no φ; VALUES: φ and φ′ of the candidates; WITH_CURVES: also φ″; SAFE_DISTANCE: only that every
+# candidate without contact has at least the clearance `search.safe_distance`
+NOTHING, VALUES, WITH_CURVES, SAFE_DISTANCE = 0, 1, 2, 3
 
 
 def known_clearances(d):
@@ -44,7 +44,7 @@ def known_clearances(d):
 
 
 def remember_clearances(d, extent):
-    """Record what is known of the clearances at the end of the last step: ``extent``, NOTHING to FAR.
+    """Record what is known of the clearances at the last step's end: ``extent``, NOTHING to SAFE_DISTANCE.
 
     The recorded value is valid until a break in the sequence of steps (``step.breaks``).
     """
@@ -156,18 +156,21 @@ def remains_far(d):
 
     The result is true only if all candidates without contact are far from touching, and no contact has a
     force law, except a regularized contact that lasts, keeps its impact speed v₀ and crosses no kink. If the
-    result is true, FAR is remembered.
+    result is true, SAFE_DISTANCE is remembered.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
-    speed, acceleration = search.speed, search.acceleration
-    search.speed = length_bound(d, d.scratch.velocity)
-    search.acceleration = length_bound(d, d.scratch.acceleration)
+    speed, acceleration = search.speed_bound, search.acceleration_bound
+    search.speed_bound = length_bound(d, d.scratch.velocity)
+    search.acceleration_bound = length_bound(d, d.scratch.acceleration)
     if d.channels > 0:
         rate, rate_change = fastest_wall(d)
-        search.speed, search.acceleration = search.speed + rate, search.acceleration + rate_change
+        search.speed_bound, search.acceleration_bound = (
+            search.speed_bound + rate,
+            search.acceleration_bound + rate_change,
+        )
     # `way` estimates how far any place moves relative to walls in the step, from the speeds and accelerations
     # at both ends; the acceleration counts double, as a margin
-    way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
+    way = lasted * (max(speed, search.speed_bound) + lasted * max(acceleration, search.acceleration_bound))
     search.safe_distance -= way
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > allowed_position_error(d)):
         return False
@@ -176,7 +179,7 @@ def remains_far(d):
     else:
         far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(d, step.regularized)
     if far:
-        remember_clearances(d, FAR)
+        remember_clearances(d, SAFE_DISTANCE)
     return far
 
 
@@ -191,7 +194,7 @@ def nearly_fast(d, c):
     The rate at the start of the step and the rate at the located points count.
     """
     _, gap_rate = clearance(d, c)
-    return max(d.touch.speed[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.touch.impact_speed[c]
+    return max(d.touch.penetration_rate[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.touch.law_speed[c]
 
 
 def stays_positive(d, c, error):

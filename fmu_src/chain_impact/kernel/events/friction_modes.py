@@ -12,7 +12,7 @@ place of µ_s F_n. Motion, rest and t·a at a wall are relative to the wall's be
 rest are found by pivoting, as in ``solve_lcp``. In each pivot all elements that violate the condition of
 their mode change their modes, and all other elements keep their modes. The pivots end when no element
 violates its condition. If the number of violations stops falling before, the modes follow from forces within
-the limits of friction (rows/limits.py); such forces always exist.
+the limits of friction (rows/friction_limits.py); such forces always exist.
 """
 
 import math
@@ -39,8 +39,8 @@ from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
+from chain_impact.kernel.rows.friction_limits import find_limited_forces
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
-from chain_impact.kernel.rows.limits import find_limited_forces
 
 # For an element at rest with the mode "slides": the acceleration against the direction of sliding that counts
 # as an error, relative to the sum of the largest acceleration, gravity and the longest link per second
@@ -51,7 +51,7 @@ ACCELERATION_ERROR = 1e-9
 SPEED_ERROR_AT_REST = 1e-3
 
 
-def update_modes(d, jumped):
+def choose_friction_modes(d, jumped):
     """Choose the modes of friction at the end of the last step, and move sticking elements to their anchors.
 
     The changes of modes are logged. The marks of the last step that a mode ends (events/marks.py) are
@@ -65,17 +65,17 @@ def update_modes(d, jumped):
     friction = d.friction
     list_friction(d)
     for e in range(d.elements):
-        d.element.before[e] = NO_FRICTION if begins_now(d, e) else d.element.mode[e]
+        d.element.mode_before[e] = NO_FRICTION if begins_now(d, e) else d.element.mode[e]
         set_mode(d, e, NO_FRICTION)
     for i in range(friction.count):
         set_mode(d, d.element.index[i], first_mode(d, d.element.index[i], jumped))
     drop_changes(d)
     decide_onsets(d)
-    choose_modes(d)
+    make_modes_consistent(d)
     clear_other_forces(d)
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
-        if jumped or d.element.before[e] != STICKS:
+        if jumped or d.element.mode_before[e] != STICKS:
             set_anchor(d, e)
     log_changes(d)
     for i in range(friction.count):
@@ -86,20 +86,20 @@ def update_modes(d, jumped):
         widen_slack(d, d.element.index[i])
 
 
-def reinit_modes(d, jumped):
-    """Choose the modes anew (``update_modes``), after parameters, inputs or the state have been set.
+def reinit_friction_modes(d, jumped):
+    """Choose the modes anew (``choose_friction_modes``), after parameters, inputs or the state have been set.
 
     If the scene neither has dry friction nor had any until now, no modes are chosen; else the last step is
     reset to zero length at the end.
 
     Args:
         d: the instance.
-        jumped: whether speeds may have jumped, as for ``update_modes``.
+        jumped: whether speeds may have jumped, as for ``choose_friction_modes``.
     """
     set_friction_used(d)
     if d.friction.used or d.friction.count > 0:
         locate_points(d, d.step.state_end)
-        update_modes(d, jumped)
+        choose_friction_modes(d, jumped)
         reset_step(d, d.step.end, d.step.state_end)
 
 
@@ -110,7 +110,7 @@ def set_slack(d, e):
     (``is_inconsistent``), the slack is the tolerance times the longest link per second. In any other case the
     slack is 0.
     """
-    unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
+    unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.mode_before[e]
     d.element.slack[e] = (
         d.solver.tolerance * d.chain.longest_link if unchanged and d.element.undecided[e] else 0.0
     )
@@ -131,11 +131,11 @@ def first_mode(d, e, jumped):
 
     At rest means that the speed is 0 up to a tolerance. The mode of a moving element is the sign of the
     motion. An element at rest keeps its mode, but sticks if its sliding ends or its contact begins. An
-    element whose sticking ends slides against the friction force. ``choose_modes`` may change the mode of an
-    undecided element. ``jumped``: whether speeds may have jumped.
+    element whose sticking ends slides against the friction force. ``make_modes_consistent`` may change the
+    mode of an undecided element. ``jumped``: whether speeds may have jumped.
     """
     speed = tangential_rate(d, e)
-    before, event = d.element.before[e], d.element.event[e]
+    before, event = d.element.mode_before[e], d.element.event[e]
     d.element.undecided[e] = 1
     if event == STICKING_ENDS:
         return sliding_sign(d.element.force[e])
@@ -152,7 +152,7 @@ def first_mode(d, e, jumped):
 
 
 @has_dual_rule
-def choose_modes(d):
+def make_modes_consistent(d):
     """Change the modes of undecided elements until all modes are consistent with forces and accelerations.
 
     If the number of inconsistent modes stops falling before, the modes are chosen from forces within the
@@ -182,7 +182,7 @@ def count_inconsistent_now(d):
 
 
 def choose_by_limits(d):
-    """Let all undecided elements stick, except those whose forces reach their limits (rows/limits.py).
+    """Let undecided elements stick, except those whose forces reach their limits (rows/friction_limits.py).
 
     An element whose force is at its limit gets the mode "slides", even if the forces of other elements hold
     this element.
@@ -265,7 +265,7 @@ def log_changes(d):
     """Log the changes of friction modes at the last step's end; a full log loses its oldest entries."""
     log = d.changes
     for e in range(d.elements):
-        if d.element.mode[e] != d.element.before[e]:
+        if d.element.mode[e] != d.element.mode_before[e]:
             row = log.count % len(log.time)
             joint = e >= d.candidates
             log.time[row], log.mode[row] = d.step.end, d.element.mode[e]

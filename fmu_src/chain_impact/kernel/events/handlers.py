@@ -12,7 +12,7 @@ from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.friction_modes import reinit_modes, update_modes
+from chain_impact.kernel.events.friction_modes import choose_friction_modes, reinit_friction_modes
 from chain_impact.kernel.events.impacts import (
     end_changed_contacts,
     handle_impact,
@@ -63,7 +63,7 @@ def end_if_point_left(d, c):
     gap, gap_rate = clearance(d, c)
     # the time to get out, −g/ġ for the clearance g, is at most LEAVING_TIME times the contact's time scale,
     # expected penetration over impact speed
-    if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEAVING_TIME * touch.depth_scale[c] * gap_rate:
+    if gap_rate >= 0.0 and -gap * touch.law_speed[c] <= LEAVING_TIME * touch.depth_scale[c] * gap_rate:
         end_contact(d, c, False)
 
 
@@ -95,7 +95,7 @@ def apply_events(d):
     touch, onset, jumped = d.touch, -1, False
     # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
     # friction or drive mode and, in the loop below, after a kink or a relatch
-    goes_on = pending_changes(d) + d.drive.event > 0
+    goes_on = pending_changes(d) + d.drive.mode_ends > 0
     # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
@@ -126,7 +126,7 @@ def apply_events(d):
     list_touching(d)
     choose_saturation(d)
     if d.friction.used:
-        update_modes(d, False)
+        choose_friction_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if had_forces:
             # the proposed size suits the contact with a force that has just ended, but not the flight after
@@ -141,7 +141,7 @@ def apply_events(d):
     return jumped or rigid or has_modes
 
 
-def renew_modes(d, jumped):
+def reinit_contacts_and_modes(d, jumped):
     """Choose again what laws and inputs decide, because laws or inputs may have changed.
 
     Chosen are the contacts with rigid walls that go on, the modes of drives and of friction, and the sides of
@@ -150,7 +150,7 @@ def renew_modes(d, jumped):
     """
     recompute_active_set(d)
     choose_saturation(d)
-    reinit_modes(d, jumped)
+    reinit_friction_modes(d, jumped)
     set_kink_sides(d)
     expect_peaks(d)
 

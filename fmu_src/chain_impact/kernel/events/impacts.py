@@ -30,7 +30,7 @@ from chain_impact.kernel.chain.response import copy_factors
 from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.equations import free_rate_from_inputs
 from chain_impact.kernel.events.contact_log import end_contact
-from chain_impact.kernel.events.friction_modes import update_modes
+from chain_impact.kernel.events.friction_modes import choose_friction_modes
 from chain_impact.kernel.events.marks import (
     NEIGHBOUR,
     ONSET,
@@ -54,7 +54,7 @@ from chain_impact.kernel.forces.holding import (
     add_change,
     project_state,
     set_start_to_accelerations,
-    set_start_to_state,
+    set_unforced_to_state,
     solve_positions,
     work_of_impulses,
 )
@@ -127,7 +127,7 @@ def handle_impact(d):
         set_rates_after_impulses(d)
         onset = begin_late_contacts(d)
         if d.friction.used:
-            update_modes(d, True)
+            choose_friction_modes(d, True)
     update_active_set(d)
     clear_loads(d)
     return onset
@@ -210,22 +210,22 @@ def find_impulses(d, fraction):
     """
     constraints, lost, moved = d.constraints, 0.0, 0.0
     activate_all(d)
-    set_start_to_state(d, 1)
+    set_unforced_to_state(d, 1)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         least = d.law.minimum_impact_speed[c]
-        arrives = -constraints.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
+        arrives = -constraints.unforced[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # for a point that arrives with u⁻ < 0, the speed u⁺ after the impact is at least the restitution e
         # times the approach speed: u⁺ ≥ −e u⁻
-        rebound = -fraction * d.law.restitution[c] * constraints.start[k] if arrives else 0.0
+        rebound = -fraction * d.law.restitution[c] * constraints.unforced[k] if arrives else 0.0
         add_to_active_set(d, k, rebound if rebound > LEAST_REBOUND_SPEED * least else 0.0)
     factorize_free(d)
     solve_lcp(d, largest_velocity(d))
     for k in range(d.touch.active_count):
         # the energy that an impulse p dissipates, −½ p (u⁻ + u⁺), with the speeds u⁻ before and u⁺ after the
         # impulse
-        lost -= 0.5 * constraints.impulse[k] * (constraints.start[k] + constraints.reached[k])
-        moved += constraints.impulse[k] * (abs(constraints.start[k]) + abs(constraints.reached[k]))
+        lost -= 0.5 * constraints.impulse[k] * (constraints.unforced[k] + constraints.reached[k])
+        moved += constraints.impulse[k] * (abs(constraints.unforced[k]) + abs(constraints.reached[k]))
     return lost, moved
 
 
@@ -272,7 +272,7 @@ def is_gentle(d):
     slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET and d.law.impulsive[c]:
-            speed = d.touch.onset_speed[c]
+            speed = d.touch.impact_speed[c]
             slow = slow and speed <= LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]
             energy += 0.5 * d.touch.effective_mass[c] * speed * speed
             fall = max(fall, NEAR_WALL_CLEARANCE * release_gap(d, c, far))
@@ -350,7 +350,7 @@ def release_gap(d, c, far):
 def release_contacts(d):
     """End the held contacts that are not in the active set, and give them a clearance (``release_gap``)."""
     parting, far = False, largest_coordinate(d)
-    set_start_to_state(d, 0)
+    set_unforced_to_state(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c, released = d.touch.active_index[k], not d.constraints.in_active_set[k]
         add_to_active_set(d, k, release_gap(d, c, far) if released else 0.0)

@@ -46,7 +46,7 @@ def mark_saturation(d, ends):
 
     With the mark 1, the modes of all drives are chosen again at the start of the next step.
     """
-    d.drive.event = ends
+    d.drive.mode_ends = ends
 
 
 def copy_marks(d, t):
@@ -55,7 +55,7 @@ def copy_marks(d, t):
         t.touch.event[c] = d.touch.event[c]
     for e in range(d.elements):
         t.element.event[e] = d.element.event[e]
-    t.drive.event = d.drive.event
+    t.drive.mode_ends = d.drive.mode_ends
 
 
 def ends_in_onset(d):

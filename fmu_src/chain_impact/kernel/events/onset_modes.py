@@ -9,7 +9,7 @@ T is at most µ_s F. Otherwise it slides in the direction against which T would 
 from chain_impact.kernel.cost import count_other_cost
 from chain_impact.kernel.forces.force_formula import law_force
 from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_mode, sliding_sign
-from chain_impact.kernel.forces.holding import set_start_to_load_motion
+from chain_impact.kernel.forces.holding import set_unforced_to_load_motion
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
 
@@ -40,7 +40,7 @@ def decide_onsets(d):
         c = d.touch.active_index[k]
         if begins_now(d, c):
             add_along(normal_row(d, c), d.scratch.load, force_after_onset(d, c))
-    scale = set_start_to_load_motion(d)
+    scale = set_unforced_to_load_motion(d)
     activate_all(d)
     solve_equality(d, scale)
     count_other_cost(d, 1)
@@ -61,6 +61,6 @@ def force_after_onset(d, c):
 
     The onset is at the present time. The estimate assumes that the point keeps the normal speed of the onset.
     """
-    speed = d.touch.onset_speed[c]
+    speed = d.touch.impact_speed[c]
     force, _ = law_force(d, c, COMPARISON_TIME * speed, speed)
     return force

@@ -187,7 +187,7 @@ def relatch_margin(d, c, theta):
     """Return RELATCH_RATIO v₀ − δ̇ [m/s] of contact c at θ; if this is < 0, the speed v₀ is latched again."""
     locate_at(d, theta)
     _, gap_rate = clearance(d, c)
-    return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
+    return RELATCH_RATIO * d.touch.law_speed[c] + gap_rate
 
 
 find_relatch = make_search(
@@ -252,11 +252,11 @@ def least_force(d, _c, theta):
     If all walls push, 0 stands for the least force. So the result is negative only if a wall pulls by more
     than round-off.
     """
-    interpolate(d.step, theta, d.scratch.y)
+    interpolate(d.step, theta, d.scratch.state)
     # the state is projected, because the error of the interpolant would cause large forces of stiff joints
-    locate_points(d, d.scratch.y)
-    project_state(d, d.scratch.y)
-    rate_from_state(d, d.scratch.y, d.scratch.rate)
+    locate_points(d, d.scratch.state)
+    project_state(d, d.scratch.state)
+    rate_from_state(d, d.scratch.state, d.scratch.rate)
     count_evaluations(d, 1)
     return least_impulse(d) + pull_limit(d)
 
@@ -325,8 +325,8 @@ def element_margin(d, e, theta):
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
         return d.element.mode[e] * tangential_rate(d, e) + element_error(d, e)
-    project_state(d, d.scratch.y)
-    rate_from_state(d, d.scratch.y, d.scratch.rate)
+    project_state(d, d.scratch.state)
+    rate_from_state(d, d.scratch.state, d.scratch.rate)
     count_evaluations(d, 1)
     return d.element.limit[e] - abs(d.element.force[e]) + element_error(d, e)
 
@@ -366,14 +366,14 @@ def is_past_limit(d, _c):
     if not d.chain.has_drive_limits:
         return False
     ensure_inputs(d, d.step.state_end)
-    return min(d.drive.margin, mode_margin(d, d.step.state_end)) < 0.0
+    return min(d.drive.torque_margin, mode_margin(d, d.step.state_end)) < 0.0
 
 
 def drive_margin(d, _c, theta):
     """Return ``mode_margin`` [N·m] at θ: the least margin of any drive to the end of the drive's mode."""
     locate_at(d, theta)
-    ensure_inputs(d, d.scratch.y)
-    return mode_margin(d, d.scratch.y)
+    ensure_inputs(d, d.scratch.state)
+    return mode_margin(d, d.scratch.state)
 
 
 def may_pass_limit(d, c):
@@ -382,7 +382,7 @@ def may_pass_limit(d, c):
     The result is true if any drive has a limit and the inputs are polynomials in time; else, if a stage or
     the end of the step shows such an end, or if a fast signal acts in a drive with a limit.
     """
-    if d.signals > 0 and d.inputs.piece.order == 0:
+    if d.signals > 0 and d.inputs.piece.degree == 0:
         turn = (d.step.end - d.step.start) * rate_in_limited_drives(d)
         return is_past_limit(d, c) or (d.chain.has_drive_limits != 0 and turn > TURN_OF_STAGES)
     return d.chain.has_drive_limits != 0

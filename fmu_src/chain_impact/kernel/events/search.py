@@ -18,8 +18,8 @@ from chain_impact.kernel.events.crossing import (
     measure_clearances,
 )
 from chain_impact.kernel.events.exclusion import (
-    FAR,
     NOTHING,
+    SAFE_DISTANCE,
     VALUES,
     begin_next_interval,
     excludes_events,
@@ -77,7 +77,7 @@ def find_event(d):
         return find_event_without_crossing(d)
     if d.step.last_method == IMPLICIT:
         suspect_all(d)
-        if known_clearances(d) in (NOTHING, FAR):
+        if known_clearances(d) in (NOTHING, SAFE_DISTANCE):
             measure_clearances(d, 0.0)
         begin_next_interval(d)
     elif excludes_events(d):
@@ -138,7 +138,7 @@ def is_credible_crossing(d, theta):
 
     The caller has set the state, the clearances and their rates at θ.
     """
-    if theta <= EARLY_THETA and starts_clear(d, d.scratch.y[time_at(d.links)]):
+    if theta <= EARLY_THETA and starts_clear(d, d.scratch.state[time_at(d.links)]):
         return False
     if theta == 0.0:
         # a point that is inside a wall at the start of the step is inside in a shorter step as well, so a
@@ -169,7 +169,7 @@ def starts_clear(d, lasted):
             # the change of the clearance g, also of a candidate in contact: ġ t + ½ g̈ t²
             move = lasted * (gap_rate + 0.5 * lasted * gap_acceleration(d, c))
             clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
-    locate_points(d, d.scratch.y)
+    locate_points(d, d.scratch.state)
     return clear
 
 
@@ -199,11 +199,11 @@ def onset_fraction(d):
         reject_step(d, SPOILED)
         return -1.0
     ensure_dense(d, SOLVER)
-    interpolate(d.step, theta, d.scratch.y)
-    late, _ = onset_lateness(d, d.scratch.y)
+    interpolate(d.step, theta, d.scratch.state)
+    late, _ = onset_lateness(d, d.scratch.state)
     theta -= late
-    interpolate(d.step, theta, d.scratch.y)
-    late, deepest = onset_lateness(d, d.scratch.y)
+    interpolate(d.step, theta, d.scratch.state)
+    late, deepest = onset_lateness(d, d.scratch.state)
     if not (abs(late) <= LANDING_TIME and deepest <= DEEPEST_ONSET * d.chain.longest_link):
         reject_step(d, SPOILED)
     return theta

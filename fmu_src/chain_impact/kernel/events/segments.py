@@ -6,11 +6,11 @@ beforehand, so such a step is truncated at the end of the segment.
 """
 
 from chain_impact.kernel.chain.input_fields import CHANNEL
-from chain_impact.kernel.chain.inputs import SAME_TIME, ensure_inputs, limit_to_time
+from chain_impact.kernel.chain.inputs import TIME_ROUND_OFF, ensure_inputs, limit_to_time
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import next_segment, segment_end, set_segment, signal_at
 from chain_impact.kernel.equations import energy_balance
-from chain_impact.kernel.events.handlers import renew_modes
+from chain_impact.kernel.events.handlers import reinit_contacts_and_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction
@@ -25,13 +25,13 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
 # The effect of the end of a signal's segment on the motion. NO_JUMP: neither speeds nor accelerations jump.
-# BENDS: an input, or the acceleration of a channel, jumps; accelerations of the chain may jump. JUMPS: the
-# speed of a belt jumps, and so do speeds of sliding on it.
-NO_JUMP, BENDS, JUMPS = 0, 1, 2
+# BENDS: an input, or the acceleration of a channel, jumps; accelerations of the chain may jump. SPEED_JUMPS:
+# the speed of a belt jumps, and so do speeds of sliding on it.
+NO_JUMP, BENDS, SPEED_JUMPS = 0, 1, 2
 # The values of a signal before and after the end of a segment are equal if their difference is at most
-# VALUE_ROUND_OFF, relative to a sum: the absolute values before and after, and a scale that the caller of
+# JUMP_TOLERANCE, relative to a sum: the absolute values before and after, and a scale that the caller of
 # ``equal_up_to_round_off`` gives.
-VALUE_ROUND_OFF = 1e-9
+JUMP_TOLERANCE = 1e-9
 
 
 def limit_to_segment(d, h):
@@ -54,7 +54,7 @@ def first_end(d):
 def end_at_segment(d):
     """End the last step where a segment ends, if the step goes beyond that time."""
     end = first_end(d)
-    if end < d.step.end - SAME_TIME * abs(d.step.end):
+    if end < d.step.end - TIME_ROUND_OFF * abs(d.step.end):
         drop_events(d)
         ensure_dense(d, SOLVER)
         truncate_step(d, fraction(d, end))
@@ -63,7 +63,7 @@ def end_at_segment(d):
 
 def has_ended(d, j):
     """Return whether the present segment of signal j ends at the end of the last step, up to round-off."""
-    return segment_end(d, j) - d.step.end <= SAME_TIME * abs(d.step.end)
+    return segment_end(d, j) - d.step.end <= TIME_ROUND_OFF * abs(d.step.end)
 
 
 def check_segments(d):
@@ -81,14 +81,14 @@ def check_segments(d):
             size = d.chain.longest_link
             jumps = not equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + size)
             jumps = jumps or not equal_up_to_round_off(rate, rate_after, abs(bend) + abs(bend_after) + size)
-            if jumps and not d.motion.belt[d.signal.index[j]]:
+            if jumps and not d.given_channel.belt[d.signal.index[j]]:
                 return SIGNAL_JUMPS
     return OK
 
 
 def equal_up_to_round_off(before, after, scale):
     """Return whether two numbers are equal up to round-off, relative to |before| + |after| + ``scale``."""
-    return abs(after - before) <= VALUE_ROUND_OFF * (abs(before) + abs(after) + scale)
+    return abs(after - before) <= JUMP_TOLERANCE * (abs(before) + abs(after) + scale)
 
 
 def begin_next_segment(d, j):
@@ -104,7 +104,7 @@ def begin_segments(d):
     energy.
 
     Returns:
-        The largest effect of these segments on the motion, in the order NO_JUMP < BENDS < JUMPS.
+        The largest effect of these segments on the motion, in the order NO_JUMP < BENDS < SPEED_JUMPS.
     """
     last = -1
     for j in range(d.signals):
@@ -118,7 +118,7 @@ def begin_segments(d):
             change = max(change, begin_segment(d, j))
             if change != NO_JUMP and j == last:
                 commit_quadratures(d)
-                renew_modes(d, change == JUMPS)
+                reinit_contacts_and_modes(d, change == SPEED_JUMPS)
                 reset_step(d, d.step.end, d.step.state_end)
             if change != NO_JUMP or d.channels > 0:
                 evaluate_start(d)
@@ -127,7 +127,7 @@ def begin_segments(d):
 
 
 def begin_segment(d, j):
-    """Begin the next segment of signal j; return its effect on the motion: NO_JUMP, BENDS or JUMPS.
+    """Begin the next segment of signal j; return its effect on the motion: NO_JUMP, BENDS or SPEED_JUMPS.
 
     If the target of a drive jumps, the drive's spring gains or loses energy at once, which counts as supplied
     energy.
@@ -153,10 +153,10 @@ def begin_segment(d, j):
             if equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + d.chain.energy_scale)
             else BENDS
         )
-    if d.motion.belt[d.signal.index[j]] and not equal_up_to_round_off(
+    if d.given_channel.belt[d.signal.index[j]] and not equal_up_to_round_off(
         rate, rate_after, abs(bend) + abs(bend_after) + size
     ):
-        return JUMPS
+        return SPEED_JUMPS
     return NO_JUMP if equal_up_to_round_off(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS
 
 

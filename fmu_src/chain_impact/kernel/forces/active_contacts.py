@@ -142,8 +142,8 @@ def latch_onset(d, c):
     touch.onset[c] = d.step.end
     touch.x[c], touch.y[c] = touching_position(d, c)
     # the onset speed is 0 if the point moves outward, because of an integration error or another impact
-    touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
-    touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
+    touch.impact_speed[c] = max(0.0, 0.0 - gap_rate)
+    touch.law_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     set_rates(d, c, -gap_rate, 1.0)  # 1.0: the force rises after the onset
     set_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
@@ -151,12 +151,12 @@ def latch_onset(d, c):
     latch(d, c)
     touch.active[c] = 1
     d.impact.count += 1
-    touch.number[c] = d.impact.count
+    touch.impact_number[c] = d.impact.count
     d.impact.last_time = d.step.end
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
-    d.impact.last_speed = touch.onset_speed[c] / lever_of_candidate(d, c)
-    d.quadrature.impulse_at_onset[c] = d.quadrature.total[c]
+    d.impact.last_speed = touch.impact_speed[c] / lever_of_candidate(d, c)
+    d.quadrature.impulse_at_onset[c] = d.quadrature.integral[c]
 
 
 def begin_force_contact(d, c):
@@ -186,7 +186,7 @@ def relatch(d, c, factor):
 
     The expected penetration, the damping and the side of the law's kink depend on v₀.
     """
-    d.touch.impact_speed[c] *= factor
+    d.touch.law_speed[c] *= factor
     latch(d, c)
     set_kink_side(d, c)
 
@@ -207,7 +207,7 @@ def set_rates(d, c, speed, force_rate):
     That step contains a peak if one of the rates falls through 0 in the step (``find_peaks``). Only the sign
     of the force's rate counts. At a joint's stop, too, lengths are in m: angles times the lever arm.
     """
-    d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
+    d.touch.penetration_rate[c], d.touch.force_rate[c] = speed, force_rate
 
 
 def expect_peaks(d):
@@ -240,7 +240,7 @@ def cross_kink(d, c):
     if d.law.approach_only[c]:
         # at this kink the rate of the penetration is 0; the largest penetration up to this time has been
         # recorded, and is not searched for again
-        touch.speed[c] = 0.0
+        touch.penetration_rate[c] = 0.0
     touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
 
 

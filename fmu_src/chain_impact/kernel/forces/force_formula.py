@@ -90,7 +90,7 @@ def set_expected_depth(d, c):
     if d.law.impulsive[c]:
         touch.depth_scale[c] = d.chain.longest_link
     else:
-        touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
+        touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.law_speed[c])
 
 
 def set_damping(d, c):
@@ -105,7 +105,7 @@ def set_damping(d, c):
     mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
     if mass_power == 0.0:
         # the damping d = λ K/v₀ of the Hunt–Crossley family, with factor λ, stiffness K and impact speed v₀
-        touch.damping[c] = factor * stiffness / touch.impact_speed[c]
+        touch.damping[c] = factor * stiffness / touch.law_speed[c]
     else:
         # damping d = f K^(1−s) m^s × ``unit_of_damping``, with the law's factor f and exponent s,
         # stiffness K and effective mass m
@@ -143,7 +143,7 @@ def turning_margin(d, c):
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
-    return TURNING_RATE * least * d.touch.impact_speed[c] + tolerance * d.chain.longest_link
+    return TURNING_RATE * least * d.touch.law_speed[c] + tolerance * d.chain.longest_link
 
 
 def law_force(d, c, depth, rate):
@@ -235,7 +235,7 @@ def user_contact_force(d, c, depth, rate):
     and ``rate`` to angles, and the moment to a force.
     """
     law, arm = d.law, lever_of_candidate(d, c)
-    speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
+    speed, mass = d.touch.law_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
     if at_joint_stop(d, c):
         stiffness *= power(arm, law.exponent[c] + 1.0)
@@ -301,7 +301,7 @@ def user_slopes(d, c, depth, rate):
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
     stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
-    step = RELATIVE_INCREMENT * (abs(rate) + d.touch.impact_speed[c])
+    step = RELATIVE_INCREMENT * (abs(rate) + d.touch.law_speed[c])
     low, _ = law_force(d, c, depth, rate - step)
     high, _ = law_force(d, c, depth, rate + step)
     return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
@@ -313,5 +313,5 @@ def damping_over_elastic(d, c):
     Both forces are those at the rate v₀, the impact speed, and the expected penetration; the damping force is
     the whole force minus K δⁿ. For the Hunt–Crossley family the result is the damping factor λ of the law.
     """
-    force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.impact_speed[c])
+    force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.law_speed[c])
     return max(0.0, force / elastic - 1.0)

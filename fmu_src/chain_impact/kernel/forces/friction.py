@@ -17,7 +17,8 @@ contact with a force law depends on the state alone. So modes and accelerations 
 conditions above exist; for µ_s = µ the accelerations are unique.
 
 If constraints are dependent, the forces of the sticking elements are not unique. Then the solver chooses
-forces in proportion to their limits (constraints.py), or forces that do not exceed their limits (limits.py).
+forces in proportion to their limits (constraints.py), or forces that do not exceed their limits
+(friction_limits.py).
 
 Sources: for the law of friction, C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad.
 Sci. 10:161; for modes that are fixed within a step, Pfeiffer & Glocker 1996, Multibody Dynamics with
@@ -103,10 +104,10 @@ def list_friction(d):
             friction.count += 1
     friction.contact_count = friction.count
     for i in range(first_joint(d), drive_count(d) if d.chain.has_drive_friction else 0):
-        if d.drive.friction[i] > 0.0:
+        if d.drive.friction_moment[i] > 0.0:
             e = d.candidates + i
             d.element.index[friction.count] = e
-            d.element.limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
+            d.element.limit[e] = d.drive.friction_moment[i] / lever_of_drive(d, i)
             friction.count += 1
     list_sticking(d)
 

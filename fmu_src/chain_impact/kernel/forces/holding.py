@@ -1,8 +1,8 @@
 """Constraint forces of rigid walls and of sticking elements, and the projection of a state.
 
-rows/constraints.py computes the impulses that bring the motions along constraints from ``start`` to
-``target``. This module sets ``start`` to clearances, speeds or accelerations, and applies the impulses to the
-rate ẏ or to the state. Constraints are numbered as in ``constraint_row``.
+rows/constraints.py computes the impulses that bring the motions along constraints from ``unforced`` to
+``target``. This module sets ``unforced`` to clearances, speeds or accelerations, and applies the impulses to
+the rate ẏ or to the state. Constraints are numbered as in ``constraint_row``.
 """
 
 import math
@@ -65,8 +65,8 @@ LARGEST_REMAINING_RESIDUAL = 0.5
 CONTACT_RESISTANCE = 1e3
 
 
-def set_start_to_state(d, derivative):
-    """Set ``constraints.start`` to clearances of contacts, and to distances of elements from their anchors.
+def set_unforced_to_state(d, derivative):
+    """Set ``constraints.unforced`` to clearances of contacts and distances of elements from their anchors.
 
     The contacts are the active ones, the elements are those that stick. If ``derivative`` is 1, the function
     sets the rates of these clearances and distances.
@@ -74,27 +74,27 @@ def set_start_to_state(d, derivative):
     constraints, first = d.constraints, d.touch.active_count
     for k in range(first):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
-        constraints.start[k] = gap_rate if derivative else gap
+        constraints.unforced[k] = gap_rate if derivative else gap
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
         if derivative:
-            constraints.start[first + i] = tangential_rate(d, e)
+            constraints.unforced[first + i] = tangential_rate(d, e)
         else:
-            constraints.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
+            constraints.unforced[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
-def set_start_to_load_motion(d):
-    """Set ``constraints.start`` to the motion along each constraint that ``scratch.load`` causes.
+def set_unforced_to_load_motion(d):
+    """Set ``constraints.unforced`` to the motion along each constraint that ``scratch.load`` causes.
 
     If the loads are impulses, the motion is a change of velocity; if the loads are forces, the motion is an
     acceleration; in both cases it is the motion of the chain without constraints. Return the largest
     component of the motion of any place.
     """
     factorize_free(d)
-    solve_space(d, d.scratch.link, d.scratch, FREE, d.scratch.change)
+    solve_space(d, d.scratch.link_vector, d.scratch, FREE, d.scratch.change)
     for k in range(constraint_count(d)):
-        d.constraints.start[k] = along(constraint_row(d, k), d.scratch.motion)
-    return largest_component(d, d.scratch.motion)
+        d.constraints.unforced[k] = along(constraint_row(d, k), d.scratch.place_change)
+    return largest_component(d, d.scratch.place_change)
 
 
 def clear_least_forces(d):
@@ -113,13 +113,13 @@ def add_change(d, y, first):
 
 
 def set_start_to_accelerations(d, y, rate):
-    """Set ``start`` to the accelerations along all constraints, for the rate ẏ (``rate``) of the state y.
+    """Set ``unforced`` to the accelerations along all constraints, for the rate ẏ (``rate``) of the state y.
 
     Return the largest component of the accelerations of all places, moving walls and belts.
     """
     accelerate_points(d, y, rate)
     for k in range(constraint_count(d)):
-        d.constraints.start[k] = constraint_acceleration(d, k)
+        d.constraints.unforced[k] = constraint_acceleration(d, k)
     return largest_acceleration(d)
 
 
@@ -176,7 +176,7 @@ def project_state(d, y):
         constraints.resistance[k] = contact_resistance(d)
     for derivative in range(2):
         activate_all(d)
-        set_start_to_state(d, derivative)
+        set_unforced_to_state(d, derivative)
         if derivative:
             solve_stopping_impulses(d)
         else:
@@ -190,11 +190,12 @@ def project_state(d, y):
     for k in range(constraint_count(d)):
         # the energy that a constraint's impulse p dissipates: −½ p (u⁻ + u⁺), with the speeds u⁻ before and
         # u⁺ after it
-        y[lost] -= 0.5 * constraints.impulse[k] * (constraints.start[k] + constraints.reached[k])
+        y[lost] -= 0.5 * constraints.impulse[k] * (constraints.unforced[k] + constraints.reached[k])
     for k in range(d.touch.compliant_count):
         # the resistance D of a contact acts with the impulse −D (u⁺ − u⁻), which also changes the energy
         squares = (
-            constraints.reached[k] * constraints.reached[k] - constraints.start[k] * constraints.start[k]
+            constraints.reached[k] * constraints.reached[k]
+            - constraints.unforced[k] * constraints.unforced[k]
         )
         y[lost] += 0.5 * constraints.resistance[k] * squares
         constraints.resistance[k] = 0.0
@@ -212,12 +213,12 @@ def power_of_motion(d, y, rate):
         c = d.touch.active_index[k]
         if at_wall(d, c):
             force = d.touch.force[c]
-            power += force * d.shift.rate[c]
+            power += force * d.wall_motion.velocity[c]
             fx, fy = fx + force * d.candidate.normal_x[c], fy + force * d.candidate.normal_y[c]
     for i in range(d.friction.contact_count):
         e = d.element.index[i]
         _, tx, ty = tangent_row(d, e)
-        power += d.element.force[e] * d.shift.belt_rate[e]
+        power += d.element.force[e] * d.wall_motion.belt_velocity[e]
         fx, fy = fx + d.element.force[e] * tx, fy + d.element.force[e] * ty
     if not d.chain.base_moves:
         return power
@@ -230,7 +231,7 @@ def power_of_motion(d, y, rate):
     px, py = momentum(d, d.scratch.acceleration)
     fx = px - total * d.chain.gravity[0] - d.inputs.tip_force[0] - fx
     fy = py - total * d.chain.gravity[1] - d.inputs.tip_force[1] - fy
-    return power + fx * d.moved.velocity[0] + fy * d.moved.velocity[1]
+    return power + fx * d.channel.velocity[0] + fy * d.channel.velocity[1]
 
 
 def work_of_impulses(d):
@@ -243,14 +244,14 @@ def work_of_impulses(d):
             _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]
             if k < d.touch.compliant_count:
-                impulse -= constraints.resistance[k] * (constraints.reached[k] - constraints.start[k])
-            work += impulse * (d.shift.belt_rate[e] if sticks else d.shift.rate[e])
+                impulse -= constraints.resistance[k] * (constraints.reached[k] - constraints.unforced[k])
+            work += impulse * (d.wall_motion.belt_velocity[e] if sticks else d.wall_motion.velocity[e])
             px, py = px + impulse * nx, py + impulse * ny
     if not d.chain.base_moves:
         return work
-    move_points(d, d.scratch.link, constraints.change, d.scratch.motion)
-    x, y = momentum(d, d.scratch.motion)
-    return work + (x - px) * d.moved.velocity[0] + (y - py) * d.moved.velocity[1]
+    move_points(d, d.scratch.link_vector, constraints.change, d.scratch.place_change)
+    x, y = momentum(d, d.scratch.place_change)
+    return work + (x - px) * d.channel.velocity[0] + (y - py) * d.channel.velocity[1]
 
 
 def momentum(d, vectors):
@@ -297,7 +298,7 @@ def solve_positions(d):
         0.0,
     )
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        asked = max(asked, abs(constraints.target[k] - constraints.start[k]))
+        asked = max(asked, abs(constraints.target[k] - constraints.unforced[k]))
     factorize_free(d)
     solve_equality(d, far)
     for k in range(d.touch.compliant_count, constraint_count(d)):

@@ -17,7 +17,7 @@ from chain_impact.kernel.mathematics.doubles import (
     double_of_bits,
     in_two_doubles,
 )
-from chain_impact.kernel.mathematics.logarithms import LN_2, PLACES, TINY, log_parts_beside_one
+from chain_impact.kernel.mathematics.logarithms import LINEAR_UP_TO, LN_2, PLACES, log_parts_beside_one
 
 POWER_COUNT_BITS = 7  # the table has 2⁷ powers of 2, with the exponents j/128
 POWER_COUNT = 1 << POWER_COUNT_BITS
@@ -96,7 +96,7 @@ def exp(x):
 @has_dual_rule
 def expm1(x):
     """Return e^x − 1: ∞ if e^x exceeds the range of doubles, and NaN for NaN."""
-    if abs(x) < TINY:
+    if abs(x) < LINEAR_UP_TO:
         return 1.0 * x
     if not -1.0 < x < STEEP:
         return exp(x) - 1.0

@@ -41,7 +41,7 @@ LOG_P = (
     -0.1666689359914569,
     0.14285993276740327,
 )
-TINY = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are equal to x in double precision
+LINEAR_UP_TO = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are equal to x in double precision
 
 
 def fixed_logarithm(a, b):
@@ -134,7 +134,7 @@ def log_parts_beside_one(x):
 @has_dual_rule
 def log1p(x):
     """Return ln(1 + x); −∞ for x = −1, and NaN for x < −1 and for NaN."""
-    if abs(x) < TINY:
+    if abs(x) < LINEAR_UP_TO:
         return 1.0 * x
     if not -1.0 < x < math.inf:
         return log(1.0 + x)

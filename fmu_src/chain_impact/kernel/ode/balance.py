@@ -132,7 +132,7 @@ def start_balance(d, time):
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * chain.gravity_size
     balance.unit_scale = balance.weight * reach + chain.energy_scale
-    balance.start, balance.since = time, time
+    balance.window_start, balance.run_start = time, time
     restart_balance(d)
     balance.at_start, balance.origin = balance.at_end, balance.at_end
     begin_window(d)
@@ -207,7 +207,7 @@ def check_energy(d, theta):
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
-        y = d.scratch.y
+        y = d.scratch.state
         interpolate(d.step, theta, y)
         locate_points(d, y)
     else:
@@ -264,7 +264,7 @@ def loss_allowed(d, available):
     can have had up to the end of the step.
     """
     balance, budget = d.balance, loss_budget(d, available)
-    fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.since)
+    fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.run_start)
     left = budget - (balance.origin - balance.at_end)
     return max(left, fraction * budget, ENERGY_ROUND_OFF * available)
 
@@ -278,7 +278,7 @@ def loss_budget(d, available):
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)
     most = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
-    return most * (1.0 + (d.step.end - balance.since) / LOSS_TIME)
+    return most * (1.0 + (d.step.end - balance.run_start) / LOSS_TIME)
 
 
 def is_long(d):
@@ -302,7 +302,7 @@ def interpolates(d):
     There the energy balance may have changed since the start of the step by at most MIDDLE_CHANGE times the
     allowed change, and the dissipated energy must lie between its values at both ends, up to a tolerance.
     """
-    y = d.scratch.y
+    y = d.scratch.state
     ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)
     if not dissipates_evenly(d, y[dissipated_at(d.links)]):
@@ -378,8 +378,8 @@ def check_balance(d):
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):
         return ENERGY_NOT_KEPT
-    if d.step.end >= balance.start + WINDOW:
-        balance.start = d.step.end
+    if d.step.end >= balance.window_start + WINDOW:
+        balance.window_start = d.step.end
         begin_window(d)
     fraction, drift = WINDOW_CHANGE / STEP_CHANGE, abs(balance.at_end - balance.reference)
     if drift > fraction * balance.allowed:

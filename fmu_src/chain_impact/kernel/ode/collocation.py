@@ -150,7 +150,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 def prepare(d, h):
     """Prepare a step; return the size [s]: h, or less if a contact ends soon or a motion is fast."""
     extend_start(d)
-    extended_slopes(d, d.implicit.start)
+    extended_slopes(d, d.implicit.z_start)
     set_weights(d)
     h = size_toward_end(d, h)
     return h if can_extrapolate(d) else size_for_fast_motion(d, h)
@@ -158,7 +158,7 @@ def prepare(d, h):
 
 def set_weights(d):
     """Set the weights of errors in z: 1/(tolerance × scale), or 0 for components that are not controlled."""
-    weight = d.implicit.weight
+    weight = d.implicit.error_weight
     for j in range(supplied_at(d.links), extended_size(d)):
         weight[j] = math.inf
     set_scales(d, d.step.state_end, weight, clearance_count(d))
@@ -170,7 +170,7 @@ def set_weights(d):
 def size_toward_end(d, h):
     """Return h [s] or, if less, PAST_END × the predicted time to the next end of a contact (force law)."""
     for k in range(clearance_count(d)):
-        gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
+        gap, gap_rate = d.implicit.z_start[gap_at(d, k)], d.implicit.z_start[rate_at(d, k)]
         # near its end a contact has hardly any force, so the rate ġ of its clearance g hardly changes, and
         # the end is about −g/ġ away; an end within FORCELESS_PART h is ignored: hardly any force is left
         # before it
@@ -187,12 +187,12 @@ def size_for_fast_motion(d, h):
     """
     implicit, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
     factorize_real(d, shift)
-    fast, left, weight = implicit.parts[0], implicit.parts[1], implicit.weight
+    fast, left, weight = implicit.parts[0], implicit.parts[1], implicit.error_weight
     for j in range(size):
-        fast[j] = implicit.start_rate[j]
+        fast[j] = implicit.rate_start[j]
     solve_real(d, shift, fast)
     for j in range(size):
-        fast[j] = implicit.start_rate[j] - fast[j]
+        fast[j] = implicit.rate_start[j] - fast[j]
         left[j] = fast[j]
     solve_real(d, shift, left)
     count_other_cost(d, 3)
@@ -219,9 +219,9 @@ def extrapolate_stages(d, h, size):
         for j in range(size):
             implicit.stages[i, j] = 0.0
         for j in range(velocity_at(d.links)):
-            implicit.stages[i, j] = part * implicit.start_rate[j]
+            implicit.stages[i, j] = part * implicit.rate_start[j]
         for k in range(clearance_count(d)):
-            implicit.stages[i, gap_at(d, k)] = part * implicit.start_rate[gap_at(d, k)]
+            implicit.stages[i, gap_at(d, k)] = part * implicit.rate_start[gap_at(d, k)]
 
 
 def extrapolate_polynomial(d, h, size):
@@ -241,7 +241,7 @@ def extrapolate_polynomial(d, h, size):
         for i in range(RADAU_STAGES):
             weight = lagrange(dropped, m, base + h * NODES[i] / span) - before
             for j in range(size):
-                implicit.stages[i, j] += weight * implicit.last[m - 1, j]
+                implicit.stages[i, j] += weight * implicit.last_stages[m - 1, j]
 
 
 def attempt(d, h):
@@ -260,7 +260,7 @@ def attempt(d, h):
             change, apart = project_clearances(d, implicit.z, d.trial.state)
             error = max(error, change, apart)
         set_outcome(d, error, cost_factor(implicit))
-    elif not math.isfinite(implicit.correction):
+    elif not math.isfinite(implicit.relative_correction):
         reject_step(d, INFINITE)
     else:
         reject_step(d, DIVERGED if implicit.contraction > 1.0 else LATE)
@@ -278,7 +278,7 @@ def set_result(d, h):
     """Set the extended state z and the state y at the end of a step of size h; locate the points there."""
     implicit, y = d.implicit, d.trial.state
     for j in range(extended_size(d)):
-        implicit.z[j] = implicit.start[j] + implicit.stages[LAST, j]
+        implicit.z[j] = implicit.z_start[j] + implicit.stages[LAST, j]
     for j in range(sundman_u_at(d.links)):
         y[j] = implicit.z[j]
     y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
@@ -290,7 +290,7 @@ def error_estimate(d, h, size):
     """Return the error of ``size`` components of z in a step h [s], over the tolerance; ∞ if not finite."""
     implicit, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
-        start, end = implicit.start_rate[j], implicit.rates[LAST, j]
+        start, end = implicit.rate_start[j], implicit.rates[LAST, j]
         for i in range(RADAU_STAGES):
             start -= START_WEIGHTS[i] * implicit.rates[i, j]
         for i in range(LAST):
@@ -298,7 +298,7 @@ def error_estimate(d, h, size):
         implicit.parts[0, j], implicit.parts[1, j] = shift * start, shift * end
     solve_real(d, shift, implicit.parts[0])
     solve_real(d, shift, implicit.parts[1])
-    first, second = largest_errors(implicit.parts[0], implicit.parts[1], implicit.weight, size)
+    first, second = largest_errors(implicit.parts[0], implicit.parts[1], implicit.error_weight, size)
     if first == math.inf:
         return math.inf
     if any_constraint(d):
@@ -308,7 +308,7 @@ def error_estimate(d, h, size):
         solve_real(d, shift, implicit.parts[0])
         count_other_cost(d, 1)
         for j in range(dissipated_at(d.links)):
-            d.scratch.error[0, j], d.scratch.error[1, j] = implicit.parts[0, j], implicit.parts[1, j]
+            d.scratch.y_error[0, j], d.scratch.y_error[1, j] = implicit.parts[0, j], implicit.parts[1, j]
         first_force, second_force = force_errors(d)
         first = max(first, first_force / d.solver.tolerance)
         second = max(second, second_force / d.solver.tolerance)
@@ -328,14 +328,14 @@ def store_stages(d, faded):
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
-            implicit.last[i, j] = implicit.stages[i, j]
+            implicit.last_stages[i, j] = implicit.stages[i, j]
         if faded:
-            clear_faded(d, implicit.last[i])
+            clear_faded(d, implicit.last_stages[i])
     implicit.listing = d.touch.listings
-    for j in range(len(d.scratch.y)):
-        set_dense(d.step, j, implicit.last, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
+    for j in range(len(d.scratch.state)):
+        set_dense(d.step, j, implicit.last_stages, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
     for k in range(d.quadrature.count):
-        set_dense(d.quadrature, k, implicit.last, quadrature_at(d, k), RADAU_STAGES)
+        set_dense(d.quadrature, k, implicit.last_stages, quadrature_at(d, k), RADAU_STAGES)
 
 
 def set_dense(values, j, stages, at, degree):
@@ -354,13 +354,13 @@ def match_clearances(d):
     if clearance_count(d) == 0:
         return
     for third in range(1, 3):
-        interpolate(d.step, third / 3.0, d.scratch.y)
-        locate_points(d, d.scratch.y)
+        interpolate(d.step, third / 3.0, d.scratch.state)
+        locate_points(d, d.scratch.state)
         for derivative in range(2):
             for k in range(clearance_count(d)):
                 at = rate_at(d, k) if derivative else gap_at(d, k)
                 implicit.normal[k] = extended_component(d, at, third / 3.0)
-            project_coordinates(d, d.scratch.y, derivative, change)
+            project_coordinates(d, d.scratch.state, derivative, change)
             for j in range(len(change)):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
             if derivative == 0:
@@ -384,9 +384,9 @@ def lagrange(first, m, x):
 
 def extended_component(d, j, theta):
     """Return component j of the extended state z at the fraction θ of the last step."""
-    total = d.implicit.start[j]
+    total = d.implicit.z_start[j]
     for m in range(1, RADAU_STAGES + 1):
-        total += lagrange(0, m, theta) * d.implicit.last[m - 1, j]
+        total += lagrange(0, m, theta) * d.implicit.last_stages[m - 1, j]
     return total
 
 
@@ -395,5 +395,5 @@ def bound_curvatures(d, h):
     for k in range(clearance_count(d)):
         bound = 0.0
         for m in range(RADAU_STAGES):
-            bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last, m, gap_at(d, k)))
+            bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last_stages, m, gap_at(d, k)))
         d.search.curvature[d.touch.active_index[k]] = bound / (h * h)

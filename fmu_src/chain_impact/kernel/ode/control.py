@@ -199,7 +199,7 @@ def contact_time_scale(d, c):
     this time. The size of the first step of the contact is proportional to this time.
     """
     ratio, exponent = damping_over_elastic(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
-    return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + ratio, -exponent)
+    return d.touch.depth_scale[c] / d.touch.law_speed[c] * power(1.0 + ratio, -exponent)
 
 
 # The largest allowed error of a penetration, relative to max(δ, δ*) in ``penetration_scale``, at tolerances
@@ -257,7 +257,7 @@ def raise_scales(d, y, scale, contacts):
     largest = max(largest_coordinate(d), size * turned) / d.solver.tolerance
     for k in range(contacts):
         c = d.touch.active_index[k]
-        frequency = d.touch.impact_speed[c] / d.touch.depth_scale[c]
+        frequency = d.touch.law_speed[c] / d.touch.depth_scale[c]
         lasts = frequency * (d.step.end - d.touch.onset[c]) > AGE_AT_REST
         least = largest * (POSITION_ROUND_OFF_AT_REST if lasts else POSITION_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
@@ -311,12 +311,12 @@ def scaled_errors(d):
     """Return both error estimates of the explicit step, each as its largest scaled component / tolerance.
 
     While constraints act, the errors of drives' forces (``force_errors``) count as well. Estimate k, 0 or 1,
-    of the tried step is row k of ``scratch.error`` and, for the clearances of active contacts, row k of
+    of the tried step is row k of ``scratch.y_error`` and, for the clearances of active contacts, row k of
     ``touch.gap_error``. Both results are infinity if the step is not finite. If any contact is active, the
     points must be located at the end of the step.
     """
-    y, scale, total = d.trial.state, d.implicit.weight, 0.0
-    first_error, second_error, first, second = d.scratch.error[0], d.scratch.error[1], 0.0, 0.0
+    y, scale, total = d.trial.state, d.implicit.error_weight, 0.0
+    first_error, second_error, first, second = d.scratch.y_error[0], d.scratch.y_error[1], 0.0, 0.0
     set_scales(d, y, scale, d.touch.active_count)
     gaps = sundman_u_at(d.links)
     for j in range(controlled_count(d)):
@@ -336,7 +336,7 @@ def scaled_errors(d):
 
 
 def force_errors(d):
-    """Return the largest error of any drive's damper and spring force, by each estimate in ``scratch.error``.
+    """Return the largest error of any drive's damper and spring force, by each error estimate.
 
     Each error is relative to a usual moment: `chain.energy_scale` times 1 + g/s, with gravity g [m/s²] and
     the longest link s [m]. These errors must be small where constraints act: the forces of rigid walls depend
@@ -346,8 +346,8 @@ def force_errors(d):
     for i in range(drive_count(d)):
         c, k = drive_slopes(d, d.trial.state, i)
         factor = moment_factor(d, i)
-        first = max(first, force_error(d, d.scratch.error[0], i, c, k) * factor)
-        second = max(second, force_error(d, d.scratch.error[1], i, c, k) * factor)
+        first = max(first, force_error(d, d.scratch.y_error[0], i, c, k) * factor)
+        second = max(second, force_error(d, d.scratch.y_error[1], i, c, k) * factor)
     usual = d.chain.energy_scale * (1.0 + d.chain.gravity_size / d.chain.longest_link)
     return first / usual, second / usual
 
@@ -368,7 +368,7 @@ def impact_energy(d):
     energy = 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        speed = d.touch.impact_speed[c]
+        speed = d.touch.law_speed[c]
         energy += 0.5 * d.touch.effective_mass[c] * (speed * speed)
     return energy
 
@@ -376,12 +376,12 @@ def impact_energy(d):
 def set_gap_errors(d, estimate):
     """Set ``touch.gap_error``, the errors [m] of active contacts' clearances, from an estimate of the error.
 
-    ``estimate`` is the row of the estimate in ``scratch.error`` and in ``touch.gap_error``, 0 or 1.
+    ``estimate`` is the row of the estimate in ``scratch.y_error`` and in ``touch.gap_error``, 0 or 1.
     """
     if d.touch.active_count > 0:
-        move_points(d, d.scratch.link, d.scratch.error[estimate], d.scratch.motion)
+        move_points(d, d.scratch.link_vector, d.scratch.y_error[estimate], d.scratch.place_change)
     for k in range(d.touch.active_count):
-        d.touch.gap_error[estimate, k] = along(normal_row(d, d.touch.active_index[k]), d.scratch.motion)
+        d.touch.gap_error[estimate, k] = along(normal_row(d, d.touch.active_index[k]), d.scratch.place_change)
 
 
 def penetration_scale(d, c):
@@ -394,5 +394,5 @@ def penetration_scale(d, c):
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)
-    leeway = min(d.chain.longest_link / d.touch.impact_speed[c], LARGEST_ERROR / d.solver.tolerance)
+    leeway = min(d.chain.longest_link / d.touch.law_speed[c], LARGEST_ERROR / d.solver.tolerance)
     return depth * max(1.0, leeway)

@@ -5,11 +5,11 @@ regularized step, θ is the fraction in the step's own variable, not in time.
 
 Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists their kinds.
 They advance with the stages and the dense output of the state, have no effect on the motion, and are ignored
-by the error control. ``quadrature.total`` has the value of each quadrature at the most recent
+by the error control. ``quadrature.integral`` has the value of each quadrature at the most recent
 ``commit_quadratures`` or impact. Steps integrate only some quadratures: ``quadrature.index`` lists their
-indices in ``quadrature.total``. The fields ``state``, ``state_end``, ``rate_end``, ``tried``, ``stage`` and
-``dense`` of ``quadrature`` contain only these quadratures, in the order of the list. In a scene that does not
-request quadratures, none is integrated.
+indices in ``quadrature.integral``. The fields ``state``, ``state_end``, ``rate_end``, ``tried``, ``stage``
+and ``dense`` of ``quadrature`` contain only these quadratures, in the order of the list. In a scene that does
+not request quadratures, none is integrated.
 """
 
 import numpy as np
@@ -199,11 +199,11 @@ def integrate(d, i):
 
 
 def clear_quadratures(d):
-    """Set the totals and rates of all quadratures to 0 at the start of a run, and integrate none."""
+    """Set the integrals and rates of all quadratures to 0 at the start of a run, and integrate none."""
     quadrature = d.quadrature
     quadrature.count = 0
-    for i in range(len(quadrature.total)):
-        quadrature.total[i], quadrature.rate[i] = 0.0, 0.0
+    for i in range(len(quadrature.integral)):
+        quadrature.integral[i], quadrature.rate[i] = 0.0, 0.0
 
 
 def quadrature_rates(d, factor, out):
@@ -323,10 +323,10 @@ def truncate_quadratures(d, theta):
 
 
 def commit_quadratures(d):
-    """Store the totals and rates of the quadratures at the end of the last step.
+    """Store the integrals and rates of the quadratures at the end of the last step.
 
     Call this before contacts begin or end, and before ``reset_step``. Afterwards ``reset_quadratures`` lists
-    the integrated quadratures again, and begins with these totals and rates.
+    the integrated quadratures again, and begins with these integrals and rates.
 
     A quadrature that is not integrated gets the rate 0. A later integration begins with this rate, because
     the force of a new contact starts at 0; if that force jumps, ``store_end_rates`` is called again.
@@ -335,7 +335,7 @@ def commit_quadratures(d):
     for i in range(len(quadrature.rate)):
         quadrature.rate[i] = 0.0
     for k in range(quadrature.count):
-        quadrature.total[quadrature.index[k]] = quadrature.state_end[k]
+        quadrature.integral[quadrature.index[k]] = quadrature.state_end[k]
         quadrature.rate[quadrature.index[k]] = quadrature.rate_end[k]
 
 
@@ -347,7 +347,7 @@ def reset_quadratures(d):
     quadrature = d.quadrature
     list_quadratures(d)
     for k in range(quadrature.count):
-        quadrature.state[k] = quadrature.state_end[k] = quadrature.total[quadrature.index[k]]
+        quadrature.state[k] = quadrature.state_end[k] = quadrature.integral[quadrature.index[k]]
         quadrature.rate_end[k] = quadrature.rate[quadrature.index[k]]
         for m in range(len(quadrature.dense)):
             quadrature.dense[m, k] = 0.0
@@ -356,4 +356,4 @@ def reset_quadratures(d):
 def add_impulses_of_impact(d):
     """Add the impulses of rigid walls and rigid stops in the present impact to the quadratures' totals."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])
+        d.quadrature.integral[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])

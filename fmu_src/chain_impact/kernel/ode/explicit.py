@@ -189,8 +189,8 @@ def _stage(i, accepted):
     combine = combination(A[i])
 
     def stage(d, h):
-        combine(d.scratch.stage, d.step.state if accepted else d.step.state_end, h, d.scratch.y)
-        regularized_rate(d, d.scratch.y, d.scratch.stage[i])
+        combine(d.scratch.stage, d.step.state if accepted else d.step.state_end, h, d.scratch.state)
+        regularized_rate(d, d.scratch.state, d.scratch.stage[i])
         set_quadrature_stage(d, i)
 
     return stage
@@ -275,7 +275,7 @@ def error_estimate(d, h):
     (SQUARE_OVERFLOWS).
     """
     controlled = controlled_count(d)
-    _errors(d.scratch.stage, h, d.scratch.error[0, :controlled], d.scratch.error[1, :controlled])
+    _errors(d.scratch.stage, h, d.scratch.y_error[0, :controlled], d.scratch.y_error[1, :controlled])
     if d.touch.active_count > 0 or any_sticking(d):
         locate_points(d, d.trial.state)
     set_gap_errors(d, 0)
@@ -329,7 +329,7 @@ def dense_output(d, h):
     regularize(d, d.step.state_end, d.scratch.rate_end, d.scratch.stage[END_STAGE])
     set_quadrature_stage_at_end(d, END_STAGE)
     _dense_stages(d, h)
-    _interpolant(d.step, d.scratch.stage, len(d.scratch.y), h)
+    _interpolant(d.step, d.scratch.stage, len(d.scratch.state), h)
     if d.quadrature.count > 0:
         _interpolant(d.quadrature, d.quadrature.stage, d.quadrature.count, h)
 

@@ -118,17 +118,19 @@ def extended_size(d):
 def extend_start(d):
     """Set the extended state z and its rate ż at the start of the next step, from y, ẏ and quadratures."""
     scratch, implicit, n = d.scratch, d.implicit, d.links
-    if not scratch.at_end:
+    if not scratch.located_at_end:
         locate_points(d, d.step.state_end)
     accelerate_points(d, d.step.state_end, scratch.rate_start)
     for j in range(sundman_u_at(n)):
-        implicit.start[j], implicit.start_rate[j] = d.step.state_end[j], scratch.rate_start[j]
+        implicit.z_start[j], implicit.rate_start[j] = d.step.state_end[j], scratch.rate_start[j]
     for k in range(clearance_count(d)):
-        implicit.start[gap_at(d, k)], implicit.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
+        implicit.z_start[gap_at(d, k)], implicit.z_start[rate_at(d, k)] = clearance(
+            d, d.touch.active_index[k]
+        )
     for k in range(d.quadrature.count):
-        implicit.start[quadrature_at(d, k)] = d.quadrature.state_end[k]
-        implicit.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
-    clearance_rates(d, implicit.start, implicit.start_rate)
+        implicit.z_start[quadrature_at(d, k)] = d.quadrature.state_end[k]
+        implicit.rate_start[quadrature_at(d, k)] = d.quadrature.rate_end[k]
+    clearance_rates(d, implicit.z_start, implicit.rate_start)
     if any_sticking(d):
         # ``apply_contacts`` computes the limits of friction at the start. A system that is factorized before
         # the first stage, as in ``size_for_fast_motion``, needs these limits: the impedances of sticking
@@ -148,7 +150,7 @@ def extended_rate(d, z, elapsed, rate):
 
     The contact forces are evaluated at the clearances in z, not at those that follow from the coordinates.
     """
-    if d.inputs.piece.order > 0 or d.channels > 0 or d.signals > 0:
+    if d.inputs.piece.degree > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
     clear_loads(d)
@@ -175,15 +177,15 @@ def extended_slopes(d, z):
     The slopes are −∂F/∂ψ and −∂F/∂ψ̇ of drives, ∂F/∂δ and ∂F/∂δ̇ of contacts. The function also stores the
     present link vectors, for the linear systems.
     """
-    implicit, link = d.implicit, d.scratch.link
+    implicit, link = d.implicit, d.scratch.link_vector
     for i in range(d.links):
-        implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
+        implicit.link_vector.x[i], implicit.link_vector.y[i] = link.x[i], link.y[i]
     for i in range(drive_count(d)):
         implicit.drive_damping[i], implicit.drive_stiffness[i] = drive_slopes(d, z, i)
     for k in range(clearance_count(d)):
         c = d.touch.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
-        implicit.stiffness[k], implicit.damping[k] = law_slopes(d, c, depth, rate)
+        implicit.contact_stiffness[k], implicit.contact_damping[k] = law_slopes(d, c, depth, rate)
 
 
 def contact_impedance(d, k, s):
@@ -191,7 +193,7 @@ def contact_impedance(d, k, s):
 
     s [s] is the shift, F the contact's force and δ the penetration.
     """
-    return s * (d.implicit.damping[k] + s * d.implicit.stiffness[k])
+    return s * (d.implicit.contact_damping[k] + s * d.implicit.contact_stiffness[k])
 
 
 def drive_resistance(d, i, s):
@@ -216,7 +218,7 @@ def factorize_shift(d, s, space, slot):
         if d.slides:
             add_impedance(row_of_drive(d, d.links), space.impedance, drive_resistance(d, d.links, s))
     add_joint_impedances(d, space.impedance)
-    factorize(d, d.implicit.link, space, slot, d.chain.has_springs_or_dampers != 0 or joints_loaded(d))
+    factorize(d, d.implicit.link_vector, space, slot, d.chain.has_springs_or_dampers != 0 or joints_loaded(d))
 
 
 def solve_shift(d, s, space, slot, x):
@@ -235,9 +237,12 @@ def solve_shift(d, s, space, slot, x):
     for k in range(clearance_count(d)):
         # the impulse of the contact with the impedance D and the stiffness k: D r_ġ + s k r_g, where x
         # contains r
-        impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]
+        impulse = (
+            contact_impedance(d, k, s) * x[rate_at(d, k)]
+            + s * implicit.contact_stiffness[k] * x[gap_at(d, k)]
+        )
         add_along(constraint_row(d, k), space.load, impulse)
-    solve_space(d, implicit.link, space, slot, change)
+    solve_space(d, implicit.link_vector, space, slot, change)
     if d.slides:
         # ``load_drive`` has put the load of the slider's drive on point 0, the base. The load is removed
         # here, because in flight no other function clears the loads on points.
@@ -246,11 +251,11 @@ def solve_shift(d, s, space, slot, x):
         x[velocity_at(n) + j] -= change[j]
         x[j] += s * x[velocity_at(n) + j]
     for k in range(clearance_count(d)):
-        x[rate_at(d, k)] -= along(constraint_row(d, k), space.motion)
+        x[rate_at(d, k)] -= along(constraint_row(d, k), space.place_change)
         x[gap_at(d, k)] += s * x[rate_at(d, k)]
     for k in range(min(d.quadrature.count, clearance_count(d))):
         x[quadrature_at(d, k)] -= s * (
-            implicit.stiffness[k] * x[gap_at(d, k)] + implicit.damping[k] * x[rate_at(d, k)]
+            implicit.contact_stiffness[k] * x[gap_at(d, k)] + implicit.contact_damping[k] * x[rate_at(d, k)]
         )
 
 
@@ -315,7 +320,7 @@ def project_coordinates(d, y, derivative, change):
             implicit.normal[k] - (gap_rate if derivative else gap)
         )
         add_along(normal_row(d, c), d.scratch.load, impulse)
-    solve_space(d, implicit.link, d.scratch, SHIFTED, change)
+    solve_space(d, implicit.link_vector, d.scratch, SHIFTED, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]
 
@@ -337,7 +342,7 @@ def project_clearances(d, z, y):
             implicit.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
         project_coordinates(d, y, derivative, change)
         for j in range(coordinate_count(d.links)):
-            worst = max(worst, abs(change[j]) * implicit.weight[derivative * velocity_at(d.links) + j])
+            worst = max(worst, abs(change[j]) * implicit.error_weight[derivative * velocity_at(d.links) + j])
     return worst, apart
 
 

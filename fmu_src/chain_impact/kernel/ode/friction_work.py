@@ -21,7 +21,7 @@ def store_friction_forces(d, stage):
     """Store the present forces of dry friction as those at a ``stage`` of an implicit step."""
     for k in range(d.friction.count):
         e = d.element.index[k]
-        d.implicit.friction[stage, e] = d.element.force[e]
+        d.implicit.friction_force[stage, e] = d.element.force[e]
 
 
 def correct_friction_energy(d, h):
@@ -49,8 +49,8 @@ def power_of_correction(d, m):
     """
     implicit, change, first = d.implicit, d.scratch.change, velocity_at(d.links)
     for j in range(coordinate_count(d.links)):
-        change[j] = implicit.start[first + j] + implicit.stages[m, first + j] - implicit.rates[m, j]
-    return work_of_sliding(d, change, implicit.friction[m])
+        change[j] = implicit.z_start[first + j] + implicit.stages[m, first + j] - implicit.rates[m, j]
+    return work_of_sliding(d, change, implicit.friction_force[m])
 
 
 def uncounted_work(d):
@@ -91,7 +91,7 @@ def work_along(d, change):
     work = work_of_sliding(d, change, d.element.force)
     for k in range(d.friction.stuck_count):
         e = d.element.stuck[k]
-        work += d.element.force[e] * along(tangent_row(d, e), d.scratch.motion)
+        work += d.element.force[e] * along(tangent_row(d, e), d.scratch.place_change)
     return work
 
 
@@ -100,15 +100,15 @@ def work_of_sliding(d, change, force):
 
     The work is negative if friction dissipates energy. ``force`` has the friction force of every element; the
     forces of sticking elements are not used. If ``change`` is a velocity, the result is a power [W]. The
-    points must be located. The function also sets ``scratch.motion``, the motion of all places in this
+    points must be located. The function also sets ``scratch.place_change``, the motion of all places in this
     change.
     """
     work = 0.0
-    move_points(d, d.scratch.link, change, d.scratch.motion)
+    move_points(d, d.scratch.link_vector, change, d.scratch.place_change)
     for k in range(d.friction.count):
         e = d.element.index[k]
         if d.element.mode[e] != STICKS:
-            work += force[e] * along(tangent_row(d, e), d.scratch.motion)
+            work += force[e] * along(tangent_row(d, e), d.scratch.place_change)
     return work
 
 
@@ -120,10 +120,10 @@ def count_holding_work(d, h):
     elements back to their anchors, and does the opposite work.
     """
     implicit = d.implicit
-    before = holding_at(d, implicit.start, 0.0)
+    before = holding_at(d, implicit.z_start, 0.0)
     for i in range(RADAU_STAGES):
         for j in range(sundman_u_at(d.links)):
-            implicit.z[j] = implicit.start[j] + implicit.stages[i, j]
+            implicit.z[j] = implicit.z_start[j] + implicit.stages[i, j]
         implicit.stages[i, dissipated_at(d.links)] -= holding_at(d, implicit.z, h * NODES[i]) - before
 
 

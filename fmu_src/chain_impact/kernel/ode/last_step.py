@@ -69,7 +69,7 @@ def reset_step(d, time, y):
 def reset_times(d, time):
     """Set start, end and clock of the last step, and the communication point, to ``time`` [s]."""
     step = d.step
-    step.time, step.start, step.end, step.clock = time, time, time, time
+    step.communication_point, step.start, step.end, step.clock = time, time, time, time
 
 
 def set_start_delay(d, delay):
@@ -192,26 +192,26 @@ def end_at_fraction(d, theta):
     mark_jump(d)
 
 
-def set_own_output_time(d, time):
-    """Set the communication point ``step.time`` to a ``time`` [s] in the last step.
+def set_own_communication_point(d, time):
+    """Set the communication point to a ``time`` [s] in the last step.
 
     The dense output of the step is computed if it does not exist yet.
     """
-    d.step.time = time
+    d.step.communication_point = time
     ensure_dense(d, OUTPUTS)
 
 
-def truncate_to_output_time(d):
+def truncate_to_communication_point(d):
     """Cut the last step at the communication point: the state at the end becomes that of the dense output."""
     ensure_dense(d, OUTPUTS)
-    end_at_fraction(d, fraction(d, d.step.time))
+    end_at_fraction(d, fraction(d, d.step.communication_point))
     correct_falling_impulses(d)
-    d.step.end = d.step.time
+    d.step.end = d.step.communication_point
 
 
 def store_output_state(d):
     """Store the state at the communication point in ``trial.state``, which no tried step uses then."""
-    interpolate(d.step, fraction(d, d.step.time), d.trial.state)
+    interpolate(d.step, fraction(d, d.step.communication_point), d.trial.state)
 
 
 def return_to_stored_state(d):
@@ -220,7 +220,7 @@ def return_to_stored_state(d):
     ``store_output_state`` has stored this state. The start delay and, in a tangent instance, the
     derivatives of this delay become 0.
     """
-    reset_step(d, d.step.time, d.trial.state)
+    reset_step(d, d.step.communication_point, d.trial.state)
     d.step.start_delay = 0.0
 
 
@@ -288,7 +288,7 @@ def ensure_points(d):
 
     The rate at this end must be known.
     """
-    if not d.scratch.at_end:
+    if not d.scratch.located_at_end:
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.scratch.rate_end)
         note_points_at_end(d)

@@ -86,18 +86,18 @@ def choose_method(d):
         begin_explicit(d)  # neither contacts nor joints are stiff
     elif step.end > step.start:  # a last step of zero length, as after a re-initialization, tells nothing
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
-        if step.stiff_count >= step.switch_hysteresis:
+        if step.stiff_count >= step.switch_after:
             step.stiff_count = 0
             if step.method == IMPLICIT:
                 # the change to the implicit method has not saved cost, so the next changes of the method need
                 # twice as many steps in a row that suggest the other method
-                step.switch_hysteresis *= 2
-                step.method, step.other_size = EXPLICIT, step.next_size
+                step.switch_after *= 2
+                step.method, step.other_method_size = EXPLICIT, step.next_size
                 limit_to_stable(d)
             else:
                 # if an event or an input has truncated the step, its length is not the size that the errors
-                # allow: ``other_size`` 0 means unknown
-                step.other_size = step.end - step.start if step.end_fraction == 1.0 else 0.0
+                # allow: ``other_method_size`` 0 means unknown
+                step.other_method_size = step.end - step.start if step.end_fraction == 1.0 else 0.0
                 step.method = IMPLICIT
         elif step.stiff_count > 0 and step.method == EXPLICIT:
             limit_to_stable(d)
@@ -109,14 +109,14 @@ def suggests_switch(d):
     If the present method is implicit, the proposed size of the next step decides. If the present method is
     explicit, the length of the last step decides. If the explicit method has replaced the implicit method,
     the result is also true for a proposed size that, times FAR_SHORTER, is less than the size of the implicit
-    steps (``other_size``).
+    steps (``other_method_size``).
     """
     step = d.step
     if step.method == IMPLICIT:
-        if step.other_size > 0.0:
-            return step.next_size < EQUAL_COST_RATIO * step.other_size
+        if step.other_method_size > 0.0:
+            return step.next_size < EQUAL_COST_RATIO * step.other_method_size
         return stiffness_number(d, step.next_size) < NOT_STIFF_STEP
-    if FAR_SHORTER * step.next_size < step.other_size:
+    if FAR_SHORTER * step.next_size < step.other_method_size:
         return True
     z = stiffness_number(d, step.end - step.start)
     return z > STIFF_STEP or (z > STIFF_STEP_IN_CONTACT and contacts_last(d))
@@ -139,7 +139,7 @@ def contacts_last(d):
         return False
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
-        scale = d.touch.depth_scale[c] / d.touch.impact_speed[c]
+        scale = d.touch.depth_scale[c] / d.touch.law_speed[c]
         if d.step.end - d.touch.onset[c] < SUSTAINED_AFTER * scale:
             return False
     return True
@@ -195,8 +195,8 @@ def reset_stiff_count(d):
     of the other method's steps becomes unknown.
     """
     step = d.step
-    step.stiff_count, step.other_size = 0, 0.0
-    step.switch_hysteresis = MIN_SWITCH_STEPS
+    step.stiff_count, step.other_method_size = 0, 0.0
+    step.switch_after = MIN_SWITCH_STEPS
 
 
 def stiffness_number(d, h):

@@ -169,7 +169,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             # this stage
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
             for j in range(size):
-                implicit.z[j] = implicit.start[j] + implicit.stages[stage, j]
+                implicit.z[j] = implicit.z_start[j] + implicit.stages[stage, j]
             rate(d, implicit.z, h * NODES[stage], implicit.rates[stage])
             note(d, stage)
         _transform(d, h, size)
@@ -179,9 +179,9 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         _correct(d, size)
         for j in range(size):
             # a NaN in a solution reaches this sum through the last stage; max() could hide the NaN
-            total += implicit.weight[j] * implicit.stages[RADAU_STAGES - 1, j]
-            worst = max(worst, implicit.weight[j] * implicit.z[j])
-        implicit.correction = worst if math.isfinite(total) else math.inf
+            total += implicit.error_weight[j] * implicit.stages[RADAU_STAGES - 1, j]
+            worst = max(worst, implicit.error_weight[j] * implicit.z[j])
+        implicit.relative_correction = worst if math.isfinite(total) else math.inf
 
     def converge(d, h, size):
         implicit = d.implicit
@@ -194,25 +194,25 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             solve(d, h, size)
             correct_stages(d, h, size)
             implicit.iterations = k
-            if not implicit.correction < FAILED_CORRECTION:
+            if not implicit.relative_correction < FAILED_CORRECTION:
                 implicit.contraction = math.inf
                 return False
-            theta = implicit.correction / before if before > 0.0 else 0.0
-            before, implicit.contraction = implicit.correction, theta
+            theta = implicit.relative_correction / before if before > 0.0 else 0.0
+            before, implicit.contraction = implicit.relative_correction, theta
             # The first correction does not show the convergence rate, so there is always a second one: while
             # the chain is at rest, the first correction is small, but the remaining error may be larger than
             # this correction.
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
-            if ratio * implicit.correction <= ITERATION_ERROR:
+            if ratio * implicit.relative_correction <= ITERATION_ERROR:
                 return True
             # the iteration diverges, or will not converge within MOST_ITERATIONS
             if k > 2 and theta > DIVERGENCE_RATE:
                 return False
             if (
                 k > 2
-                and power(theta, float(MOST_ITERATIONS - k)) / (1.0 - theta) * implicit.correction
+                and power(theta, float(MOST_ITERATIONS - k)) / (1.0 - theta) * implicit.relative_correction
                 > ITERATION_ERROR
             ):
                 return False

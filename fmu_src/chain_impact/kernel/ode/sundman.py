@@ -133,6 +133,6 @@ def lone_contact(d):
     gap, gap_rate = clearance(d, c)
     u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
     over = u == 0.0 and gap_rate >= 0.0
-    if over or u + abs(gap_rate) / d.touch.impact_speed[c] <= RESTING_SUM:
+    if over or u + abs(gap_rate) / d.touch.law_speed[c] <= RESTING_SUM:
         return NO_CONTACT, 1.0
     return c, u

@@ -98,15 +98,15 @@ def touch_dtype(candidates: int) -> np.dtype:
         # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", bounded(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, onset of the candidate's latest contact
-        ("onset_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset, ≥ 0
-        ("impact_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ `law.minimum_impact_speed`
+        ("impact_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset, ≥ 0
+        ("law_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ `law.minimum_impact_speed`
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
         # m, expected penetration δ*; at a rigid wall the length of the longest link
         ("depth_scale", REAL, (candidates,)),
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step that is searched for peaks: a peak lies in the
         # step if the rate falls through 0
-        ("speed", REAL, (candidates,)),
+        ("penetration_rate", REAL, (candidates,)),
         # N/s, rate of the contact force at the start of the step that is searched for peaks; only the sign is
         # used, and after an event the number 1 stands for a force that may rise
         ("force_rate", REAL, (candidates,)),
@@ -120,7 +120,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         # 1: a stage or the end of the tried step lies on the side that ``beyond_kink`` does not name, by more
         # than ``kink_margin``
         ("kink_crossed", INTEGER, (candidates,)),
-        ("number", INTEGER, (candidates,)),  # `impact.count` after the candidate's latest onset
+        ("impact_number", INTEGER, (candidates,)),  # `impact.count` after the candidate's latest onset
         ("peak_force", REAL, (candidates,)),  # N, peak force in the contact so far
         ("max_penetration", REAL, (candidates,)),  # m, largest penetration in the contact so far
         ("joint_square", REAL, (candidates,)),  # N², largest squared force in any joint during the contact
@@ -160,8 +160,8 @@ def latest_dtype() -> np.dtype:
         ("listed", INTEGER),
         ("point", INTEGER, (LATEST,)),  # point of each impact, as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
-        ("time", REAL, (LATEST,)),  # s, onset of each impact
-        ("speed", REAL, (LATEST,)),  # m/s, approach speed at the onset of each impact
+        ("onset", REAL, (LATEST,)),  # s, onset of each impact
+        ("impact_speed", REAL, (LATEST,)),  # m/s, approach speed at the onset of each impact
         ("end", REAL, (LATEST,)),  # s, end of each contact; the communication point while the contact lasts
         ("separation_speed", REAL, (LATEST,)),  # m/s, rate of the clearance at ``end``
         ("peak_force", REAL, (LATEST,)),  # N, peak force of each contact
@@ -172,7 +172,7 @@ def latest_dtype() -> np.dtype:
 
 @written_by(
     "rows/constraints.py",
-    start="forces/holding.py",
+    unforced="forces/holding.py",
     resistance="forces/holding.py",
     refined="ode/folds.py",
     uneven="ode/folds.py",
@@ -182,8 +182,8 @@ def latest_dtype() -> np.dtype:
 def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """Return the layout of the constraints: first the active contacts, then the sticking elements.
 
-    Contacts with a force law have entries, but are never in the active set. The unit of ``start``, ``target``
-    and ``reached`` depends on the function that sets up the problem:
+    Contacts with a force law have entries, but are never in the active set. The unit of ``unforced``,
+    ``target`` and ``reached`` depends on the function that sets up the problem:
 
     - positions [m], with impulses in kg·m: release_contacts, and project_state in its first pass
     - speeds [m/s], with impulses in N·s: find_impulses, project_state (second pass), clear_sticking_speeds
@@ -205,12 +205,12 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # constraints of rigid walls in ``solve_lcp``: 1 if the impulse of one in the active set is a pull, or
         # if ``reached`` of one outside the set is below ``target``; else 0
         ("violated", INTEGER, (count,)),
-        ("start", REAL, (count,)),  # m, m/s or m/s² along the row, without any impulse
-        ("reached", REAL, (count,)),  # as ``start``, with the impulses of all constraints
+        ("unforced", REAL, (count,)),  # m, m/s or m/s² along the row, without any impulse
+        ("reached", REAL, (count,)),  # as ``unforced``, with the impulses of all constraints
         # required value of ``reached``; in ``solve_lcp`` the least allowed value
         ("target", REAL, (count,)),
-        # residual target − reached of a constraint in the active set, else 0; during a correction the
-        # residual times the impedance
+        # residual target − reached, in the unit of ``target``, of a constraint in the active set, else 0;
+        # during a correction the residual times the impedance
         ("residual", REAL, (count,)),
         ("impulse", REAL, (count,)),  # impulse [kg·m or N·s] or force [N] of the constraint, by the problem
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
@@ -229,9 +229,9 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     )
 
 
-@written_by("rows/limits.py")
+@written_by("rows/friction_limits.py")
 def limited_forces_dtype(links: int, elements: int) -> np.dtype:
-    """Return the layout of the scratch memory of rows/limits.py.
+    """Return the layout of the scratch memory of rows/friction_limits.py.
 
     That module finds, by iterations, constraint forces within the limits of friction.
     """
@@ -250,7 +250,7 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         ("center", REAL, (count,)),
         ("residual", REAL, (count,)),  # m/s², required acceleration minus the acceleration with the forces p
         # N, the force p + D m⁺, which may exceed its limits: p is the force before the iteration, D the
-        # impedance, and m⁺ the residual after the iteration (rows/limits.py)
+        # impedance, and m⁺ the residual after the iteration (rows/friction_limits.py)
         ("unlimited", REAL, (count,)),
         ("impedance", REAL, (count,)),  # kg, the impedance D of a constraint inside the limits, else 0
         # N, impedance times residual of a constraint inside its limits, else the force at the limit minus p
@@ -278,7 +278,7 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("onset", REAL, (log,)),  # s, time of the contact's onset
         # s, end of the contact; for an active contact NaN, or in ``list_latest`` the communication point
         ("end", REAL, (log,)),
-        ("impact_speed", REAL, (log,)),  # m/s, approach speed at the onset, `touch.onset_speed`
+        ("impact_speed", REAL, (log,)),  # m/s, approach speed at the onset, `touch.impact_speed`
         ("separation_speed", REAL, (log,)),  # m/s, rate of the clearance at ``end``; NaN if ``end`` is NaN
         ("peak_force", REAL, (log,)),  # N, peak force of the contact
         ("max_penetration", REAL, (log,)),  # m, largest penetration of the contact
@@ -289,7 +289,7 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("joint", INTEGER, (log,)),  # number of the joint with the largest force, 1…N; 0 for none
         ("x", REAL, (log,)),  # m, x of the position at which the candidate touched at the onset
         ("y", REAL, (log,)),
-        ("number", INTEGER, (log,)),  # number of the contact's onset, as in `touch.number`
+        ("impact_number", INTEGER, (log,)),  # number of the contact's onset, as in `touch.impact_number`
     )
 
 
@@ -308,20 +308,21 @@ def peaks_dtype() -> np.dtype:
 def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 
-    ``total`` and ``rate`` have an entry for each quadrature. The fields after ``index`` have entries only for
-    the quadratures that steps integrate at present, in the order of ``index``.
+    ``integral`` and ``rate`` have an entry for each quadrature. The fields after ``index`` have entries only
+    for the quadratures that steps integrate at present, in the order of ``index``.
     """
     count = candidates + elements + 3
     return record(
         ("computed", INTEGER),  # 1: steps integrate quadratures; 0: no output needs a quadrature
-        # N·s, value of ``total`` at the onset of the candidate's latest contact
+        # N·s, value of ``integral`` at the onset of the candidate's latest contact
         ("impulse_at_onset", REAL, (candidates,)),
         # integral of each quadrature from the run's start to the last ``commit_quadratures`` or impact
-        ("total", REAL, (count,)),
+        ("integral", REAL, (count,)),
         # rate of each quadrature at the last ``commit_quadratures``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
         ("count", bounded(0, count)),  # number of quadratures that steps integrate at present
-        # index in ``total`` of each quadrature that steps integrate; only the first ``count`` entries count
+        # index in ``integral`` of each quadrature that steps integrate; only the first ``count`` entries
+        # count
         ("index", bounded(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
         ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end

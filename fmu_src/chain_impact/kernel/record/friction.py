@@ -26,7 +26,7 @@ def friction_dtype(elements: int) -> np.dtype:
 @written_by(
     "forces/friction.py",
     event="events/marks.py",
-    **dict.fromkeys(("before", "slack", "undecided"), "events/friction_modes.py"),
+    **dict.fromkeys(("mode_before", "slack", "undecided"), "events/friction_modes.py"),
 )
 def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
@@ -38,7 +38,7 @@ def element_dtype(elements: int) -> np.dtype:
         ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction
         # the event of an element at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", INTEGER, (elements,)),
-        ("before", INTEGER, (elements,)),  # mode before the last choice of modes; 2 for a new contact
+        ("mode_before", INTEGER, (elements,)),  # mode before the last choice of modes; 2 for a new contact
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
         # 1: the element is at rest, and the forces have determined the mode; 0: the element moves, and the
         # motion has determined the mode; in a tangent instance also STOPPED = 2 of tangent/friction.py

@@ -22,14 +22,14 @@ from chain_impact.kernel.record.fields import (
 from chain_impact.kernel.rows.geometry import WALLS
 
 # fields of `chain` that ``set_effect_flags`` (chain/drives.py) sets: which effects joints or slider have
-FLAGS = (
+EFFECT_FLAGS = (
     *("has_springs", "has_springs_or_dampers", "has_armatures"),
     *("has_joint_places", "has_drive_friction", "has_drive_limits"),
 )
 
 
 @settable(AT_START)
-@written_by("initialize.py", **dict.fromkeys(FLAGS, "chain/drives.py"))
+@written_by("initialize.py", **dict.fromkeys(EFFECT_FLAGS, "chain/drives.py"))
 def chain_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the chain's data, and of the walls of the box."""
     return record(
@@ -47,7 +47,7 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("center_of_mass_offset", FINITE, (links,)),
         # kg·m², inertia of the rotor of each joint's drive against the relative rotation in the joint
         ("joint_armature", NOT_NEGATIVE, (links,)),
-        ("wall", FINITE, (len(WALLS),)),  # m, positions of the walls x_min, x_max, y_min, y_max
+        ("box_wall", FINITE, (len(WALLS),)),  # m, positions of the walls x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
         # 1: the scene has inputs other than motions of walls (a wall acts on the chain only in a contact)
@@ -142,7 +142,7 @@ def slider_dtype() -> np.dtype:
 
 
 @settable(AT_START)
-@written_by("events/saturation.py", event="events/marks.py", margin="equations.py")
+@written_by("events/saturation.py", mode_ends="events/marks.py", torque_margin="equations.py")
 def drive_dtype(links: int) -> np.dtype:
     """Return the layout of the drives, see kernel/chain/drives.py: a row for each joint, then for the slider.
 
@@ -154,19 +154,19 @@ def drive_dtype(links: int) -> np.dtype:
     """
     rows = (links + 1,)
     return record(
-        ("friction", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
+        ("friction_moment", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
         # N·m, largest absolute value of the sum of the torques of motor, spring and damper; ∞: no limit
-        ("limit", LIMIT, rows),
+        ("torque_limit", LIMIT, rows),
         ("min", REAL, rows),  # rad, angle of the joint at which the lower stop begins to act; −∞: no stop
         ("max", REAL, rows),  # rad, angle of the joint at which the upper stop begins to act; ∞: no stop
         # ---- set during the run
         # 1 or −1: the drive's torque is held at its positive or negative limit; 0: no limit holds the torque
         ("mode", INTEGER, rows),
         ("chosen", INTEGER, rows),  # in a tangent instance: the drive's ``mode`` in the primal instance
-        ("event", INTEGER),  # 1: at the end of the last step the mode of some drive ends; 0: none ends
+        ("mode_ends", INTEGER),  # 1: at the end of the last step the mode of some drive ends; 0: none ends
         # N·m, the least result of ``mode_margin`` (chain/drives.py) in the stages of the tried step, or 0 if
         # this is larger; a negative number says that a drive has passed the end of its mode
-        ("margin", REAL),
+        ("torque_margin", REAL),
     )
 
 
@@ -214,12 +214,12 @@ def piece_dtype(links: int) -> np.dtype:
     kernel/chain/inputs.py has the formula.
     """
     return record(
-        ("order", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
+        ("degree", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
         # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. In a
         # piece with an end, −1 ≤ x ≤ 1, so that the powers of x lose no digits in a short or late piece.
         ("middle", REAL),  # s, time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of the argument x in time
-        ("until", REAL),  # s, end of the piece, up to round-off; without meaning if ``order`` is 0
+        ("until", REAL),  # s, end of the piece, up to round-off; without meaning if ``degree`` is 0
         # rad/s, how fast the inputs change in the piece: the angular frequency of a sine that is as fast
         ("change_rate", REAL),
         *input_fields(links, DEGREE + 1),  # coefficients of the polynomials of the inputs

@@ -45,13 +45,13 @@ from chain_impact.kernel.record.given import (
     stops_dtype,
     walls_dtype,
 )
-from chain_impact.kernel.record.motions import motion_dtype, moved_dtype, shift_dtype
+from chain_impact.kernel.record.motions import channel_dtype, given_channel_dtype, wall_motion_dtype
 from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
 from chain_impact.kernel.record.solver import (
     balance_dtype,
+    budget_dtype,
     fault_dtype,
     implicit_dtype,
-    limits_dtype,
     scratch_dtype,
     search_dtype,
     statistics_dtype,
@@ -174,7 +174,7 @@ def transmitted_dtype(loads: int) -> np.dtype:
     An array of shape (loads,) has the rows of ``load_output_dtype``: the joints, then the walls.
     """
     return record(
-        ("start_time", REAL),  # s, time at which the run started
+        ("run_start", REAL),  # s, time at which the run started
         # N·s, impulse of the input force at the tip from the run's start to the communication point
         ("tip_impulse", REAL, (2,)),
         # N·s, x and y of the momentum of each joint's outer link at the run's start; rows of walls are not
@@ -182,12 +182,12 @@ def transmitted_dtype(loads: int) -> np.dtype:
         ("start_x", REAL, (loads,)),
         ("start_y", REAL, (loads,)),
         # N², the largest squared force in each joint from the run's start to the last ``update_load_peaks``
-        ("peak", REAL, (loads,)),
-        ("peak_time", REAL, (loads,)),  # s, time at which each joint had the squared force ``peak``
+        ("peak_square", REAL, (loads,)),
+        ("peak_time", REAL, (loads,)),  # s, time at which each joint had the squared force ``peak_square``
         # N², the largest squared force in each joint that the search of the last step has found so far; the
         # search starts from a stored maximum (loads.py)
         ("largest_square", REAL, (loads,)),
-        ("largest_time", REAL, (loads,)),  # s, time of ``largest_square``, if this exceeds ``peak``
+        ("largest_time", REAL, (loads,)),  # s, time of ``largest_square``, if this exceeds ``peak_square``
         # N², ``largest_square`` after ``fill_load_peaks`` (loads.py) has last searched a whole step
         ("searched_square", REAL, (loads,)),
         # values of `step.breaks` and of `step.end` [s] when ``fill_load_peaks`` last searched a whole step:
@@ -196,10 +196,10 @@ def transmitted_dtype(loads: int) -> np.dtype:
         ("searched_end", REAL),
         ("x", REAL, (loads,)),  # N, x and y of the joint forces at the last sampled time (loads.py)
         ("y", REAL, (loads,)),
-        # N², ``before``, ``middle``, ``after``: squares of the joint forces at three successive sampled times
-        ("before", REAL, (loads,)),
-        ("middle", REAL, (loads,)),
-        ("after", REAL, (loads,)),
+        # N², squares of the joint forces at three successive sampled times
+        ("square_before", REAL, (loads,)),
+        ("square_middle", REAL, (loads,)),
+        ("square_after", REAL, (loads,)),
     )
 
 
@@ -228,7 +228,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("peaks", peaks_dtype()),
         ("statistics", statistics_dtype()),
         ("fault", fault_dtype()),
-        ("limits", limits_dtype()),
+        ("budget", budget_dtype()),
         ("balance", balance_dtype()),
         ("scratch", scratch_dtype(links, sites)),
         ("friction", friction_dtype(elements)),
@@ -246,9 +246,9 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("changes", changes_dtype(elements)),
         ("output", output_dtype(links, candidates, elements, loads, channels, sites, signals)),
         ("transmitted", transmitted_dtype(loads)),
-        ("shift", shift_dtype(candidates)),
-        ("motion", motion_dtype(channels)),
-        ("moved", moved_dtype(channels)),
+        ("wall_motion", wall_motion_dtype(candidates)),
+        ("given_channel", given_channel_dtype(channels)),
+        ("channel", channel_dtype(channels)),
         ("site", site_dtype(links, sites)),
         ("signal", signal_dtype(signals, knots)),
         ("knot", knot_dtype(knots)),

@@ -8,7 +8,7 @@ from chain_impact.kernel.record.fields import AT_ANY_TIME, INTEGER, REAL, record
 
 @settable(AT_ANY_TIME)
 @written_by("chain/inputs.py")
-def motion_dtype(channels: int) -> np.dtype:
+def given_channel_dtype(channels: int) -> np.dtype:
     """Return the layout of the motions given for base and walls, by channel, see kernel/chain/motion.py."""
     return record(
         # 1: the kernel sets ``piece`` to cubics, from the values given at communication points; 0: the
@@ -20,16 +20,16 @@ def motion_dtype(channels: int) -> np.dtype:
         ("velocity", REAL, (channels,)),  # m/s, given velocity of each channel
         ("acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel; 0 for a belt
         # m, polynomial coefficients (rows) of each channel's position in the next piece of the inputs, which
-        # follows the piece in use; the coefficients of the piece in use are in `moved.piece`
+        # follows the piece in use; the coefficients of the piece in use are in `channel.piece`
         ("piece", REAL, (DEGREE + 1, channels)),
     )
 
 
 @written_by("chain/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
-def moved_dtype(channels: int) -> np.dtype:
+def channel_dtype(channels: int) -> np.dtype:
     """Return the layout of the present motions of base and walls, and of the given values that cause them."""
     return record(
-        ("began", REAL),  # s, time at which the run started
+        ("run_start", REAL),  # s, time at which the run started
         ("until", REAL),  # s, the communication point at which the cubics of the motions end
         # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
         # none. The next three fields describe the contradiction to the user
@@ -38,7 +38,7 @@ def moved_dtype(channels: int) -> np.dtype:
         ("distance", REAL),
         # s, time from the previous to the new given values of the channel in ``contradiction``
         ("lasted", REAL),
-        ("speed", REAL),  # m/s, new given velocity of the channel in ``contradiction``
+        ("new_velocity", REAL),  # m/s, new given velocity of the channel in ``contradiction``
         ("position", REAL, (channels,)),  # m, position after the last `move_channels` (chain/motion.py)
         ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`
         ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move_channels`
@@ -52,26 +52,26 @@ def moved_dtype(channels: int) -> np.dtype:
         # m, position of a channel at ``given_at``, from which later positions are extrapolated
         ("from_position", REAL, (channels,)),
         # m/s, velocity of a channel at ``given_at``; later positions are extrapolated with the velocity
-        # ``from_velocity`` + ``mean`` at this time, and with the given acceleration
+        # ``from_velocity`` + ``mean_velocity`` at this time, and with the given acceleration
         ("from_velocity", REAL, (channels,)),
         # 1: the motion follows the given position; 0: a belt, or only a velocity or an acceleration was new
         # at the last change, and the position is the integral of the velocity
         ("anchored", INTEGER, (channels,)),
         # m/s, for a base that was given positions without velocities: displacement between its last two given
         # positions over the time between them; else 0
-        ("mean", REAL, (channels,)),
+        ("mean_velocity", REAL, (channels,)),
         # ---- numbers that are 0, but have derivatives with respect to given values (tangent/replay.py)
         # m, 0, but with the derivatives of the given position; it is added to the position
-        ("added", REAL, (channels,)),
+        ("added_position", REAL, (channels,)),
         # m/s, 0, but with the derivatives of the given velocity; it is added to the velocity
-        ("added_rate", REAL, (channels,)),
+        ("added_velocity", REAL, (channels,)),
         # m/s², 0, but with the derivatives of the given acceleration; it is added to the acceleration
         ("added_acceleration", REAL, (channels,)),
     )
 
 
 @written_by("chain/motion.py", unmoved_offset="rows/geometry.py")
-def shift_dtype(candidates: int) -> np.dtype:
+def wall_motion_dtype(candidates: int) -> np.dtype:
     """Return the layout of the motion of wall and belt of each candidate.
 
     Every candidate has a row. For a stop, and for a wall without prescribed motion, ``channel`` is −1,
@@ -80,11 +80,11 @@ def shift_dtype(candidates: int) -> np.dtype:
     return table(
         candidates,
         # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move
-        ("channel", INTEGER),
+        ("first_channel", INTEGER),
         ("unmoved_offset", REAL),  # m, `candidate.offset` while the wall's displacement is 0
-        ("rate", REAL),  # m/s, speed of the wall along its normal n
+        ("velocity", REAL),  # m/s, speed of the wall along its normal n
         ("acceleration", REAL),  # m/s², acceleration of the wall along its normal n
         ("travel", REAL),  # m, position of the belt's channel along t = (n_y, −n_x)
-        ("belt_rate", REAL),  # m/s, speed of the belt along t
+        ("belt_velocity", REAL),  # m/s, speed of the belt along t
         ("belt_acceleration", REAL),  # m/s², acceleration of the belt along t
     )

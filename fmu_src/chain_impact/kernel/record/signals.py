@@ -39,8 +39,8 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2); for an
         # input 0
         ("order", bounded(0, 2), (signals,)),
-        ("first", INTEGER, (signals,)),  # index of the signal's first knot in `knot`
-        ("last", bounded(0, knots - 1), (signals,)),  # index of the signal's last knot in `knot`
+        ("first_knot", INTEGER, (signals,)),  # index of the signal's first knot in `knot`
+        ("last_knot", bounded(0, knots - 1), (signals,)),  # index of the signal's last knot in `knot`
         ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
         # m, growth of the position over one period, if a periodic table gives a velocity or an acceleration;
         # else 0

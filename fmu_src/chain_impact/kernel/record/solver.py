@@ -4,7 +4,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.response import SLOTS
 from chain_impact.kernel.chain.state import coordinate_count, state_size
-from chain_impact.kernel.events.exclusion import FAR
+from chain_impact.kernel.events.exclusion import SAFE_DISTANCE
 from chain_impact.kernel.ode.control import ACCEPTED, DIVERGED, EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
@@ -30,13 +30,13 @@ from chain_impact.kernel.status import LAST_STATUS, OK
     "ode/last_step.py",
     dense=("ode/last_step.py", "ode/explicit.py", "ode/collocation.py"),
     **dict.fromkeys(("next_size", "flight_size"), "ode/control.py"),
-    **dict.fromkeys(("method", "stiff_count", "switch_hysteresis", "other_size"), "ode/methods.py"),
+    **dict.fromkeys(("method", "stiff_count", "switch_after", "other_method_size"), "ode/methods.py"),
 )
 def step_dtype(links: int, candidates: int) -> np.dtype:
     """Return the layout of the last accepted step, of its dense output, and of data for the next step."""
     state = state_size(links)
     return record(
-        ("time", REAL),  # s, the communication point; between calls it lies in the last step
+        ("communication_point", REAL),  # s, the communication point; between calls it lies in the last step
         ("start", REAL),  # s, time at which the last step starts
         # s, time that is added to the entry t of the state y: the start of the last or of the tried step
         ("clock", REAL),
@@ -44,8 +44,8 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # s, time from ``start`` to the event that begins the step: 0; in a tangent instance this 0 has
         # derivatives
         ("start_delay", REAL),
-        # size of the whole step in its integration variable: time [s], or the fictitious time of a contact
-        # (kernel/ode/sundman.py)
+        # size of the whole step in its integration variable: time [s], or the fictitious time [s] of a
+        # contact (kernel/ode/sundman.py)
         ("size", REAL),
         ("end_fraction", REAL),  # fraction of ``size`` at which the step ends; 1 if the step is not cut
         ("next_size", REAL),  # proposed size of the next step, in the integration variable of that step
@@ -73,9 +73,10 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # integration variable is time
         ("regularized", bounded(NO_CONTACT, candidates - 1)),
         ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the method of the tried or next step
-        ("other_size", REAL),  # s, size of the other method's steps when the method changed; 0: not known
+        # s, size of the other method's steps when the method changed; 0: not known
+        ("other_method_size", REAL),
         ("stiff_count", INTEGER),  # number of steps in a row that have suggested the other method
-        ("switch_hysteresis", INTEGER),  # value of ``stiff_count`` at which the method changes
+        ("switch_after", INTEGER),  # value of ``stiff_count`` at which the method changes
     )
 
 
@@ -83,7 +84,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
 def trial_dtype(links: int) -> np.dtype:
     """Return the layout of the outcome of the tried step."""
     return record(
-        ("size", REAL),  # size of the tried step in its integration variable
+        ("size", REAL),  # size of the tried step in its integration variable: time [s] or fictitious time [s]
         ("state", REAL, (state_size(links),)),  # state y at the end of the tried step
         # ACCEPTED, or the reason why the tried step is rejected, such as INACCURATE (kernel/ode/control.py)
         ("outcome", bounded(ACCEPTED, DIVERGED)),
@@ -118,7 +119,7 @@ def statistics_dtype() -> np.dtype:
 
 
 @written_by("cost.py")
-def limits_dtype() -> np.dtype:
+def budget_dtype() -> np.dtype:
     """Return the layout of the data that limit the number of events and the cost in windows of time."""
     return record(
         ("event_start", REAL),  # s, start of the window in which events are counted
@@ -143,13 +144,13 @@ def balance_dtype() -> np.dtype:
         # value of `step.breaks` when the energy balance was last evaluated at the start of a step
         ("breaks", INTEGER),
         # s, start of the window of time in which the sum of the changes of the balance has a limit
-        ("start", REAL),
+        ("window_start", REAL),
         # J, energy balance at the start of the window, plus the later changes that new parameters cause
         ("reference", REAL),
         ("allowed", REAL),  # J, the largest change allowed to any step in the window so far
         # J, the part of a step's allowed change of the balance that does not depend on the state
         ("least_allowed", REAL),
-        ("since", REAL),  # s, time at which the run started
+        ("run_start", REAL),  # s, time at which the run started
         # J, energy balance at the start of the run, plus the later changes that new parameters cause
         ("origin", REAL),
         # J, value of ``available`` before the last step
@@ -198,19 +199,19 @@ def elimination_dtype(links: int) -> np.dtype:
 
 
 @written_by(
-    y="events/crossing.py",
+    state="events/crossing.py",
     rate_start="advance.py",
-    error="ode/collocation.py",
+    y_error="ode/collocation.py",
     load=("forces/active_contacts.py", "rows/compliance.py"),
-    motion="rows/compliance.py",
+    place_change="rows/compliance.py",
     impedance="chain/joints.py",
     factors="chain/response.py",
     moment="equations.py",
     thrust="equations.py",
     elimination="chain/elimination.py",
     change="ode/friction_work.py",
-    reach="events/crossing.py",
-    **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
+    curvature="events/crossing.py",
+    **dict.fromkeys(("position", "velocity", "acceleration", "located_at_end"), "chain/kinematics.py"),
 )
 def scratch_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the scratch memory; fields are valid only within a step, unless noted."""
@@ -222,13 +223,13 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
         # ẏ at the end of the last step, if `step.rate_known` is 1; valid after the step, too
         ("rate_end", REAL, (state,)),
-        ("y", REAL, (state,)),  # the state y that is being evaluated
-        ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for evaluations that are no stages of a step
-        # a state at a time before or after that of ``y``, at which ode/folds.py finds forces near a fold
+        ("state", REAL, (state,)),  # the state y that is being evaluated
+        ("rate", REAL, (state,)),  # the rate ẏ of ``state``, for evaluations that are no stages of a step
+        # a state at a time before or after that of ``state``, at which ode/folds.py finds forces near a fold
         ("nearby", REAL, (state,)),
-        ("error", REAL, (2, state)),  # the two error estimates of a tried step, for each entry of y
+        ("y_error", REAL, (2, state)),  # the two error estimates of a tried step, for each entry of y
         # m, link vectors L_i, from the proximal joint to the far end of each link; entry N is not used
-        ("link", vectors_dtype(points)),
+        ("link_vector", vectors_dtype(points)),
         # loads on the chain, forces or impulses: N or N·s at places, N·m or N·m·s in joints and on links
         ("load", loads),
         ("moment", REAL, (links,)),  # N·m, sum of the moments on each link in its proximal and distal joint
@@ -245,13 +246,13 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("acceleration", places),  # m/s², accelerations of all places
         # 1: ``position``, ``velocity`` and ``acceleration`` are those at the end of the last step, and stay
         # valid after this step; 0: they may belong to another time
-        ("at_end", INTEGER),
+        ("located_at_end", INTEGER),
         # changes of all coordinates, of their rates or of their accelerations: the response of the chain
         ("change", REAL, (coordinate_count(links),)),
-        ("motion", places),  # motions of all places that changes of the coordinates cause
+        ("place_change", places),  # motions of all places that changes of the coordinates cause
         # m/s², for each point, a bound on the second derivative of the position relative to the base, by the
         # integration variable of the step: time or fictitious time, both in seconds
-        ("reach", REAL, (points,)),
+        ("curvature", REAL, (points,)),
     )
 
 
@@ -264,18 +265,18 @@ def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with each φ (exclusion.py) at both ends of an interval."""
     return record(
         # what is known of the candidates' φ (``phi_end``) at the last step's end (events/exclusion.py):
-        # NOTHING; VALUES: φ and φ′; WITH_CURVES: also φ″; FAR: candidates without contact have at least the
-        # clearance ``safe_distance``
-        ("known", bounded(0, FAR)),
+        # NOTHING; VALUES: φ and φ′; WITH_CURVES: also φ″; SAFE_DISTANCE: candidates without contact have at
+        # least the clearance ``safe_distance``
+        ("known", bounded(0, SAFE_DISTANCE)),
         # value of `step.breaks` for which ``known`` is valid; for other values nothing is known
         ("known_for", INTEGER),
         # m, lower bound on the clearances of candidates without contact, at the last step's end
         ("safe_distance", REAL),
         # rad/s, largest angular frequency at which an input changes in the searched step
         ("input_rate", REAL),
-        ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the last step's end
+        ("speed_bound", REAL),  # m/s, bound on the speeds of places relative to walls at the last step's end
         # m/s², bound on the accelerations of places relative to walls at the last step's end
-        ("acceleration", REAL),
+        ("acceleration_bound", REAL),
         # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),
         ("suspect", INTEGER, (candidates,)),  # indices of the ``suspect_count`` candidates to be examined
@@ -298,15 +299,17 @@ def search_dtype(candidates: int) -> np.dtype:
 
 
 @written_by(
-    **dict.fromkeys(("start", "start_rate", "link", "stiffness", "damping"), "ode/extended.py"),
+    **dict.fromkeys(
+        ("z_start", "rate_start", "link_vector", "contact_stiffness", "contact_damping"), "ode/extended.py"
+    ),
     **dict.fromkeys(("drive_stiffness", "drive_damping", "shift", "pairs"), "ode/extended.py"),
-    **dict.fromkeys(("iterations", "correction", "contraction"), "ode/radau.py"),
-    **dict.fromkeys(("last", "listing", "thirds"), "ode/collocation.py"),
+    **dict.fromkeys(("iterations", "relative_correction", "contraction"), "ode/radau.py"),
+    **dict.fromkeys(("last_stages", "listing", "thirds"), "ode/collocation.py"),
     **dict.fromkeys(("z", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
-    friction="ode/friction_work.py",
+    friction_force="ode/friction_work.py",
     parts=("ode/collocation.py", "ode/radau.py"),
     normal=("ode/collocation.py", "ode/extended.py"),
-    weight="ode/collocation.py",
+    error_weight="ode/collocation.py",
 )
 def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
     """Return the layout of the scratch memory of an implicit step, and of the data of the last implicit step.
@@ -323,46 +326,47 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
         ("load", loads_dtype(links, sites, COMPLEX)),
-        ("motion", vectors_dtype(place_count(links, sites), COMPLEX)),
+        ("place_change", vectors_dtype(place_count(links, sites), COMPLEX)),
         ("change", COMPLEX, (coordinate_count(links),)),
         ("x", COMPLEX, (extended,)),  # right-hand side of the linear system, later its solution
     )
     return record(
-        ("start", REAL, (extended,)),  # extended state z at the start of a step
-        ("start_rate", REAL, (extended,)),  # rate ż of the extended state at the start of a step
+        ("z_start", REAL, (extended,)),  # extended state z at the start of a step
+        ("rate_start", REAL, (extended,)),  # rate ż of the extended state at the start of a step
         # the extended state that is evaluated; after ``correct_stages`` (ode/radau.py) the largest absolute
         # change of each entry
         ("z", REAL, (extended,)),
         # in an implicit step the weights 1/(tolerance × scale) of errors in z; in an explicit step the scales
         # of errors in y and in clearances
-        ("weight", REAL, (extended,)),
+        ("error_weight", REAL, (extended,)),
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the step's start to its nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
         # N, force of dry friction on each element with friction, in a joint the moment over the longest link,
         # at the nodes
-        ("friction", REAL, (RADAU_STAGES, elements)),
+        ("friction_force", REAL, (RADAU_STAGES, elements)),
         # right-hand sides of the linear systems, later their solutions (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
-        ("last", REAL, (RADAU_STAGES, extended)),
-        # value of `touch.listings` in the step of ``last``; while `touch.listings` has this value, the active
-        # contacts are the same, and ``last`` can predict the stages of the next step
+        ("last_stages", REAL, (RADAU_STAGES, extended)),
+        # value of `touch.listings` in the step of ``last_stages``; while `touch.listings` has this value, the
+        # active contacts are the same, and ``last_stages`` can predict the stages of the next step
         ("listing", INTEGER),
         ("iterations", INTEGER),  # number of Newton iterations in the tried step
-        ("correction", REAL),  # largest component of the last Newton correction, over the tolerated error
+        # largest component of the last Newton correction, over the tolerated error
+        ("relative_correction", REAL),
         # convergence rate θ of Newton's iteration, the ratio of its last two corrections; ∞ after a
         # correction above FAILED_CORRECTION (ode/radau.py)
         ("contraction", REAL),
         # changes of y, at one third and at two thirds of the step, by which the dense output is corrected
         ("thirds", REAL, (2, state)),
         # m, link vectors L_i in the state at which the Jacobian A was evaluated
-        ("link", vectors_dtype(links + 1)),
+        ("link_vector", vectors_dtype(links + 1)),
         # N/m, slope ∂F/∂δ of the force F of each active contact with a force law, by the penetration; in the
         # order of `touch.active_index`
-        ("stiffness", REAL, (candidates,)),
+        ("contact_stiffness", REAL, (candidates,)),
         # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law, by the rate of the
         # penetration; in the order of `touch.active_index`
-        ("damping", REAL, (candidates,)),
+        ("contact_damping", REAL, (candidates,)),
         # N·m/rad, slope −∂F/∂ψ of the torque F of each joint's drive, by the joint's angle ψ; the last entry
         # belongs to the slider [N/m]
         ("drive_stiffness", REAL, (links + 1,)),

@@ -86,7 +86,7 @@ def factorize_contacts(d, slot, impedance):
     for k in range(constraint_count(d)):
         add_impedance(constraint_row(d, k), d.scratch.impedance, impedance[k])
     add_joint_impedances(d, d.scratch.impedance)
-    factorize(d, d.scratch.link, d.scratch, slot, joints_loaded(d))
+    factorize(d, d.scratch.link_vector, d.scratch, slot, joints_loaded(d))
 
 
 def joints_loaded(d):
@@ -107,26 +107,26 @@ def solve_space(d, link_vectors, space, slot, change):
         d: the instance.
         link_vectors: record with ``x, y``, shape (N+1,): the vectors L_i [m] (entry N is not used).
         space: record of the factors and loads. The function stores the motion of the places in
-            ``space.motion``.
+            ``space.place_change``.
         slot: the slot of the factors.
         change: result Δ, changes of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
     add_joint_loads(d, space.load)
     move_site_loads(d, link_vectors, space.load)
     solve(d, link_vectors, space, slot, change)
-    move_points(d, link_vectors, change, space.motion)
+    move_points(d, link_vectors, change, space.place_change)
 
 
 def solve_contacts(d, slot, impulse, change):
     """Compute the response Δ to the impulses p_k [N·s] in ``impulse``, one for each constraint k.
 
     ``slot`` is the index of the factors in ``scratch.factors`` (chain/response.py). The function stores Δ in
-    ``change``, and the motion of the places in ``scratch.motion``.
+    ``change``, and the motion of the places in ``scratch.place_change``.
     """
     clear_loads_of(d, d.scratch.load)
     for k in range(constraint_count(d)):
         add_along(constraint_row(d, k), d.scratch.load, impulse[k])
-    solve_space(d, d.scratch.link, d.scratch, slot, change)
+    solve_space(d, d.scratch.link_vector, d.scratch, slot, change)
 
 
 def accelerations_with_armatures(d, y, rate):
@@ -138,12 +138,12 @@ def accelerations_with_armatures(d, y, rate):
     afterwards; the factors of M stay in ``scratch.factors``.
     """
     scratch, n = d.scratch, d.links
-    load, link, before = scratch.load, scratch.link, scratch.motion
+    load, link, before = scratch.load, scratch.link_vector, scratch.place_change
     for k in range(n + 1):
         before.x[k], before.y[k] = load.x[k], load.y[k]
     ax, ay, moment = 0.0, 0.0, 0.0
     if d.channels > 0 and d.chain.base_moves:
-        ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
+        ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]
     for i in range(n):
         ratio, omega = d.chain.center_of_mass_ratio[i], y[omega_at(n) + i]
         w2x, w2y = omega * omega * link.x[i], omega * omega * link.y[i]
@@ -189,11 +189,11 @@ def effective_mass(d, c):
     scratch, row = d.scratch, normal_row(d, c)
     no_impedance(d, scratch.impedance)
     add_joint_impedances(d, scratch.impedance)
-    factorize(d, scratch.link, scratch, FREE, d.chain.has_armatures != 0 or at_joint_stop(d, c))
+    factorize(d, scratch.link_vector, scratch, FREE, d.chain.has_armatures != 0 or at_joint_stop(d, c))
     clear_loads_of(d, scratch.load)
     add_along(row, scratch.load, 1.0)
-    solve_space(d, scratch.link, scratch, FREE, scratch.change)
+    solve_space(d, scratch.link_vector, scratch, FREE, scratch.change)
     # in a toggle position no impulse moves the point, so its mobility is 0; the least mobility keeps the
     # result finite
     mobility = LEAST_MOBILITY * d.chain.longest_link * d.chain.longest_link / d.chain.energy_scale
-    return 1.0 / max(mobility, along(row, scratch.motion))
+    return 1.0 / max(mobility, along(row, scratch.place_change))

@@ -129,7 +129,7 @@ def factorize_free(d):
 
 
 def solve_equality(d, scale):
-    """Find the impulses that bring the active set from ``start`` to ``target``; other impulses are 0.
+    """Find the impulses that bring the active set from ``unforced`` to ``target``; other impulses are 0.
 
     Args:
         d: the instance, with the points located and the free motion factorized. ``d.constraints`` has the
@@ -217,21 +217,21 @@ def single_active(d):
 
 def solve_single(d, only):
     """Solve the equality problem for constraint ``only``; return False if a wall's mobility is too small."""
-    constraints, motion = d.constraints, d.scratch.motion
+    constraints, motion = d.constraints, d.scratch.place_change
     clear_loads_of(d, d.scratch.load)
     add_along(constraint_row(d, only), d.scratch.load, 1.0)
-    solve_space(d, d.scratch.link, d.scratch, FREE, constraints.change)
+    solve_space(d, d.scratch.link_vector, d.scratch, FREE, constraints.change)
     mobility = along(constraint_row(d, only), motion)
     if only >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE_MOBILITY:
         return False
-    impulse = (constraints.target[only] - constraints.start[only]) / mobility
+    impulse = (constraints.target[only] - constraints.unforced[only]) / mobility
     for j in range(len(constraints.change)):
         constraints.change[j] *= impulse
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse if k == only else 0.0
-        constraints.reached[k] = constraints.start[k] + impulse * along(constraint_row(d, k), motion)
+        constraints.reached[k] = constraints.unforced[k] + impulse * along(constraint_row(d, k), motion)
     count_other_cost(d, 1)
     return True
 
@@ -243,12 +243,12 @@ def iterated_enough(_d, _iterations):
 
 
 def clear_impulses(d):
-    """Set all impulses and their ``change`` to 0, and ``reached`` of each constraint to its ``start``."""
+    """Set all impulses and their ``change`` to 0, and ``reached`` of each constraint to its ``unforced``."""
     constraints = d.constraints
     for j in range(len(constraints.change)):
         constraints.change[j] = 0.0
     for k in range(constraint_count(d)):
-        constraints.impulse[k], constraints.reached[k] = 0.0, constraints.start[k]
+        constraints.impulse[k], constraints.reached[k] = 0.0, constraints.unforced[k]
 
 
 def find_residual(d):
@@ -264,7 +264,7 @@ def find_residual(d):
 @inlined
 def correct_impulses(d):
     """Improve the impulses by one iteration, from the residuals; compute the motion with the new impulses."""
-    constraints, motion = d.constraints, d.scratch.motion
+    constraints, motion = d.constraints, d.scratch.place_change
     # p: impulses, m: residuals (target − motion), D: impedances, J: rows of the constraints, M: mass matrix,
     # z: change of the coordinates' rates
     # (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
@@ -284,7 +284,7 @@ def move_by_impulses(d):
     constraints = d.constraints
     solve_contacts(d, FREE, constraints.impulse, constraints.change)
     for k in range(constraint_count(d)):
-        constraints.reached[k] = constraints.start[k] + along(constraint_row(d, k), d.scratch.motion)
+        constraints.reached[k] = constraints.unforced[k] + along(constraint_row(d, k), d.scratch.place_change)
     count_other_cost(d, 1)
 
 

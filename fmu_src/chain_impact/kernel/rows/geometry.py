@@ -64,7 +64,7 @@ def set_candidate_rows(d):
             set_box_wall(d, c, wall)
         else:
             set_sloped_wall(d, c, wall - len(WALLS))
-        d.shift.unmoved_offset[c] = d.candidate.offset[c]
+        d.wall_motion.unmoved_offset[c] = d.candidate.offset[c]
 
 
 def set_box_wall(d, c, wall):
@@ -73,7 +73,7 @@ def set_box_wall(d, c, wall):
     nx, ny = NORMALS[wall]
     candidate.normal_x[c], candidate.normal_y[c] = nx, ny
     # the normal has a single component: either nx or ny is 0
-    candidate.offset[c] = (nx + ny) * d.chain.wall[wall]
+    candidate.offset[c] = (nx + ny) * d.chain.box_wall[wall]
 
 
 def set_sloped_wall(d, c, w):
@@ -245,7 +245,7 @@ def clearance(d, c):
     gap = along(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
     gap_rate = along(row, d.scratch.velocity)
     if d.channels > 0:
-        gap_rate -= d.shift.rate[c]
+        gap_rate -= d.wall_motion.velocity[c]
     return gap, gap_rate
 
 
@@ -253,28 +253,26 @@ def gap_acceleration(d, c):
     """Return g̈ [m/s²], the second derivative of candidate c's clearance, from the accelerated points."""
     acceleration = along(normal_row(d, c), d.scratch.acceleration)
     if d.channels > 0:
-        acceleration -= d.shift.acceleration[c]
+        acceleration -= d.wall_motion.acceleration[c]
     return acceleration
 
 
 def tangential_position(d, e):
     """Return the coordinate [m] of element e along t, at a wall relative to the belt, at located points."""
     coordinate = along(tangent_row(d, e), d.scratch.position)
-    return coordinate - d.shift.travel[e] if d.channels > 0 and e < d.candidates else coordinate
+    return coordinate - d.wall_motion.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
     """Return the speed [m/s] of element e along t, at a wall relative to the belt, at located points."""
     speed = along(tangent_row(d, e), d.scratch.velocity)
-    return speed - d.shift.belt_rate[e] if d.channels > 0 and e < d.candidates else speed
+    return speed - d.wall_motion.belt_velocity[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
     """Return the acceleration [m/s²] of e along t, at a wall relative to the belt, at accelerated points."""
-    acceleration = along(tangent_row(d, e), d.scratch.acceleration)
-    return (
-        acceleration - d.shift.belt_acceleration[e] if d.channels > 0 and e < d.candidates else acceleration
-    )
+    a = along(tangent_row(d, e), d.scratch.acceleration)
+    return a - d.wall_motion.belt_acceleration[e] if d.channels > 0 and e < d.candidates else a
 
 
 def constraint_acceleration(d, k):
@@ -388,12 +386,12 @@ def faces_base(d, c):
     """
     # all walls have the same points as candidates, in the same order, unless the base slides
     first = at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]
-    return first and (d.chain.base_moves or d.shift.channel[c] >= 0)
+    return first and (d.chain.base_moves or d.wall_motion.first_channel[c] >= 0)
 
 
 def base_clearance(d, c):
     """Return n·p − offset [m] of a pinned base p at candidate c's wall, without radius; < 0 in the wall."""
     x, y = d.step.state_end[0], d.step.state_end[1]
     if d.chain.base_moves:
-        x, y = d.moved.position[0], d.moved.position[1]
+        x, y = d.channel.position[0], d.channel.position[1]
     return d.candidate.normal_x[c] * x + d.candidate.normal_y[c] * y - d.candidate.offset[c]

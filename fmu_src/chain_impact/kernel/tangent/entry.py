@@ -8,9 +8,13 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.entry import within_bounds
-from chain_impact.kernel.events.contact_log import update_own_to_output_time
+from chain_impact.kernel.events.contact_log import update_own_to_communication_point
 from chain_impact.kernel.observe import fill_outputs, refill_motion
-from chain_impact.kernel.ode.last_step import return_to_stored_state, set_own_output_time, store_output_state
+from chain_impact.kernel.ode.last_step import (
+    return_to_stored_state,
+    set_own_communication_point,
+    store_output_state,
+)
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS, as_words, block
 from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
@@ -42,7 +46,7 @@ def observe_tangent(d, t):
     The derivatives are also NaN after a fault of the run, and in the directions of ``forget_missing``. After
     ``mark_split`` only the derivatives of the outputs of friction and of loads are NaN.
     """
-    set_own_output_time(t, d.step.time)
+    set_own_communication_point(t, d.step.communication_point)
     fill_outputs(t)
     if not is_trusted(t) or d.statistics.status != OK:
         forget_slopes(as_words(t.output))
@@ -82,9 +86,9 @@ def truncate_tangent(d, t):
 
     The state there is stored, so that each trial of new input values can return to this state.
     """
-    set_own_output_time(t, d.step.time)
+    set_own_communication_point(t, d.step.communication_point)
     store_output_state(t)
-    update_own_to_output_time(t)
+    update_own_to_communication_point(t)
     move_end(t)
 
 

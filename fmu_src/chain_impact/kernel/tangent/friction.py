@@ -24,7 +24,11 @@ from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pendin
 from chain_impact.kernel.events.onset_modes import begins_now
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
-from chain_impact.kernel.forces.holding import CONTACT_RESISTANCE, set_start_to_state, solve_stopping_impulses
+from chain_impact.kernel.forces.holding import (
+    CONTACT_RESISTANCE,
+    set_unforced_to_state,
+    solve_stopping_impulses,
+)
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.constraints import activate_all
 from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
@@ -266,7 +270,7 @@ def largest_displacement(t, direction):
     return largest_slope(t.scratch.position, direction) / value(t.chain.longest_link)
 
 
-def choose_modes(t):
+def make_modes_consistent(t):
     """Set the modes of dry friction to those of the primal run.
 
     The derivatives end if errors of the run, not the forces, have decided one of these modes, and this choice
@@ -274,7 +278,7 @@ def choose_modes(t):
     """
     for e in range(t.elements):
         # the mode of an element whose sticking has just ended is certain
-        if t.element.before[e] == STICKS and t.element.mode[e] != STICKS:
+        if t.element.mode_before[e] == STICKS and t.element.mode[e] != STICKS:
             t.element.undecided[e] = 0
         t.element.mode[e] = t.element.chosen[e]
     list_sticking(t)
@@ -292,7 +296,7 @@ def choose_modes(t):
 def any_begins_to_stick(t):
     """Return whether any element that has slid up to now begins to stick at this event."""
     for i in range(t.friction.stuck_count):
-        before = t.element.before[t.element.stuck[i]]
+        before = t.element.mode_before[t.element.stuck[i]]
         if before not in (STICKS, NO_FRICTION):
             return True
     return False
@@ -305,7 +309,7 @@ def clear_sticking_speeds(t):
     stay as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
-    set_start_to_state(t, 1)
+    set_unforced_to_state(t, 1)
     solve_stopping_impulses(t)
     first = velocity_at(t.links)
     for j in range(coordinate_count(t.links)):
@@ -322,7 +326,7 @@ def check_onsets_at_rest(t):
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
-        if t.element.undecided[e] and t.element.before[e] == NO_FRICTION:
+        if t.element.undecided[e] and t.element.mode_before[e] == NO_FRICTION:
             speed = tangential_rate(t, e)
             if not stays_at_rest(t, speed, dual_with_slope(0.0, 0.0, speed)):
                 if t.element.mode[e] == STICKS:
@@ -355,7 +359,7 @@ def check_coefficients(t):
         if t.touch.active[c]:
             check_coefficient(t, t.law.static_friction[c])
     for i in range(first_joint(t), drive_count(t)):
-        check_coefficient(t, t.drive.friction[i])
+        check_coefficient(t, t.drive.friction_moment[i])
 
 
 def is_nearly_at_limit(t, e):

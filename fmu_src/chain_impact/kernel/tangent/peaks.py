@@ -26,7 +26,7 @@ def forget_peaks(t, delay):
     """
     set_start_delay(t, with_unknown_slopes(t.step.start_delay, delay))
     for i in range(t.links if t.loads > 0 else 0):
-        at_end, peak = value(square_of_force(t, i)), t.transmitted.peak[i]
+        at_end, peak = value(square_of_force(t, i)), t.transmitted.peak_square[i]
         if at_end >= value(peak):
             time = with_unknown_slopes(t.transmitted.peak_time[i], delay)
             set_load_peak(t, i, with_unknown_slopes(peak, delay), time)

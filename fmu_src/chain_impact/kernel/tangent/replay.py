@@ -103,15 +103,15 @@ def start_tangent(d, t):
     """Initialize t as d has been initialized; t already contains the derivatives of the parameters."""
     copy_given(d, t, AT_START)
     derive_chain(t)
-    clear_run(t, d.step.time)
+    clear_run(t, d.step.communication_point)
     if d.signals > 0:
-        derive_signals(t, d.step.time)
+        derive_signals(t, d.step.communication_point)
     copy_given_and_modes(d, t)
     apply_inputs(t)
     derive_drives(t)
     start_laws(t)
     begin_trust(t)
-    set_start(t, d.step.time)
+    set_start(t, d.step.communication_point)
     check_rises(t)
     check_coefficients(t)
     begin_explicit(t)
@@ -139,11 +139,11 @@ def copy_given_and_modes(d, t):
     """
     copy_given(d, t, AT_ANY_TIME)
     if d.channels > 0:
-        copy_values(d.moved, t.moved)
+        copy_values(d.channel, t.channel)
     for j in range(d.channels):
-        t.moved.added[j] = dual_with_slope(0.0, 1.0, t.motion.position[j])
-        t.moved.added_rate[j] = dual_with_slope(0.0, 1.0, t.motion.velocity[j])
-        t.moved.added_acceleration[j] = dual_with_slope(0.0, 1.0, t.motion.acceleration[j])
+        t.channel.added_position[j] = dual_with_slope(0.0, 1.0, t.given_channel.position[j])
+        t.channel.added_velocity[j] = dual_with_slope(0.0, 1.0, t.given_channel.velocity[j])
+        t.channel.added_acceleration[j] = dual_with_slope(0.0, 1.0, t.given_channel.acceleration[j])
     copy_modes(d, t)
 
 
@@ -192,16 +192,24 @@ def copy_stages(d, t, size):
     """Set the values of t's stages, of ``size`` components each, to those of d; derivatives in t stay."""
     for i in range(RADAU_STAGES):
         for j in range(size):
-            t.implicit.stages[i, j] = dual_with_slope(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
+            t.implicit.stages[i, j] = dual_with_slope(
+                d.implicit.last_stages[i, j], 1.0, t.implicit.stages[i, j]
+            )
 
 
 def copy_jacobian_data(d, t):
     """Copy the data of A, d's Jacobian, to t: link vectors; stiffness and damping of contacts and drives."""
     source, implicit = d.implicit, t.implicit
     for i in range(d.links):
-        implicit.link.x[i], implicit.link.y[i] = source.link.x[i], source.link.y[i]
+        implicit.link_vector.x[i], implicit.link_vector.y[i] = (
+            source.link_vector.x[i],
+            source.link_vector.y[i],
+        )
     for k in range(d.touch.active_count):
-        implicit.stiffness[k], implicit.damping[k] = source.stiffness[k], source.damping[k]
+        implicit.contact_stiffness[k], implicit.contact_damping[k] = (
+            source.contact_stiffness[k],
+            source.contact_damping[k],
+        )
     for i in range(drive_count(d)):
         implicit.drive_stiffness[i] = source.drive_stiffness[i]
         implicit.drive_damping[i] = source.drive_damping[i]
@@ -249,11 +257,11 @@ def last_correction(d, t, size):
 
     Correction and derivatives belong to the same direction, a parameter or input.
     """
-    implicit, weight, worst = t.implicit, d.implicit.weight, 0.0
+    implicit, weight, worst = t.implicit, d.implicit.error_weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
         for j in range(size):
-            whole = max(whole, weight[j] * abs(slope(implicit.start[j] + implicit.stages[LAST, j], k)))
+            whole = max(whole, weight[j] * abs(slope(implicit.z_start[j] + implicit.stages[LAST, j], k)))
             for i in range(RADAU_STAGES):
                 part = weight[j] * abs(slope(implicit.parts[i, j], k))
                 largest = max(largest, part)
@@ -277,7 +285,7 @@ def speed_by_friction(d, t, direction):
     for i in range(d.friction.stuck_count):
         force = max(force, abs(slope(t.element.limit[d.element.stuck[i]], direction)))
     for j in range(velocity_at(d.links), dissipated_at(d.links)):
-        weight = max(weight, d.implicit.weight[j])
+        weight = max(weight, d.implicit.error_weight[j])
     return force * d.step.size * weight / mean_mass(d)
 
 
@@ -293,7 +301,7 @@ def replay(d, t):
     # inputs
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
-        copy_values(d.moved, t.moved)
+        copy_values(d.channel, t.channel)
     if d.signals > 0:
         if d.statistics.steps == 1:
             delay_jumps(t)

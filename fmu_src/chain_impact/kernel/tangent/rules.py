@@ -24,7 +24,7 @@ from chain_impact.kernel.tangent.duals import (
     value,
     with_slope,
 )
-from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
+from chain_impact.kernel.tangent.friction import contact_resistance, make_modes_consistent
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
 # The increment of an argument of a user's law, relative to the argument, for the differences that give the
@@ -239,7 +239,7 @@ DUAL_RULES = {
     logarithms.log: log,
     logarithms.log1p: log1p,
     powers.power: power,
-    friction_modes.choose_modes: choose_modes,
+    friction_modes.make_modes_consistent: make_modes_consistent,
     force_formula.user_force: user_force,
     saturation.choose_saturation: choose_saturation,
     dense.fraction: fraction,

@@ -55,7 +55,7 @@ def move_end(t):
             prepare_end(t)
             move_along(t, delay_without_force_jump(t, c, t.touch.event[c]))
             return
-    if t.drive.event:
+    if t.drive.mode_ends:
         prepare_end(t)
         move_along(t, delay_of_saturation(t))
 
@@ -116,12 +116,12 @@ def ends_at_limit(t):
 
     The result is false if an event of a contact or of dry friction ends the step, too.
     """
-    return t.drive.event != 0 and not ends_with_contact(t)
+    return t.drive.mode_ends != 0 and not ends_with_contact(t)
 
 
 def ends_with_segment(t):
     """Return whether the last step ends where a segment of a signal ends, and no other event happens."""
-    if t.drive.event != 0 or ends_with_contact(t):
+    if t.drive.mode_ends != 0 or ends_with_contact(t):
         return False
     for j in range(t.signals):
         if has_ended(t, j):

@@ -95,12 +95,12 @@ def check_turns(t):
     """
     if not user_law.is_present() or t.trust.reason != TRUSTED:
         return
-    if not t.scratch.at_end:
+    if not t.scratch.located_at_end:
         locate_points(t, t.step.state_end)
     for k in range(t.touch.compliant_count):
         c = t.touch.active_index[k]
         gap, gap_rate = clearance(t, c)
-        turned = value(t.touch.speed[c]) * value(gap_rate) > 0.0
+        turned = value(t.touch.penetration_rate[c]) * value(gap_rate) > 0.0
         if turned and t.law.number[c] == USER_LAW and jumps_at_rest(t, c, max(0.0, -gap)):
             mark_untrusted(t, JUMP, c, value(t.step.start))
 
@@ -110,7 +110,7 @@ def jumps_at_rest(t, c, depth):
 
     ``depth`` [m] is the penetration there.
     """
-    rate = NEAR_REST * t.touch.impact_speed[c]
+    rate = NEAR_REST * t.touch.law_speed[c]
     rising, _ = uncut_force(t, c, depth, rate, False)
     falling, _ = uncut_force(t, c, depth, -rate, False)
     return abs(value(rising) - value(falling)) > RELATIVE_JUMP * max(abs(value(rising)), abs(value(falling)))
@@ -163,4 +163,4 @@ def is_trusted(t):
 
     If the derivatives have ended, the communication point must lie before their end, ``trust.time``.
     """
-    return t.trust.reason == TRUSTED or value(t.step.time) < t.trust.time
+    return t.trust.reason == TRUSTED or value(t.step.communication_point) < t.trust.time

@@ -69,7 +69,7 @@ class Job:
         joints, found = stop_pairs(self.scene), dict[str, list[DataPath]]()
         for c, pair in enumerate(candidates(self.scene)):
             name = "stop.peak_moment" if pair in joints else "peak_force"
-            found.setdefault(name, [("law", c, "impulsive")]).append(("touch", "number", c))
+            found.setdefault(name, [("law", c, "impulsive")]).append(("touch", "impact_number", c))
         return found
 
     @property
@@ -191,7 +191,7 @@ class Runner:
         self._varied_indices = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
         paths = [
             *job.peaks.values(),
-            ("step", "time"),
+            ("step", "communication_point"),
             *(variable.record_path for variable in self._columns.values()),
             *(variable.record_path for variable in self._loads.values()),
             *(path for rigid in job.rigid.values() for path in rigid),

@@ -143,9 +143,9 @@ export function putSignals(driven, tables, acting, put) {
       input: number,
       index,
       order,
-      first,
+      first_knot: first,
+      last_knot: first + knots - 1,
       segment: first,
-      last: first + knots - 1,
       ...Object.fromEntries(SIGNALS.NUMBERS.map((key) => [key, signal[key] ?? 0])),
     };
     Object.entries(fields).forEach(([key, value]) => put(`signal_${key}`, value, row));

@@ -58,7 +58,7 @@ def find_limited_forces(d):
     set_impedance(d, holding_impedance(d))
     for k in range(constraint_count(d)):
         limited.center[k], limited.force[k], limited.inside[k] = 0.0, 0.0, 1
-        limited.residual[k] = d.constraints.target[k] - d.constraints.start[k]
+        limited.residual[k] = d.constraints.target[k] - d.constraints.unforced[k]
     for iteration in range(MOST_LIMITED_ITERATIONS):
         minimize_within_limits(d, scale)
         update_residuals(d)
@@ -79,14 +79,14 @@ def largest_residual_inside(d):
 
 
 def largest_start(d):
-    """Return the largest |acceleration| [m/s²] in ``start``, to which round-off is relative.
+    """Return the largest |acceleration| [m/s²] in ``unforced``, to which round-off is relative.
 
     The accelerations are those of points at rigid walls and of sticking elements, without constraint forces.
     Contacts with a force law do not count.
     """
     scale = 0.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        scale = max(scale, abs(d.constraints.start[k]))
+        scale = max(scale, abs(d.constraints.unforced[k]))
     return scale
 
 
@@ -194,7 +194,7 @@ def solve_inside(d):
     p are the forces before the iteration, D the impedances. m⁺ are the residuals if each constraint inside
     its limits has the force in ``unlimited``, and all other constraints stay at their limits.
     """
-    limited, motion = d.limited_forces, d.scratch.motion
+    limited, motion = d.limited_forces, d.scratch.place_change
     for k in range(constraint_count(d)):
         moves = k < d.touch.compliant_count
         limited.impedance[k] = 0.0 if moves or not limited.inside[k] else d.constraints.impedance[k]
@@ -215,6 +215,6 @@ def update_residuals(d):
     solve_contacts(d, FREE, limited.force, limited.change)
     for k in range(d.touch.compliant_count, constraint_count(d)):
         limited.center[k] = limited.force[k]
-        reached = d.constraints.start[k] + along(constraint_row(d, k), d.scratch.motion)
+        reached = d.constraints.unforced[k] + along(constraint_row(d, k), d.scratch.place_change)
         limited.residual[k] = d.constraints.target[k] - reached
     count_other_cost(d, 1)

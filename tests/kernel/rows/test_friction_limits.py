@@ -9,8 +9,8 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.friction import STICKS, list_sticking
 from chain_impact.kernel.rows.constraints import LEAST_STICKING_IMPEDANCE
+from chain_impact.kernel.rows.friction_limits import find_limited_forces
 from chain_impact.kernel.rows.geometry import constraint_count
-from chain_impact.kernel.rows.limits import find_limited_forces
 from tests.kernel.rubbing import AtRest, Doubled
 
 CASES = [("free", 3, True), ("free", 2, False), ("pinned", 1, True), ("pinned", 0, True)]
@@ -35,7 +35,7 @@ def set_limits(chain, limits):
         if e < d.candidates:
             d.law.static_friction[e] = d.law.friction[e] = limit / d.touch.force[e]
         else:
-            d.drive.friction[e - d.candidates] = limit * d.chain.longest_link
+            d.drive.friction_moment[e - d.candidates] = limit * d.chain.longest_link
             d.element.limit[e] = limit
 
 
