@@ -22,7 +22,6 @@ from chain_impact.compilation.ready import for_release
 ROOT = Path(__file__).parents[1]
 RESULTS = Path(__file__).parent / "results"
 IMAGES = ROOT / "docs" / "images"
-DPI = 140  # resolution of the charts [pixels per inch]
 PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "ziglang", "fmpy", "pythonfmu")
 Name = TypeVar("Name")
 """The name of a contender: a text, or several values."""
@@ -179,6 +178,7 @@ def picture(
     from matplotlib.figure import Figure
 
     from benchmarks.looks import STYLE
+    from chain_impact.pictures.drawing.style import DPI
 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=size, dpi=DPI, layout="constrained")

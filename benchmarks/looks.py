@@ -11,7 +11,8 @@ from chain_impact.pictures.drawing import style
 from chain_impact.pictures.drawing.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
 
 OURS, LIGHT_BLUE = VERMILLION, "#56b4e9"
-STYLE = style.STYLE | {"axes.grid": True}
+STYLE = style.STYLE | {"axes.grid": True, "axes.titlesize": "medium"}
+WIDTH = 190.0 / 25.4  # [inch] of a chart: that of a printed page, so that its text has the size of pictures
 LOOKS = {
     "chain-impact": (OURS, "o", "-"),
     "chain-impact, FMU": (OURS, "s", "--"),

@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks import common
 from benchmarks.kernel_model import MARGIN, POSITION_ERROR
-from benchmarks.looks import OURS, highest_first, strong
+from benchmarks.looks import OURS, WIDTH, highest_first, strong
 from benchmarks.peers import MissingError
 from benchmarks.peers.cvode import BUDGET, COUNTS, Cvode, driver
 from benchmarks.peers.ours import OnInstance
@@ -113,7 +113,7 @@ def compare(scene: Scene) -> dict[str, Any]:
     return row
 
 
-SIZE = (10.5, 5.6)  # [inch] of the chart
+SIZE = (WIDTH, 5.2)  # [inch] of the chart
 
 
 def draw(figure: Any, record: dict[str, Any]) -> None:
@@ -134,20 +134,23 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
                 values = [row[name][key] if row[name]["flag"] == 0 else np.nan for row in rows]
                 text = "chain-impact" if name == "ours" else f"CVODE {name}"
                 axes.loglog(stiffness, values, label=text, **strong(name == "ours", colour, marker, line))
-        column[0].set_title(f"e = {restitution:g}", fontsize=10)
+        column[0].set_title(f"e = {restitution:g}")
         column[1].set_xlabel("stiffness K [N/m$^{1.5}$]")
         column[1].set_xticks(STIFFNESSES)
         column[1].minorticks_off()
     panels[0, 0].set_ylabel("CPU time for 10 s [ms]")
     panels[1, 0].set_ylabel("accepted steps")
     factors = [
-        row[CAREFUL]["time / ours"]["median"] for row in record["results"] if row[CAREFUL]["flag"] == 0
+        row[name]["time / ours"]["median"]
+        for name in (CAREFUL, USERS, ADAMS)
+        for row in record["results"]
+        if row[name]["flag"] == 0
     ]
+    least, most = (common.rounded(end(factors), 2) for end in (min, max))
     settings = record["settings"]
     headline(
         figure,
-        f"Chain that comes to rest: CVODE {CAREFUL} with {min(factors):.2g} to {max(factors):.2g} times our "
-        "CPU time",
+        f"chain-impact is {least:g} to {most:g} times as fast as CVODE for a chain that comes to rest",
         f"four_link_box for {settings['stop time']:g} s  ·  tolerance {number(settings['tolerance'])}  ·  "
         f"careful: {100.0 * POSITION_ERROR:g} % of the static penetration is the allowed error of positions, "
         f"and a contact ends {100.0 * MARGIN:g} % of it above the "

@@ -16,18 +16,16 @@ from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
-from matplotlib.patches import Patch
+from matplotlib.colors import LogNorm
+from matplotlib.lines import Line2D
 
 from benchmarks import common
-from benchmarks.looks import LIGHT_BLUE
+from benchmarks.looks import WIDTH
 from benchmarks.peers.cvode import OVER_BUDGET, Cvode
 from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
-from chain_impact.pictures.drawing.dark_ground import ORANGE, UMBER
-from chain_impact.pictures.drawing.style import GREEN, PURPLE, VERMILLION, headline
+from chain_impact.pictures.drawing.style import INK, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
 
@@ -53,15 +51,15 @@ GAIN, DEEPEST = 1e-3, 0.06
 OUTSIDE = 1e-9  # [m] if a point without a contact is deeper than this, the run has missed an onset
 
 OUTCOMES = {
-    "completed": GREEN,
-    "over budget": LIGHT_BLUE,
-    "gained energy": VERMILLION,
-    "tunnelled": PURPLE,
-    "not finite": "black",
-    "missed an onset": ORANGE,
-    "gave up": UMBER,
+    "completed": "",
+    "over budget": "B",
+    "gained energy": "E",
+    "tunnelled": "T",
+    "not finite": "N",
+    "missed an onset": "M",
+    "gave up": "G",
 }
-"""The outcomes of a run, and their colours in the chart."""
+"""The outcomes of a run, and their letters in the chart."""
 
 
 class OverBudgetError(Exception):
@@ -296,11 +294,9 @@ def warm_up(method: str) -> None:
         Cvode(scene, np.array([0.2]), adams=0, careful=1).run()
 
 
-SIZE = (9.5, 8.2)  # [inch] of the chart
-# COST_COLOURS: the colour map for the ratio of a cost to the cheapest one, up to DEAREST; its last colour is
-# darker than the page, so that an expensive cell does not look empty
-COST_COLOURS = ListedColormap(colormaps["YlGn_r"](np.linspace(0.0, 0.88, 256)))
-DEAREST, EDGES = 100.0, "#f4f4f4"
+SIZE = (WIDTH, 7.4)  # [inch] of the chart
+# DEAREST: the end of the colours for the ratio of a cost to the cheapest one
+DEAREST, FAILED, EDGES = 1000.0, "0.9", "#f4f4f4"
 
 
 def draw(figure: Any, record: Any) -> None:
@@ -315,32 +311,31 @@ def draw(figure: Any, record: Any) -> None:
     ours, others = ([done[m] for m in done if (m in OURS) == own] for own in (True, False))
     headline(
         figure,
-        f"Completed runs, of {cells}: {min(ours)} by chain-impact, {min(others)} to {max(others)} by others",
+        f"chain-impact completes {min(ours)} of {cells} runs, other methods {min(others)} to {max(others)}",
         "over stiffness [N/m$^{1.5}$] and restitution  ·  "
         f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  "
         "in each title: completed runs  ·  cost: CPU time",
     )
-    names, shades = list(OUTCOMES), ListedColormap(list(OUTCOMES.values()))
-    norm, cost = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)), LogNorm(1.0, DEAREST)
+    cost = LogNorm(1.0, DEAREST)
     cheapest = cheapest_of(record["results"]["cells"])
     panels = figure.subplots(4, 4, sharex=True, sharey=True).ravel()
     for axes, method in zip(panels, settings["methods"], strict=True):
-        found = np.full((len(restitutions), len(stiffnesses)), np.nan)
-        costs = found.copy()
+        costs = np.full((len(restitutions), len(stiffnesses)), np.nan)
+        axes.set_facecolor(FAILED)
         for row in (row for row in record["results"]["cells"] if row["method"] == method):
             place = restitutions.index(row["restitution"]), stiffnesses.index(row["stiffness"])
             if row["outcome"] == "completed":
                 costs[place] = row["cpu"] / cheapest[row["stiffness"], row["restitution"]]
             else:
-                found[place] = names.index(row["outcome"])
+                letter: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "center"}
+                axes.text(place[1], place[0], OUTCOMES[row["outcome"]], color=INK, **letter)
         edges = [np.arange(len(one) + 1) - 0.5 for one in (stiffnesses, restitutions)]
         look = {"edgecolors": EDGES, "linewidth": 0.8}
-        axes.pcolormesh(*edges, found, cmap=shades, norm=norm, alpha=0.8, **look)
-        mesh = axes.pcolormesh(*edges, costs, cmap=COST_COLOURS, norm=cost, **look)
-        axes.set_title(f"{method}: {done[method]}", fontsize=9)
+        mesh = axes.pcolormesh(*edges, costs, cmap="viridis", norm=cost, **look)
+        axes.set_title(f"{method}: {done[method]}", fontsize="small")
         decades = [f"$10^{{{round(np.log10(k))}}}$" for k in stiffnesses[::2]]
-        axes.set_xticks(range(0, len(stiffnesses), 2), decades, fontsize=7.5)
-        axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions], fontsize=7.5)
+        axes.set_xticks(range(0, len(stiffnesses), 2), decades)
+        axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions])
         axes.grid(visible=False)
         axes.tick_params(length=0)
     for axes in panels[-4:]:
@@ -348,14 +343,16 @@ def draw(figure: Any, record: Any) -> None:
     for axes in panels[::4]:
         axes.set_ylabel("restitution e")
     keys = [
-        Patch(color=shade, label=name, alpha=0.8)
-        for name, shade in OUTCOMES.items()
-        if name != "completed" and any(name in tally[m] for m in tally)
+        Line2D(
+            [], [], color=INK, marker=f"$\\mathrm{{{letter}}}$", linestyle="", markeredgewidth=0.0, label=name
+        )
+        for name, letter in OUTCOMES.items()
+        if letter and any(name in tally[m] for m in tally)
     ]
     label = "cost, as a multiple of that of the cheapest method that completes"
     bar = figure.colorbar(mesh, ax=panels.tolist(), label=label, extend="max", aspect=40)
-    bar.set_ticks([1, 10, 100], labels=["1", "10", "≥ 100"])
-    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+    bar.set_ticks([1, 10, 100, 1000], labels=["1", "10", "100", "≥ 1000"])
+    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys), handletextpad=0.2)
 
 
 def cheapest_of(cells: list[dict[str, Any]]) -> dict[tuple[float, float], float]:

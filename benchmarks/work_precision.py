@@ -21,10 +21,10 @@ from typing import Any
 from matplotlib.lines import Line2D
 
 from benchmarks import common, peers
-from benchmarks.looks import LOOKS, highest_first, look
+from benchmarks.looks import LOOKS, WIDTH, highest_first, look
 from benchmarks.problems import PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, headline
 from chain_impact.recording.text import number
 from chain_impact.studies.sweep.maps import number_few_decades
@@ -37,7 +37,7 @@ FIRST = """from benchmarks import peers
 from benchmarks.problems import PROBLEMS
 peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
-SIZE = (9.2, 8.4)  # [inch] of the chart
+SIZE = (WIDTH, 6.4)  # [inch] of the chart
 NAMES_IN_ROW = 5  # number of names in a row of the legend
 ALL_ROUNDS: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
 """The look of the vertical line from the least to the largest time of all rounds."""
@@ -88,20 +88,23 @@ def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return found
 
 
-def factors_told(equal: list[dict[str, Any]]) -> str:
-    """Return words for how many times ours the fastest and the slowest peer take at equal error.
-
-    The error is that of ours at the default tolerance.
-    """
+def factors_told(equal: list[dict[str, Any]]) -> tuple[str, str]:
+    """Return title and text on how long peers take at equal error, default tolerance; "" without times."""
     at = [row["times as long"] for row in equal if row["setting"] == DEFAULT]
     found = {}
     for name in LOOKS:
         factors = [times[name] for times in at if name in times]
         if factors and peers.FAMILIES[name] != "ours":
             found[name] = sorted(factors)
+    if not found:
+        return "", ""
+    every = sorted(factor for factors in found.values() for factor in factors)
     order = sorted(found, key=lambda name: found[name][-1])
-    parts = [f"{name} {_between(found[name])}" for name in dict.fromkeys([*order[:1], *order[-1:]])]
-    return f"CPU time over ours at equal error: {', '.join(parts)}" if parts else ""
+    parts = [f"{name} {_between(found[name])}" for name in order]
+    return (
+        f"chain-impact is {_between(every)} times as fast as other programs at equal error",
+        f"CPU time over that of simulate() at the tolerance {number(DEFAULT)}: {', '.join(parts)}",
+    )
 
 
 def _between(factors: list[float]) -> str:
@@ -111,47 +114,44 @@ def _between(factors: list[float]) -> str:
 
 
 def draw(figure: Any, record: Any) -> None:
-    """Draw CPU time over the errors of tip and onsets for each chain, and beside them the start-up time."""
+    """Draw CPU time over the errors of tip and onsets for each chain."""
     results = record["results"]
-    grid, labels = figure.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8)), {}
+    grid, panels = figure.add_gridspec(2, 3), []
     for column, name in enumerate(NAMES):
         rows = [row for row in results["rows"] if row["problem"] == name and "seconds" in row]
         for line, (key, label) in enumerate(
             (("tip", "error of the tip [mm]"), ("onset", "error of onsets [µs]"))
         ):
             axes = figure.add_subplot(grid[line, column])
-            labels[axes] = draw_runs(axes, [row for row in rows if row.get(key, 0.0) > 0.0], key)
+            panels.append(axes)
+            draw_runs(axes, [row for row in rows if row.get(key, 0.0) > 0.0], key)
             axes.set(xlabel=label, ylabel="" if column else "CPU time [ms]")
             if not line:
                 impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
-                axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s, {impacts} impacts")
-    draw_start_up(figure.add_subplot(grid[:, 3]), results["start-up [s]"])
-    for axes in labels:
+                axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s\n{impacts} impacts")
+    for axes in panels:
         number_few_decades(axes.yaxis)
-    keys = highest_first(labels)
+    keys = highest_first(panels)
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
     keys.append(Line2D([], [], color=INK, label="all rounds", **ALL_ROUNDS))
     figure.legend(handles=keys, loc="outside lower center", ncols=NAMES_IN_ROW)
-    factors = factors_told(results["at equal error"])
+    title, factors = factors_told(results["at equal error"])
+    started = ", ".join(f"{name} {seconds:.2g} s" for name, seconds in results["start-up [s]"].items())
+    told = [
+        factors,
+        f"points of simulate() from the right: tolerances from {decade(TOLERANCES[0])} to "
+        f"{decade(TOLERANCES[-1])}, in steps of 100",
+        f"first result of a new process: {started}",
+    ]
     headline(
         figure,
-        factors or "CPU time over errors of the tip and of onsets",
-        f"{f'title: at the tolerance {number(DEFAULT)}  ·  ' if factors else ''}"
-        "numbers: tolerances of simulate(), from "
-        f"{decade(TOLERANCES[0])} to {decade(TOLERANCES[-1])} in steps of 100, where there is room",
+        title or "CPU time over errors of the tip and of onsets",
+        SEPARATOR.join(filter(None, told)),
     )
-    ink = Ink(figure)
-    figure.set_layout_engine("none")
-    for axes, of_runs in labels.items():
-        place_labels(axes, of_runs, ink, lines=True, fontsize=7)
 
 
-def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> list[Label]:
-    """Draw a curve for each contender, its range over the rounds, and crosses where it has other impacts.
-
-    Returns the labels of the tolerances.
-    """
-    labels = []
+def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> None:
+    """Draw a curve for each contender, its range over the rounds, and crosses where it has other impacts."""
     for name in LOOKS:
         mine = [row for row in rows if row["name"] == name]
         right = [row for row in mine if row["right"]]
@@ -162,24 +162,7 @@ def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> list[Label]:
             axes.vlines(row[key], *ends, color=LOOKS[name][0], **ALL_ROUNDS)
             if not row["right"]:
                 axes.loglog(row[key], 1e3 * row["seconds"]["median"], "x", color=LOOKS[name][0])
-            elif name == PUBLIC:
-                short = decade(row["setting"])
-                text = short + (" (default)" if row["setting"] == DEFAULT else "")
-                labels.append(Label(text, (row[key], 1e3 * row["seconds"]["median"]), short=short))
     axes.xaxis.minorticks_off()
-    return labels
-
-
-def draw_start_up(axes: Any, start: dict[str, float]) -> None:
-    """Draw a bar for each contender, with its name above the bar and its time [s] behind the bar's end."""
-    names, largest = list(start)[::-1], max(start.values())
-    colours = [LOOKS[name][0] for name in names]
-    axes.barh(range(len(names)), [start[name] for name in names], height=0.4, color=colours, alpha=0.4)
-    axes.set(title="first result", xlabel="CPU time [s],\nnew process", yticks=[], xlim=(0.0, 1.2 * largest))
-    for row, name in enumerate(names):
-        axes.text(0.01 * largest, row + 0.26, name, va="bottom", fontsize=8)
-        axes.text(start[name] + 0.02 * largest, row, f"{start[name]:.2g}", va="center", fontsize=8)
-    axes.grid(visible=False)
 
 
 def decade(tolerance: float) -> str:

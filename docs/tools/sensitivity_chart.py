@@ -26,6 +26,7 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import number
 from docs.tools import DOCS
 
+WIDTH = 190.0 / 25.4  # [inch] that of a printed page
 PICTURE = DOCS / "images" / "sensitivity_chart.png"
 SCENE, STOP, TIP = "four_link_box", 1.2, 4  # scene; stop time [s], after six impacts; number of the tip
 KINDS = {
@@ -38,10 +39,15 @@ KINDS = {
     "gravity": ("gravity.y",),
 }
 TITLE = "Effect of 1 % of each parameter: on the tip [m] and on peak forces [%]"
-CONDITIONS = "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most"
 COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
 LEAST = 1e-6  # [m] lower limit of the axis of displacements
-RANGE, WHOLE = (1e-2, 1e4), 100.0  # [%] range of the colours; numbers from WHOLE on have three digits
+# [%] range of the colours; the first order does not predict a change above MOST
+MOST = 10.0
+RANGE = (1e-2, MOST)
+CONDITIONS = (
+    "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most; "
+    f"> {MOST:g} %: too large for a prediction to first order"
+)
 
 
 def slopes_of(result: Result) -> Sensitivities:
@@ -93,10 +99,10 @@ def draw_forces(axes: Axes, result: Result) -> None:
         look: dict[str, Any] = {
             "ha": "center",
             "va": "center",
-            "fontsize": 8,
+            "fontsize": "small",
             "color": "white" if is_dark(image.to_rgba(share)) else BLACK,
         }
-        axes.text(column, row, number(share, 2 if share < WHOLE else 3), **look)
+        axes.text(column, row, number(share, 2) if share <= MOST else f"> {MOST:g}", **look)
     names = [f"{k + 1}\n{hit['onset']:.2f} s" for k, hit in enumerate(result.impacts)]
     axes.set_xticks(range(len(names)), names)
     axes.set_yticks(range(len(KINDS)), list(KINDS))
@@ -105,7 +111,7 @@ def draw_forces(axes: Axes, result: Result) -> None:
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
     axes.set_xlabel("impact")
-    axes.set_title("change of peak force [%]", fontsize=9, loc="left")
+    axes.set_title("change of peak force [%]", fontsize="medium", loc="left")
 
 
 def draw(path: Path) -> None:
@@ -114,7 +120,7 @@ def draw(path: Path) -> None:
     result = simulate(SCENE, STOP, tolerance=1e-10, sensitivities=names)
     assert result.sensitivity_limits == ()
     with mpl.rc_context(STYLE):
-        page = Figure(figsize=(11.0, 4.6), dpi=DPI, layout="constrained")
+        page = Figure(figsize=(WIDTH, 4.4), dpi=DPI, layout="constrained")
         motion, forces = page.subplots(1, 2, width_ratios=(1.25, 1.0))
         draw_motion(motion, result)
         draw_forces(forces, result)

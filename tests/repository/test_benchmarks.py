@@ -12,6 +12,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from scipy.io import savemat
 
 import chain_impact
@@ -62,6 +63,10 @@ def message(module, record):
 def test_a_chart_is_drawn_with_its_quantities_above_and_figures_below(charts, name):
     title, page = message(charts(name), stored(name))
     assert len(title) < 100
+    assert title.startswith("chain-impact")
+    assert page.get_figwidth() == pytest.approx(190.0 / 25.4), "a printed page is so wide"
+    sizes = {text.get_fontsize() for text in page.findobj(Text) if text.get_text().strip()}
+    assert min(sizes) > 7.4
     assert re.search(r"\d", " ".join(text.get_text() for text in page.texts if text.get_text() != title))
 
 
@@ -76,7 +81,7 @@ def test_the_chart_of_friction_tells_factors_of_time_and_error(charts):
     more = sorted(at[key]["error"] / ours[key] for key in module.TIMES)
     assert more[0] > 10.0, "the errors are not equal"
     times = sorted(row["times ours"] for row in at.values())
-    assert f"at least {times[0]:.2g} times our CPU time" in title
+    assert f"≥ {times[0]:.2g} times our CPU time" in title
     assert f"{more[0]:.2g} to {more[1]:.2g} times the error" in text
     assert "equal error" not in title + text
 
