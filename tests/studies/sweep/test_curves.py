@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.text import number
-from chain_impact.studies.sweep.curves import COLOURS
+from chain_impact.studies.sweep.curves import COLOURS, course_text
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import contrast, lab
@@ -20,8 +20,8 @@ def test_lines_are_the_columns():
     quantities = results_of(found).every
     assert labels_of(page) == [quantity.label for quantity in quantities]
     for axes, quantity in zip(page.axes, quantities, strict=True):
-        steps = {line.get_drawstyle() == "steps-mid" for line in axes.lines[:2]}
-        assert steps == {quantity.is_count}  # there are no 1.5 impacts
+        dots = {line.get_linestyle() == "None" for line in axes.lines[:2]}
+        assert dots == {quantity.is_count}  # there are no 1.5 impacts
         for line, law in zip(axes.lines, ("flores", "hertz"), strict=False):
             rows = found.table[found["contact.model"] == law][::-1]
             values = np.where(rows["status"] == "ok", quantity.factor * rows[quantity.column], np.nan)
@@ -31,6 +31,22 @@ def test_lines_are_the_columns():
     assert "1 failed (×: restitution not allowed)" in page.get_suptitle()
     labels = [text.get_text() for text in page.legends[0].get_texts()]
     assert labels == ["contact.model:", "flores", "hertz"]
+
+
+@pytest.mark.parametrize(
+    ("results", "told"),
+    [
+        ([1.0, 2.0, np.nan, 3.0], "rises with e"),
+        ([3.0, 2.0, 1.5, 1.0], "falls with e"),
+        ([3.0, 1.0, 2.0, 2.5], "lowest at e = 0.2"),
+        ([1.0, 1.0, 2.0, 1.5], "highest at e = 0.3"),
+        ([1.0, 2.0, 0.0, 1.5], "lowest at e = 0.3 and highest at e = 0.2"),
+        ([2.0, 1.0, 1.0, 2.0], ""),
+        ([2.0, np.nan, np.nan, 1.0], ""),
+    ],
+)
+def test_the_course_of_a_result_is_told(results, told):
+    assert course_text(np.array([0.1, 0.2, 0.3, 0.4]), np.array(results), "e") == told
 
 
 def test_axes_are_logarithmic_where_values_are_or_spread_far():

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from chain_impact.studies.sweep.histograms import edges_of, rank_correlation
+from chain_impact.studies.sweep.histograms import correlation_text, edges_of, rank_correlation
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import contrast
 from tests.studies.sweep.drawn_sweeps import SCENE, drawn
@@ -25,7 +25,10 @@ def test_samples_of_several_parameters_are_histograms():
         line.get_xydata().T, [found["contact.stiffness"], 1e-3 * found["peak_force"]]
     )
     assert mark.get_xdata() == [SCENE.values["contact.stiffness"]] * 2
-    assert "peak force follows contact.stiffness most (rank correlation 1.00)" in page.texts[1].get_text()
+    told = correlation_text(rank_correlation(found["contact.stiffness"], found["peak_force"]))
+    assert f"follows contact.stiffness most (rank correlation {told})" in page.texts[1].get_text()
+    texts = [correlation_text(value) for value in (1.0, -1.0, 0.9986, -0.99998, 0.5)]
+    assert texts == ["1.00", "−1.00", "0.999", "−0.99998", "0.50"]
     force = 1e-3 * found["peak_force"][~found.failed]
     bars = edges_of(force, logarithmic=False, whole=False)
     assert [bar.get_x() for bar in panel.patches] == pytest.approx(bars[:-1])

@@ -1,5 +1,7 @@
 """Maps of a sweep: their cells, axes, colours, lines and marks."""
 
+# Tests: studies/sweep/contours.py
+
 import matplotlib.style
 import numpy as np
 import pytest
@@ -7,6 +9,7 @@ import pytest
 from chain_impact.recording.text import number
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
+from chain_impact.studies.sweep.contours import LEAST_ROOM
 from chain_impact.studies.sweep.maps import FAILED_COLOUR, beyond_ends
 from chain_impact.studies.sweep.sweep import sweep
 from tests.studies.sweep.drawn_sweeps import SCENE, drawn
@@ -129,7 +132,17 @@ def test_a_fine_map_has_lines_with_their_values():
     found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:8:log", "contact.restitution": "0.4:0.8:4"})
     panel = drawn(found).axes[0]
     values = [float(text.get_text()) for text in panel.texts]
-    assert [line.levels.tolist() for line in panel.collections[1:]] == [[value] for value in values] != []
+    drawn_levels = [line.levels.tolist()[0] for line in panel.collections[1:]]
+    assert {*values} <= {*drawn_levels} <= {*panel.collections[0].colorbar.get_ticks().tolist()}
+    assert len(values) >= 2
+    places = np.array(
+        [
+            panel.transAxes.inverted().transform(panel.transData.transform(text.get_position()))
+            for text in panel.texts
+        ]
+    )
+    apart = np.hypot(*(places[:, None] - places[None]).T) + np.eye(len(places))
+    assert apart.min() > LEAST_ROOM
 
 
 def test_a_coarse_map_has_the_values_of_its_cells_and_ends_at_limits():

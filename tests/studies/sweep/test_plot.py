@@ -86,7 +86,7 @@ def test_a_choice_without_a_value_has_a_word_in_its_row():
     assert words["largest penetration"] == {"kelvin_voigt": "failed"}
     told = page.get_suptitle() + "".join(text.get_text() for text in page.texts)
     assert "1 failed (exponent not allowed)" in told
-    assert "4 of contact.model, zhang_sharf in the scene" in told
+    assert "contact.model: 4 choices, zhang_sharf in the scene" in told
 
 
 def test_only_the_panels_that_are_named_are_drawn():

@@ -33,10 +33,13 @@ COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 FOOT = 0.05  # the distance of the crosses from an edge of the panel, relative to the size of the panel
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
+# [points] the size of a mark, and the difference of the sizes of the marks of two lines with counts
+MARK_SIZE, MARK_STEP = 3.0, 1.6
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
 # the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest
 # value: a power law is then a straight line.
 DECADE = 10.0
+LEAST_COURSE = 3  # the least number of results whose course is told
 MOST_DIGITS = 17  # with so many significant digits, all different numbers have different texts
 
 
@@ -62,20 +65,23 @@ def draw_curves(
         drawn = [curve[:, np.isfinite(curve[1])] for curve in curves]
         usable = [curve.shape[1] > 1 and runs.design.samples is None for curve in drawn]
         dashes = iter(merged_dashes([curve for curve, use in zip(drawn, usable, strict=True) if use]))
-        for (names, rows), look, use in zip(lines.items(), looks_of(lines, choice), usable, strict=False):
+        looks = zip(lines.items(), looks_of(lines, choice), usable, strict=False)
+        for place, ((names, rows), look, use) in enumerate(looks):
             text = " = ".join(names)
             label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
             marks: dict[str, Any] = {}
             if runs.design.samples is not None:
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
             elif len(rows) <= FEW_VALUES:
-                marks = {"marker": "o", "markersize": 3.0}
-            # a count is drawn as steps, because a sloping line would show numbers that are not whole
+                marks = {"marker": "o", "markersize": MARK_SIZE}
+            # a count has no line, which would show numbers that no run has; of equal counts, the larger marks
+            # stand around the smaller ones
             if quantity.is_count and runs.design.samples is None:
-                marks["drawstyle"] = "steps-mid"
+                size = MARK_SIZE + MARK_STEP * (len(lines) - 1 - place)
+                marks = {"marker": "o", "linestyle": "", "markersize": size}
             (line,) = axes.plot(values[rows], shown[rows], label=label, linewidth=1.4, **look | marks)
-            if use and (dash := next(dashes)):
-                line.set_linestyle(dash)
+            if use and (dash := next(dashes)) and not quantity.is_count:
+                line.set(linestyle=dash, marker="None")  # marks would hide those of the line below
         failed = values[runs.failed]
         if len(failed):
             axes.plot(failed, np.full(len(failed), FOOT), transform=axes.get_xaxis_transform(), **CROSS)
@@ -149,13 +155,43 @@ def distinct_texts(values: Sequence[float]) -> list[str]:
     return next((found for found in texts if len({*found}) == len(found)), [*map(repr, values)])
 
 
+def course_text(values: np.ndarray, shown: np.ndarray, name: str) -> str:
+    """Return words for the course of results over a parameter: "rises with" or "falls with" its name.
+
+    If the results neither only rise nor only fall, the words tell the value of the parameter with the lowest
+    or the highest result, if there is one such value, and not at an end. The result is "" for fewer than
+    three known results.
+
+    Args:
+        values: the values of the parameter, shape (R,).
+        shown: the results, shape (R,).
+        name: the name of the parameter.
+    """
+    order = np.argsort(values, kind="stable")
+    values, shown = values[order][known := np.isfinite(shown[order])], shown[order][known]
+    if len(values) < LEAST_COURSE:
+        return ""
+    steps = np.diff(shown)
+    for word, sign in (("rises", 1.0), ("falls", -1.0)):
+        if (sign * steps > 0.0).all():
+            return f"{word} with {name}"
+    told = []
+    for word, extreme in (("lowest", shown.min()), ("highest", shown.max())):
+        (rows,) = np.nonzero(shown == extreme)
+        if len(rows) == 1 and 0 < rows[0] < len(shown) - 1:
+            told.append(f"{word} at {name} = {number(float(values[rows[0]]))}")
+    return " and ".join(told)
+
+
 def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
     """Set the vertical axis of a panel; if no run has a value of the quantity, write NEVER in the panel.
 
     ``shown``: the value of the quantity in each run; it is not finite if the run has no value.
     """
     finite = shown[np.isfinite(shown)]
-    axes.set_ylabel(quantity.label_for(finite))
+    axes.set_ylabel(quantity.label)
+    if told := quantity.small_range_text(finite):
+        axes.set_title(told, loc="right", fontsize="small")
     if ends := quantity.ends_for(finite):
         axes.set_ylim(*ends)
     if not finite.size:

@@ -11,9 +11,17 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
-from chain_impact.recording.map_colours import spread
+from chain_impact.recording.map_colours import WIDE_COLOURS, spread
 from chain_impact.scene.words.unit_text import with_unit
-from chain_impact.studies.sweep.maps import NEVER, SCENE_LINE, WIDE_RANGE, is_logarithmic, label_of, own_value
+from chain_impact.studies.sweep.maps import (
+    NEVER,
+    SCENE_LINE,
+    WIDE_RANGE,
+    is_logarithmic,
+    label_of,
+    number_few_decades,
+    own_value,
+)
 from chain_impact.studies.sweep.quantities import LOADS, Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -23,6 +31,9 @@ QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 # the colour and the opacity of the bars: lines on the bars have contrast on a white and on a dark ground
 BARS = (BLUE, 0.4)
 MOST_SCATTERS = 3  # the largest number of parameters over which each quantity of samples is drawn
+# GOLDEN: the distance of successive dots over a choice, of which the fractions are evenly spread; DOTS_PART:
+# the width of the dots of a choice, relative to the distance of two choices
+GOLDEN, DOTS_PART = 0.618034, 0.5
 FEWEST = 3  # the correlation of fewer than FEWEST pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
@@ -42,8 +53,10 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         if not values.size:
             axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
             continue
-        logarithmic = spread(values) >= WIDE_RANGE
+        logarithmic = spread(values) >= WIDE_COLOURS and not quantity.is_count
         axes.set_xscale("log" if logarithmic else "linear")
+        if logarithmic and values.max() < WIDE_RANGE * values.min():
+            number_few_decades(axes.xaxis)
         edges = edges_of(values, logarithmic=logarithmic, whole=quantity.is_count)
         axes.hist(values, edges.tolist(), color=BARS, edgecolor=INK, linewidth=0.4)
         low, middle, high = np.quantile(values, list(QUANTILES))
@@ -109,9 +122,18 @@ def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Vari
         found = {name: rank_correlation(runs[name], quantity.of(runs)) for name in numbers}
         most = max(found, key=lambda name: abs(found[name]), default="")
         if most and found[most]:
-            value = f"{found[most]:.2f}".replace("-", "−")
-            parts.append(f"{quantity.name} follows {most} most (rank correlation {value})")
+            parts.append(
+                f"{quantity.name} follows {most} most (rank correlation {correlation_text(found[most])})"
+            )
     return "; ".join(parts)
+
+
+def correlation_text(value: float) -> str:
+    """Return a correlation as text with two decimals, but with more if it would look like ±1 and is not."""
+    texts = (f"{value:.{decimals}f}" for decimals in range(2, 6))
+    exact = abs(value) == 1.0
+    text = next((text for text in texts if exact or abs(float(text)) < 1.0), f"{value:.0f}")
+    return text.replace("-", "−")
 
 
 def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
@@ -119,15 +141,20 @@ def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -
     shown, given = quantity.of(runs), runs[variation.name]
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()
-        given = np.array([names.index(name) for name in given])
+        # the dots of a choice lie side by side, at places that repeat in each run of the program
+        beside = (np.arange(len(runs)) * GOLDEN) % 1.0 - 0.5
+        given = np.array([names.index(name) for name in given]) + DOTS_PART * beside
         axes.set_xticks(range(len(names)), names)
         axes.set_xlim(-0.5, len(names) - 0.5)
     else:
         axes.set_xscale("log" if is_logarithmic(variation) else "linear")
     axes.plot(given, shown, ".", color=BLUE, markersize=4.0, rasterized=True)
     axes.set(xlabel=label_of(runs, variation), ylabel=quantity.label)
-    if spread(shown[np.isfinite(shown)]) >= WIDE_RANGE:
+    finite = shown[np.isfinite(shown)]
+    if finite.size and spread(finite) >= WIDE_COLOURS and not quantity.is_count:
         axes.set_yscale("log")
+        if finite.max() < WIDE_RANGE * finite.min():
+            number_few_decades(axes.yaxis)
     if (own := own_value(runs, variation)) is not None:
         axes.axvline(own, **SCENE_LINE)
     if not variation.choices:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -16,14 +15,15 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
 from chain_impact.pictures.drawing.legends import legend_at_foot
-from chain_impact.pictures.drawing.style import INK, is_narrow, raised
+from chain_impact.pictures.drawing.style import INK, TICK_STEPS, is_narrow, raised
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.recording.text import number
 from chain_impact.scene.words.unit_text import in_brackets, of_scene, unit_text, with_unit
+from chain_impact.studies.sweep.contours import Scale, draw_contours
 from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -47,11 +47,9 @@ SCENE_LINE: dict[str, Any] = {"color": INK, "linestyle": (0.0, (4.0, 3.0)), "lin
 # its colours with other maps; WIDE_CELLS: in a narrow figure, numbers in a map with more than WIDE_CELLS
 # columns have fewer digits
 FEW_CELLS, WIDE_CELLS = 8, 4
-# CONTOURS: the places in the range of the colours, 0 to 1, near which a map has contours; MOST_PIECES: a
-# contour in more pieces is left out; LEAST_CELLS: the least number of cells on each axis for contours;
-# LIGHT_COLOUR: the place in the range of the colours above which texts and contours are black instead of
-# white
-CONTOURS, MOST_PIECES, LEAST_CELLS, LIGHT_COLOUR = (0.35, 0.7), 2, 4, 0.5
+# the place in the range of the colours above which texts are black instead of white
+LIGHT_COLOUR = 0.5
+MOST_LEVELS = 5  # the largest number of intervals between the ticks of a linear bar
 SLIM_BAR = 40.0  # the length of a bar for several maps, relative to the bar's width
 NEVER = "no run has a finite value"
 
@@ -174,6 +172,10 @@ def _draw_group(
     look: dict[str, Any] = {"aspect": SLIM_BAR} if len(panels) > 1 else {}
     if len(panels) > 1 and is_narrow(figure):
         look["location"] = "bottom"
+    # these ticks do not depend on the size of the bar, because contours stand at them
+    look["ticks"] = (
+        None if isinstance(norm, LogNorm | BoundaryNorm) else MaxNLocator(MOST_LEVELS, steps=TICK_STEPS)
+    )
     bar = figure.colorbar(meshes[0], ax=panels, label=label, extend=extend, **look)
     few_decades = isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]
     if few_decades:
@@ -189,7 +191,7 @@ def _draw_group(
         if has_numbers and len(panels) == 1:
             _write_values(axes, scales, table, mesh, own)
         elif is_smooth and not has_numbers:
-            _contours(axes, scales, table, within, mesh)
+            draw_contours(axes, scales, table, mesh, within, own=own)
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
         bar.ax.tick_params(which="both", length=0)
@@ -247,33 +249,11 @@ def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: Qua
         axes.annotate(text, at, (0.0, down), textcoords="offset points", **look)
 
 
-def _contours(
-    axes: Axes, scales: tuple[Scale, Scale], shown: Any, levels: Sequence[float], mesh: QuadMesh
-) -> None:
-    """Draw contours, with their values, in a map: at those ``levels`` whose colours are nearest to CONTOURS.
-
-    A contour with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion. A map with fewer
-    than LEAST_CELLS cells on an axis has no contours.
-    """
-    place = dict(zip(levels, np.asarray(mesh.norm(np.array(levels))).tolist(), strict=True))
-    nearest = {min(levels, key=lambda level: abs(place[level] - part)) for part in CONTOURS if levels}
-    for level in sorted(nearest) if min(shown.shape) >= LEAST_CELLS else ():
-        ink = "black" if place[level] > LIGHT_COLOUR else "white"
-        line = axes.contour(*(scale.middles for scale in scales), shown, [level], colors=ink, linewidths=0.9)
-        pieces = [piece for piece in line.allsegs[0] if len(piece)]
-        if not 0 < len(pieces) <= MOST_PIECES:
-            line.remove()
-            continue
-        longest = max(pieces, key=len)
-        ground = {"facecolor": mesh.cmap(place[level]), "edgecolor": "none", "pad": 1.0}
-        right, up = longest[len(longest) // 2]
-        text = axes.text(right, up, f"{level:g}", color=ink, fontsize="small", bbox=ground)
-        text.set(ha="center", va="center", clip_on=True, gid=ON_COLOUR)
-
-
 def number_few_decades(axis: Axis) -> None:
     """Label a logarithmic axis at 1, 2 and 5 times each power of ten (FEW_TICKS), with numbers like 0.5."""
     axis.set_minor_locator(LogLocator(subs=FEW_TICKS))
+    size, width = mpl.rcParams["ytick.major.size"], mpl.rcParams["ytick.major.width"]
+    axis.set_tick_params(which="both", length=size, width=width, pad=mpl.rcParams["ytick.major.pad"])
     for kind in (axis.set_major_formatter, axis.set_minor_formatter):
         kind(FuncFormatter(lambda value, _: f"{value:g}"))
 
@@ -293,27 +273,6 @@ def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str
     """
     there = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
     return "".join(f", {words} {extreme:.3g}" for words, extreme, is_beyond in there if is_beyond)
-
-
-@dataclass(frozen=True)
-class Scale:
-    """An axis of a map, for one parameter.
-
-    Attributes:
-        order: indices in ``Variation.values`` of the parameter's V different values: of numbers in the order
-            of the values, of choices in the order in which the user gives them.
-        edges: the edges of the cells along the axis, shape (V + 1,).
-        logarithmic: whether the axis is logarithmic.
-        names: the names of the choices; empty for a number.
-        middles: the place of each cell's value on the axis, shape (V,): the value itself or, for choices,
-            0, 1, ….
-    """
-
-    order: np.ndarray
-    edges: np.ndarray
-    logarithmic: bool
-    names: list[str]
-    middles: np.ndarray
 
 
 def axis_of(variation: Variation) -> Scale:

@@ -23,7 +23,7 @@ from chain_impact.recording.text import few, number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.sweep.computation import STATUS_WORD
-from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves
+from chain_impact.studies.sweep.curves import COLOURS, FOOT, course_text, distinct_texts, draw_curves
 from chain_impact.studies.sweep.histograms import draw_samples, drawn_parameters, influence
 from chain_impact.studies.sweep.layout import (
     CURVES,
@@ -115,7 +115,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     if kind == HISTOGRAMS:
         told.insert(0, influence(runs, quantities, varying))
     mark = "×: " if kind == CURVES else ""
-    head, *parts = title(runs, results, mark)
+    head, *parts = title(runs, results, mark, small=is_narrow(figure))
     kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure, the headline has two parts at most
     told = [", ".join(parts[kept:]), *told]
     headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
@@ -169,18 +169,26 @@ def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
     return varying if is_in_map and all(own_maps(runs, variation) for variation in third) else []
 
 
-def title(runs: Runs, results: Results, mark: str) -> list[str]:
+def title(runs: Runs, results: Results, mark: str, *, small: bool = False) -> list[str]:
     """Return the parts of the headline: the number of runs, ranges of results, and how many runs failed.
 
-    The results are those with ``in_headline`` that are known and not 0 in at least one run. The reasons of
+    The results are those with ``in_headline`` that are known and not 0 in at least one run; over one number,
+    their course (``course_text``) stands behind the range, with ``small`` as words that can stand alone. The
+    reasons of
     failed runs stand in brackets after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
     """
     parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
+    varying = varying_in(runs.design)
+    is_curve = kind_of(runs.design) == CURVES and len(varying) == 1 and runs.design.samples is None
+    course = varying if is_curve else []
     for quantity in results.every:
         values = quantity.of(runs)
         values = values[~np.isnan(values)]
         if quantity.in_headline and values.any():
             parts.append(quantity.range_text(values))
+            if course and np.ptp(values) > 0.0:
+                told = course_text(runs[course[0].name], quantity.of(runs), course[0].name)
+                parts += [f"{quantity.name} {told}" if small else told] if told else []
     reasons = few(
         [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])], MOST_REASONS
     )
@@ -203,7 +211,7 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
         own = number_in_scene(runs, variation)
         marked = " (outside)" if own_value(runs, variation) is None else mark if variation in shown else ""
         told = "" if own is None else f", {number(own)} in the scene{marked}"
-        count = f"{count_of(variation)} of {variation.name}"
+        count = f"{variation.name}: {plural(count_of(variation), 'choice')}"
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
             told = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""

@@ -60,12 +60,16 @@ class Quantity:
         return self.column == COUNT
 
     def label_for(self, values: np.ndarray) -> str:
-        """Return the label, with the relative range of ``values`` at the end if it is small: "varies by 3 %".
+        """Return the label, with ``small_range_text`` at the end."""
+        return ", ".join(filter(None, (self.label, self.small_range_text(values))))
 
-        ``_small_range`` says what is small.
+    def small_range_text(self, values: np.ndarray) -> str:
+        """Return the range of ``values`` relative to the largest |value| if it is small: "varies by 3 %".
+
+        ``_small_range`` says what is small; the text is "" if the range is not small.
         """
         within = self._small_range(values)
-        return f"{self.label}, varies by {100.0 * within:.2g} %" if within else self.label
+        return f"varies by {100.0 * within:.2g} %" if within else ""
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
         """Return the ends of an axis, if the range of ``values`` is small (``_small_range``); else None.
