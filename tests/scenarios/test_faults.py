@@ -31,7 +31,7 @@ def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tabl
 def cost(instance):
     """Return all that is counted against solver.work_limit."""
     record = instance.record
-    return int(record["statistics"]["rhs_evaluations"] + record["limits"]["other_cost"])
+    return int(record["statistics"]["rhs_evaluations"] + record["budget"]["other_cost"])
 
 
 # --- gliding along a wall, at no distance ------------------------------------------------------------------
