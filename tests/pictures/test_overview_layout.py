@@ -77,6 +77,15 @@ def test_a_slim_motion_leaves_no_empty_half_on_a_page_of_120_mm(model):
 
 
 @pytest.mark.full("takes long")
+def test_a_broad_motion_fills_a_page_of_120_mm():
+    page = recorded("four_link_box").plot(size=(WIDTHS[1], None))
+    page.draw_without_rendering()
+    places = {axes.get_label(): axes.get_position() for axes in page.axes}
+    assert places["motion"].width > 0.9 * places["energy"].width
+    assert places["energy"].height * page.get_figheight() > 0.9
+
+
+@pytest.mark.full("takes long")
 def test_a_page_that_is_too_low_is_refused_with_a_height_that_suffices():
     result, panels = recorded("sliding_rod"), ["energy", "friction"]
     with pytest.raises(ValueError, match=r"^size = \(6, 2\) must be at least [\d.]+ high") as refused:
@@ -148,7 +157,7 @@ def expanded(listed):
 
 @pytest.mark.full("takes long")
 def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
-    page = recorded("rod_drop").plot(size=(WIDTHS[0], None))
+    page = recorded("rod_drop").plot(size=(WIDTHS[0], 5.9))
     motion, speeds = (
         next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
     )

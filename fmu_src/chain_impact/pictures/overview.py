@@ -95,7 +95,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     notes = (
         full_names(recording),
         SEPARATOR.join(recording.passing),
-        f"vertical lines: {late}" if late else "",
+        f"lines below marks: {late}" if late else "",
     )
     for foot_text in filter(None, notes):
         write_foot(figure, foot_text)
@@ -105,10 +105,10 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         if name in shown:
             PANELS[name](axes, recording)
         else:
-            draw_clock(axes, recording)
+            draw_clock(axes, recording, is_marked="energy" in shown)
     timed = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]
     if timed and "time" not in panel_axes:
-        label_time(timed[-1], recording)
+        label_time(timed[-1], recording, is_marked="energy" in shown)
     figure.align_ylabels(timed)
     ratio = broadness(recording) if motion is not None else 1.0
     is_alone = len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
@@ -188,7 +188,7 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
         for name, panel in zip(shown, given, strict=True):
             PANELS[name](panel, recording)
             if is_over_time(recording, name):
-                label_time(panel, recording)
+                label_time(panel, recording, is_marked=name == "energy")
         fit_into_figure(given)
         for figure in {panel.get_figure(root=True) for panel in given}:
             ink = Ink(figure)

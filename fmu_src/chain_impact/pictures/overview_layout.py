@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -41,7 +40,7 @@ HIGH_ROWS, LOW_ROW = 2, 0.24
 FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
 # the largest height of the panel of motion, relative to the width of the figure, if the user gives no height;
 # for a panel above the other panels of a narrow figure, ABOVE_TIME is the limit
-HIGHEST = 0.4
+HIGHEST, NARROW_HIGHEST = 0.4, 0.65
 # Lengths in inches.
 # LOWEST: the least height of the panel of motion beside other panels.
 # ENERGY_HEIGHT: the height of a panel of energies.
@@ -125,9 +124,8 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
     if is_beside(ratio, width):
         motion = (motion_share(ratio, width) * width - MARGINS) / ratio
         return width, HEADS + max(over_time, min(max(motion, LOWEST), HIGHEST * width) + TEXTS)
-    if width < WIDE:
-        return FIGURE_SIZE
-    return width, HEADS + LABELS + _whole_height(ratio, width) + over_time
+    height = HEADS + LABELS + _whole_height(ratio, width) + over_time
+    return width, max(height, FIGURE_SIZE[1]) if width < WIDE else height
 
 
 def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
@@ -144,7 +142,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
     if has_motion and timed and is_beside(ratio, width):
         share = motion_share(ratio, width)
         columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
-        motion = figure.add_subplot(columns[0], label="motion")
+        motion = figure.add_subplot(columns[0], label="motion", anchor="N")
         # the panels over time have a grid of their own, so that the motion does not change their left margin
         grid: Any = columns[1].subgridspec(len(heights), 1, height_ratios=heights)
         return {"motion": motion} | _timed_axes(figure, grid, names)
@@ -177,9 +175,6 @@ def _height_above(ratio: float, width: float) -> float:
 
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """
-    if width < WIDE:
-        grown = max(1.0, width / COLUMN)
-        return ABOVE_TIME * grown * min(math.sqrt(grown), BROADEST_HIGH / ratio)
     return _whole_height(ratio, width) / ENERGY_HEIGHT
 
 
@@ -188,4 +183,5 @@ def _whole_height(ratio: float, width: float) -> float:
 
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """
-    return min((width - MARGINS) / ratio, HIGHEST * width)
+    highest = NARROW_HIGHEST if width < WIDE else HIGHEST
+    return min((width - MARGINS) / ratio, highest * width)

@@ -13,8 +13,8 @@ from chain_impact.pictures import draw_chain
 from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR
 from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, by_speed
 from chain_impact.pictures.motion.joint_forces import part_in_view
-from chain_impact.pictures.motion.poses import MOST_STRONG_POSES, apart, strong_times
-from chain_impact.pictures.words.headline import peaks
+from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, apart, strong_rows
+from chain_impact.pictures.words.headline import marked_peaks, peaks
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of, size_of
@@ -43,7 +43,7 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
     *at_impacts, start, end = poses(motion)
     np.testing.assert_array_equal(start, recording.points[0])
     np.testing.assert_array_equal(end, recording.points[-1])
-    times = strong_times(recording)
+    times = recording.impacts["onset"][strong_rows(recording)].tolist()
     assert 0 < len(at_impacts) == len(times) <= MOST_STRONG_POSES
     fastest = recording.impacts["onset"][by_speed(recording)[0]]
     for time, pose in zip(times, at_impacts, strict=True):
@@ -53,11 +53,14 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
         # the point touches the wall within its radius and its motion between two communication points
         gap = recording.wall_of(impact).clearance(*place) - recording.touching[impact["point"]]
         assert abs(gap) < 1.1e-3 * impact["impact_speed"]
+    if len(recording.impacts) > MOST_STRONG_POSES:
+        assert times == [recording.impacts["onset"][marked_peaks(recording)[0].row]]
+        return
     kept, expected = [start, end], []
     for onset in recording.impacts["onset"][by_speed(recording)]:
         pose = recording.pose_at(onset)
         gap = min(np.hypot(*(pose - other).T).mean() for other in kept)
-        if onset == fastest or (gap >= 0.1 * size_of(recording) and len(kept) < MOST_STRONG_POSES + 2):
+        if onset == fastest or gap >= 0.1 * size_of(recording):
             kept.append(pose)
             expected.append(onset)
     assert times == sorted(expected)
@@ -72,7 +75,15 @@ def test_poses_that_look_alike_are_left_out():
 
 def test_every_impact_has_a_strong_pose_if_there_are_few():
     recording = recorded("pinned_arm")
-    assert strong_times(recording) == recording.impacts["onset"].tolist()
+    assert strong_rows(recording) == list(range(len(recording.impacts)))
+
+
+def test_poses_have_entries_in_the_legend_and_are_few():
+    axes = motion_of(recorded("four_link_box"))
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert {"between", "at impact 1", "start", "end"} <= {*labels}
+    (between,) = (lines for lines in axes.collections if lines.get_label() == "between")
+    assert 1 < len(between.get_segments()) <= FAINT_POSES
 
 
 def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():

@@ -66,7 +66,7 @@ def test_the_legend_says_that_impacts_stand_at_their_peaks(model, told):
     assert ("impacts, at the time of their peak force" in texts) == told
     page = recording.plot(panels=["energy", "impacts"], size=(84 / 25.4, 4.0))
     foot = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
-    assert ("vertical lines: impacts, at the time of their peak force" in foot) == told
+    assert ("lines below marks: impacts, at the time of their peak force" in foot) == told
 
 
 @pytest.mark.full("more cases", but=["arm_at_stop", "bouncing_ball"])

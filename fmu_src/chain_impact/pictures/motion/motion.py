@@ -15,7 +15,7 @@ from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
 from chain_impact.pictures.motion.impact_rings import by_speed, draw_rings, draw_sticking
 from chain_impact.pictures.motion.joint_forces import draw_loads
 from chain_impact.pictures.motion.moving_walls import draw_moving
-from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_times
+from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_rows
 from chain_impact.pictures.motion.view import BAND, is_flat, seen_size, view_of
 from chain_impact.pictures.motion.walls import draw_walls
 from chain_impact.pictures.over_time.rests import shown_time
@@ -53,14 +53,15 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     thick, ball = 1.0, ball_of(recording)
     if ball is not None:  # a mark shows the ball's centre, a thin line the link
         thick, marks = BALL_LINE, marks | {"markevery": [ball]}
-    strong = strong_times(recording)
+    rows = strong_rows(recording)
+    strong = [float(time) for time in recording.impacts["onset"][rows]]
     draw_moving(axes, recording, view, shade, strong)
     draw_rail(axes, recording)
+    at_impacts = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
     for time in strong:
+        look = {"color": shade(time), "linewidth": 1.6 * thick, "markersize": 3.5} | marks
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
-        draw_chain(
-            axes, recording.pose_at(time), color=shade(time), linewidth=1.6 * thick, markersize=3.5, **marks
-        )
+        draw_chain(axes, recording.pose_at(time), label="_" if time > strong[0] else at_impacts, **look)
     rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])

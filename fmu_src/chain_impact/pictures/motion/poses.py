@@ -12,12 +12,13 @@ from matplotlib.lines import Line2D
 from chain_impact.pictures.drawing.style import INK
 from chain_impact.pictures.motion.impact_rings import by_speed
 from chain_impact.pictures.motion.view import seen_size
+from chain_impact.pictures.words.headline import marked_peaks
 from chain_impact.recording.recording import Recording
 
-# the largest number of strong poses between start and end (``strong_times``)
-MOST_STRONG_POSES = 6
-CANDIDATES = 60  # largest number of impacts, the fastest ones, among whose poses strong poses are chosen
-FAINT_POSES = 40  # the largest number of faint poses, from rows with equally spaced indices
+# the largest number of strong poses between start and end (``strong_rows``); more could not be told apart
+MOST_STRONG_POSES = 5
+# FAINT_POSES: the largest number of faint poses, from rows with equally spaced indices; FAINT: their opacity
+FAINT_POSES, FAINT = 12, 0.22
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
 # STRONG_APART of strong poses. Of the strong poses, the pose at the fastest impact is always drawn.
 FAINT_APART, STRONG_APART = 0.03, 0.1
@@ -50,21 +51,23 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
     return line
 
 
-def strong_times(recording: Recording) -> list[float]:
-    """Return the times [s] of the strong poses between start and end, in order.
+def strong_rows(recording: Recording) -> list[int]:
+    """Return the rows of the impacts at whose onsets strong poses are drawn, in the order of time.
 
-    These are the onsets of at most MOST_STRONG_POSES of the CANDIDATES fastest impacts. The fastest impact is
-    chosen in any case. A slower impact is chosen, the faster ones first, if the pose at its onset differs
-    (``apart``) from the poses at start, at end, and at all impacts that are chosen before.
+    With more than MOST_STRONG_POSES impacts, this is only the impact with the largest force, moment or
+    impulse (``marked_peaks``) or, if several impacts have the largest value, the fastest one. Otherwise the
+    fastest impact is chosen in any case. A slower impact is chosen, the faster ones first, if the pose at its
+    onset differs (``apart``) from the poses at start, at end, and at all impacts that are chosen before.
     """
-    onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
-    if not onsets:
+    rows = by_speed(recording).tolist()
+    if len(rows) > MOST_STRONG_POSES:
+        return [*(peak.row for peak in marked_peaks(recording)), rows[0]][:1]
+    if not rows:
         return []
-    ends = [recording.points[0], recording.points[-1]]
-    poses = np.array([recording.pose_at(onsets[0]), *ends, *map(recording.pose_at, onsets[1:])])
+    first, *others = (recording.pose_at(recording.impacts["onset"][row]) for row in rows)
+    poses = np.array([first, recording.points[0], recording.points[-1], *others])
     kept = apart(poses, STRONG_APART * seen_size(recording), always=3)
-    times = [onsets[0], *(onsets[k - 2] for k in kept[3:])]
-    return sorted(times[:MOST_STRONG_POSES])
+    return sorted([rows[0], *(rows[k - 2] for k in kept[3:])])
 
 
 def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
@@ -86,4 +89,5 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
     poses = recording.points[rows]
     poses = poses[apart(poses, FAINT_APART * seen_size(recording))]
-    axes.add_collection(LineCollection(list(poses), colors=INK, linewidths=0.6, alpha=0.13))
+    look: dict[str, Any] = {"colors": INK, "linewidths": 0.6, "alpha": FAINT}
+    axes.add_collection(LineCollection(list(poses), **look, label="between" if len(poses) > 1 else "_"))

@@ -24,16 +24,17 @@ CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
 
 
-def draw_clock(axes: Axes, recording: Recording) -> None:
+def draw_clock(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
     """Draw a bar over the shown time in the colours that times have in the panel of the motion.
 
-    The label of the axis of time is below the bar.
+    The label of the axis of time is below the bar; ``is_marked`` is as for ``label_time``.
     """
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, shown.start + 1e-9)
     axes.set_axes_locator(_slim)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
-    label_time(axes, recording, "the same colours as in the motion" if is_full(axes) else "")
+    note = "the same colours as in the motion" if is_full(axes) else ""
+    label_time(axes, recording, note, is_marked=is_marked)
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
     axes.tick_params(bottom=False, labelbottom=False)  # the panel above already has the numbers of this axis
@@ -47,16 +48,18 @@ def _slim(axes: Any, _: Any) -> Bbox:
     return Bbox([[place.x0, place.y1 - CLOCK_HEIGHT / figure.get_figheight()], [place.x1, place.y1]])
 
 
-def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
+def label_time(axes: Axes, recording: Recording, note: str = "", *, is_marked: bool) -> None:
     """Give the x axis the label and the limits of the shown time.
 
     The label also has words on times without motion, which are shaded or cut off. Without such times, the
-    label has the ``note``.
+    label has the ``note``. ``is_marked``: whether panels with this time have the lines of ``mark_impacts``,
+    which the label then explains.
     """
     shown = shown_time(recording)
+    lines = impact_lines(recording, shown.start, shown.end) if is_marked else ""
     margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
     axes.set(
-        xlabel="; ".join(filter(None, (name_time(axes, shown.end), shown.note or note))),
+        xlabel="; ".join(filter(None, (name_time(axes, shown.end), lines, shown.note or note))),
         xlim=(shown.start - margin, shown.end + margin),
     )
 
