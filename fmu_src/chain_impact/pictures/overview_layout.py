@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE
 from chain_impact.pictures.drawing.sizes import Size, figure_size
-from chain_impact.pictures.drawing.style import FULL, WIDE
+from chain_impact.pictures.drawing.style import COLUMN, FULL, WIDE
 from chain_impact.pictures.motion.along_line import line_of_motion
 from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
@@ -19,8 +19,8 @@ from chain_impact.recording.recording import Recording
 
 # Ratios of width to height of the motion. SLIM, BROAD: the least and the largest ratio that the panel of
 # motion has beside other panels. BROADEST_BESIDE: a motion with a larger ratio has the whole width of the
-# figure, above the other panels. BROADEST_HIGH: on a narrow figure, a motion with a larger ratio has a lower
-# panel than ABOVE_TIME.
+# figure, above the other panels. BROADEST_HIGH: on a figure with a width of COLUMN or less, a motion with a
+# larger ratio has a lower panel than ABOVE_TIME.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
 BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arranged
 # ``motion_share`` of a motion that is as high as wide, in a wide and in a narrow figure; it sets the width of
@@ -29,17 +29,17 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
 # contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
 # height of the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion
-# above other panels, on a figure with a width of COLUMN [inch] or less; from COLUMN to WIDE, the largest
-# height grows with the width. All but COLUMN are relative to the height of the panel of energies.
-RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 2.0, 3.5
+# above other panels, on a figure with a width of COLUMN or less. All are relative to the height of the panel
+# of energies.
+RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME = 0.15, 0.32, 1.4, 0.06, 2.0
 # If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
 # height of the panel of energies.
 HIGH_ROWS, LOW_ROW = 2, 0.24
 # If a recording has at most FEW_IMPACTS impacts, the height of their panel is LOW_IMPACTS, relative to the
 # height of the panel of energies.
 FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
-# the largest height of the panel of motion, relative to the width of the figure, if the user gives no height;
-# for a panel above the other panels of a narrow figure, ABOVE_TIME is the limit
+# the largest height of the panel of motion, relative to the width of the figure, if the user gives no height:
+# HIGHEST from WIDE on, NARROW_HIGHEST from COLUMN to WIDE
 HIGHEST, NARROW_HIGHEST = 0.4, 0.65
 # Lengths in inches.
 # LOWEST: the least height of the panel of motion beside other panels.
@@ -110,8 +110,8 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
     """Return the width and the usual height of a figure [inches] with the panels in ``shown``.
 
     The width is that of ``size`` or, without ``size``, the usual one. But the result is FIGURE_SIZE, whatever
-    ``size`` is, for a motion in the plane alone, for panels without a motion, and for a narrow figure with a
-    motion in the plane above the other panels.
+    ``size`` is, for a motion in the plane alone, for panels without a motion, and for a figure with a width
+    of COLUMN or less that has a motion in the plane above the other panels.
     """
     width = figure_size(size)[0] if size else FULL
     timed = [name for name in shown if is_in_column(recording, name)]
@@ -124,6 +124,8 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
     if is_beside(ratio, width):
         motion = (motion_share(ratio, width) * width - MARGINS) / ratio
         return width, HEADS + max(over_time, min(max(motion, LOWEST), HIGHEST * width) + TEXTS)
+    if width <= COLUMN:
+        return FIGURE_SIZE
     height = HEADS + LABELS + _whole_height(ratio, width) + over_time
     return width, max(height, FIGURE_SIZE[1]) if width < WIDE else height
 
@@ -175,6 +177,8 @@ def _height_above(ratio: float, width: float) -> float:
 
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """
+    if width <= COLUMN:
+        return ABOVE_TIME * min(1.0, BROADEST_HIGH / ratio)
     return _whole_height(ratio, width) / ENERGY_HEIGHT
 
 

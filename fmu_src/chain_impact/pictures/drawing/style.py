@@ -88,8 +88,9 @@ If the user's style is dark, ``suit_figure`` changes the colours afterwards.
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The groups of matplotlib's settings, such as ``font``, whose values a ``StyledFigure`` stores."""
 DPI = 160
-# [inch] FULL: the usual width of a figure; WIDE: the least width for two columns of axes
-FULL, WIDE = 10.0, 6.0
+# [inch] FULL: the usual width of a figure; WIDE: the least width for two columns of axes; COLUMN: the largest
+# width of a figure for one column of a printed page
+FULL, WIDE, COLUMN = 10.0, 6.0, 3.5
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 # [inch] GAP: space below the headline, and below the conditions; LINE_GAP: space between two of the coloured
 # lines below the headline
@@ -183,6 +184,12 @@ def is_full(axes: Axes) -> bool:
     """Return whether axes belong to a figure of at least the usual width FULL, or to no figure."""
     figure = axes.get_figure(root=True)
     return figure is None or figure.get_figwidth() >= FULL
+
+
+def is_one_column(axes: Axes) -> bool:
+    """Return whether axes belong to a figure that is not wider than a column of a printed page (COLUMN)."""
+    figure = axes.get_figure(root=True)
+    return figure is not None and figure.get_figwidth() <= COLUMN
 
 
 def is_narrow(figure: Figure) -> bool:

@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import INK, TIME_COLOURS, give_ticks, scale_numbers
+from chain_impact.pictures.drawing.style import INK, TIME_COLOURS, give_ticks, is_one_column, scale_numbers
 from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
 from chain_impact.pictures.motion.impact_rings import by_speed, draw_rings, draw_sticking
 from chain_impact.pictures.motion.joint_forces import draw_loads
@@ -57,11 +57,13 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     strong = [float(time) for time in recording.impacts["onset"][rows]]
     draw_moving(axes, recording, view, shade, strong)
     draw_rail(axes, recording)
-    at_impacts = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
+    # a narrow legend has no room for the poses at impacts and between them
+    label = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
+    label = "_" if is_one_column(axes) else label
     for time in strong:
         look = {"color": shade(time), "linewidth": 1.6 * thick, "markersize": 3.5} | marks
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
-        draw_chain(axes, recording.pose_at(time), label="_" if time > strong[0] else at_impacts, **look)
+        draw_chain(axes, recording.pose_at(time), label="_" if time > strong[0] else label, **look)
     rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])

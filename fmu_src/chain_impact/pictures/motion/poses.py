@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing.style import INK
+from chain_impact.pictures.drawing.style import INK, is_one_column
 from chain_impact.pictures.motion.impact_rings import by_speed
 from chain_impact.pictures.motion.view import seen_size
 from chain_impact.pictures.words.headline import marked_peaks
@@ -18,7 +18,7 @@ from chain_impact.recording.recording import Recording
 # the largest number of strong poses between start and end (``strong_rows``); more could not be told apart
 MOST_STRONG_POSES = 5
 # FAINT_POSES: the largest number of faint poses, from rows with equally spaced indices; FAINT: their opacity
-FAINT_POSES, FAINT = 12, 0.22
+FAINT_POSES, FAINT = 12, 0.18
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
 # STRONG_APART of strong poses. Of the strong poses, the pose at the fastest impact is always drawn.
 FAINT_APART, STRONG_APART = 0.03, 0.1
@@ -90,4 +90,5 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
     poses = recording.points[rows]
     poses = poses[apart(poses, FAINT_APART * seen_size(recording))]
     look: dict[str, Any] = {"colors": INK, "linewidths": 0.6, "alpha": FAINT}
-    axes.add_collection(LineCollection(list(poses), **look, label="between" if len(poses) > 1 else "_"))
+    label = "between" if len(poses) > 1 and not is_one_column(axes) else "_"
+    axes.add_collection(LineCollection(list(poses), **look, label=label))
