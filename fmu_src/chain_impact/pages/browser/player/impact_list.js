@@ -92,10 +92,11 @@ export class ImpactList {
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return this.#showAll(false);
-    const table = make("table", { className: recording.impacts.some(({ atStop }) => atStop) ? "with-stops" : "" });
     element.parentElement.style.setProperty("--rows", recording.impacts.length);
     const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
     const areImpulses = recording.impacts.every((impact) => impact.peak === null && impulseText(impact));
+    const hasStops = recording.impacts.some(({ atStop }) => atStop);
+    const table = make("table", { className: hasStops || areImpulses ? "long-units" : "" });
     this.columns = mapped(QUANTITIES_OF, (quantityOf) => inOneUnit(recording.impacts.map(quantityOf)));
     const heads = columns.map((column) => {
       const name = areImpulses && column === "peak" ? "impulse" : column;
