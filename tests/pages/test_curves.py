@@ -74,7 +74,8 @@ def test_an_angle_is_drawn_in_degrees(show, result):
     page.locator("#scrub").fill("0.9")
     until(page, "document.getElementById('time').textContent === '0.90000 s'")
     value, unit = page.locator("#outputs-over-time dd").inner_text().split("\u202f")
-    assert unit == page.locator("#outputs-over-time .curve-unit").inner_text() == "°"
+    assert unit == "°"
+    assert page.locator("#outputs-over-time .curve-unit").inner_text() == "angle, °"
     known = np.degrees(np.interp(0.9, result.time, result["joint[2].angle"]))
     assert float(value.replace("\u2212", "-")) == pytest.approx(known, rel=5e-3)
 
@@ -163,7 +164,7 @@ def test_chosen_outputs_are_in_sight_when_the_dialog_closes(show, viewport):
 
 def test_small_lengths_are_in_millimetres(show):
     page = show("bouncing_table", {"simulation.stop_time": 0.3})
-    assert page.inner_text("#inputs-over-time .curve-unit") == "mm"
+    assert page.inner_text("#inputs-over-time .curve-unit") == "length, mm"
     page.locator("#scrub").fill("0.125")
     until(page, "document.getElementById('time').textContent === '0.12500 s'")
     amplitude = 1e3 * float(page.evaluate("chainImpact.parameters['signal.table.amplitude']"))
@@ -178,7 +179,7 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     page.get_by_role("button", name="At impact").click()
     impact = result.impacts[0]
     unit = page.locator("#outputs-over-time .curve-unit")
-    assert unit.inner_text() == "kN", "as in the chart of the contact"
+    assert unit.inner_text() == "force, kN", "as in the chart of the contact"
     shown = 1e3 * told(page, "contact[2].y_min.force") / impact["peak_force"]
     assert shown == pytest.approx(1.0, abs=0.01), "the largest force"
     assert page.text_content("#outputs-impact") == page.text_content("#contact-name").split(",")[0]
@@ -369,7 +370,7 @@ def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):
     assert page.inner_text("#time") == time
 
 
-def test_the_chart_of_a_force_has_the_number_of_its_peak(show):
+def test_the_chart_of_a_force_has_the_number_of_its_peak(show, result):
     page = show()
     page.evaluate("""() => {
       const write = CanvasRenderingContext2D.prototype.fillText;
@@ -381,4 +382,6 @@ def test_the_chart_of_a_force_has_the_number_of_its_peak(show):
     }""")
     page.locator("#impacts tbody tr button").nth(1).click()
     peak = page.locator("#impacts tbody tr").nth(1).locator("td").last.inner_text()
-    until(page, f"written.includes({peak!r})")
+    head, unit = page.locator("#impacts th").last.inner_text().split(", ")
+    assert (head, float(peak)) == ("peak", pytest.approx(result.impacts["peak_force"][1] / 1e3, rel=5e-3))
+    until(page, f"written.includes('{peak}\u202f{unit}')")

@@ -54,9 +54,10 @@ def test_a_slider_moved_during_playback_is_held_from_then_on(show, tmp_path, cap
         "at the start, it is as it was"
     )
     parts = page.evaluate("decodeURIComponent(location.hash)").strip("#").split("&")
-    ((name, text),) = (part.split("=") for part in parts if not part.startswith("time="))  # of the pause
+    told = dict(part.split("=") for part in parts)
+    assert (set(told), told["view"]) == ({f"{SLIDER}@", "time", "view"}, "0.25")  # pause, speed
+    text = told[f"{SLIDER}@"]
     steps = [tuple(map(float, step.split(":"))) for step in text.split(",")]
-    assert name == f"{SLIDER}@"
     assert len(steps) == 3
     assert 0.1 < steps[0][0] < steps[-1][0] < 2.0
     for time, value in ((0.05, 0.0), (1.99, steps[-1][1])):
