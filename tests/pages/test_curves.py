@@ -15,6 +15,7 @@ from tests.pages.in_pages import (
     impacts_of,
     packed_module,
     page_contents,
+    time_of,
     until,
     until_told,
 )
@@ -368,6 +369,12 @@ def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):
     page.keyboard.press("Escape")
     assert page.locator(".reading:visible").count() == 0
     assert page.inner_text("#time") == time
+    page.locator("#energy").focus()
+    page.keyboard.press("ArrowRight")
+    reading = page.inner_text("#energy .reading")
+    page.keyboard.press("Enter")
+    assert time_of(page) == pytest.approx(float(reading.removesuffix(" s")), abs=1e-4)
+    assert page.locator(".reading:visible").count() == 0
 
 
 def test_the_chart_of_a_force_has_the_number_of_its_peak(show, result):

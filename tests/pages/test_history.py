@@ -130,7 +130,7 @@ def test_a_field_undoes_what_is_typed_in_it_itself(show):
     change(page, 0.5)
     field = enter(page, "Restitution", "0.4")
     field.press("Control+z")
-    assert page.evaluate(PRESENT) in {"0.5", "0.7"}
+    assert page.evaluate(PRESENT) == "0.5", "each entry in a field is a change of its own"
     value = page.evaluate(PRESENT)
     field.press_sequentially("1")
     field.press("Control+z")

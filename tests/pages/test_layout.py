@@ -257,6 +257,22 @@ def test_few_impacts_leave_their_room_to_the_charts(show):
     assert row["y"] + row["height"] < foot["y"]
 
 
+def test_the_list_of_impacts_has_whole_rows_and_the_present_one_in_a_narrow_column(show):
+    page = show("cart_pole", viewport={"width": 1100, "height": 800})  # as narrow as with the bar for scrolling
+    page.keyboard.press("End")
+    place = "one => [one.scrollHeight - one.clientHeight, one.querySelector('thead').clientHeight]"
+    assert page.locator("#impacts").evaluate(place) == [0, 20], "without a gap below the title"
+    page.goto("about:blank")
+    page = show(viewport=DESK)
+    page.keyboard.press("End")
+    page.keyboard.press("p")  # the rows of the pin take the place of rows of the list
+    page.locator("#pins tbody tr").first.wait_for()
+    until(page, "document.querySelector('tr[aria-current] button').textContent === '14'")
+    boxes = (page.locator(name).bounding_box() for name in ("#impacts", "tr[aria-current]"))
+    list_, row = ((box["y"], box["y"] + box["height"]) for box in boxes)
+    assert list_[0] <= row[0] < row[1] <= list_[1] + 1
+
+
 def test_impacts_stay_in_sight_below_chosen_curves(show):
     page = show(hash_="#curves=point[*].y,link[1].angle", viewport={"width": 1366, "height": 800})
     page.get_by_role("button", name="Pin").click()

@@ -135,6 +135,19 @@ def test_clicks_keys_slider_and_chart_go_to_a_moment(show_recording, recording):
     box = page.locator("#energy .u-over").bounding_box()
     page.mouse.click(box["x"] + box["width"] / 4, box["y"] + 20)
     assert time_of(page) == pytest.approx(0.5, abs=0.01)
+    page.get_by_role("button", name="Go to impact 2, ").click()
+    impact, box = recording.impacts[1], page.locator("#force .u-over").bounding_box()
+    for share in (0.1, 0.6):  # before the impact, which stays the present one, and in it
+        page.mouse.click(box["x"] + share * box["width"], box["y"] + 40)
+        since = (share * 1.7 - 0.35) * (impact["end"] - impact["onset"])
+        assert time_of(page) == pytest.approx(impact["onset"] + since, abs=3e-5)
+        assert page.inner_text("tr[aria-current] button") == "2"
+    page.get_by_role("button", name="F(δ)").click()
+    go_to(page, peak_time(recording, impact))
+    dot = page.locator(".loop-now").bounding_box()
+    go_to(page, impact["end"])
+    page.mouse.click(dot["x"] + dot["width"] / 2, dot["y"] + dot["height"] / 2)
+    assert time_of(page) == pytest.approx(peak_time(recording, impact), abs=1e-4)
 
 
 def test_arrow_keys_step_in_time_on_the_screen(show_recording):

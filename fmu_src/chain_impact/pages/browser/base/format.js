@@ -159,9 +159,10 @@ export function textWithUnit(value, shown, count = 5) {
   return [number, shown.text].filter(Boolean).join("\u202f");
 }
 
-/** Return a typed number with a point in place of a decimal comma; a comma that may be one of thousands, as in 1,500, stays. */
+/** Return a typed text with a point in place of each decimal comma; a comma that may be one of thousands, as in 1,500, stays. */
 export function withPoint(text) {
-  return /^\s*[-+]?[1-9]\d{0,2},\d{3}\s*$/.test(text) ? text : text.replace(/^(\s*[-+]?\d*),(?=\d+(?:e|\s|$))/i, "$1.");
+  return text.replace(/(?<![\d.,])(\d*),(\d+)(?![\d.,])/g, (all, whole, decimals) =>
+    (/^[1-9]\d{0,2}$/.test(whole) && decimals.length === 3 ? all : `${whole}.${decimals}`));
 }
 
 /** Return a number as text with the fewest digits from which exactly this number is read again. */

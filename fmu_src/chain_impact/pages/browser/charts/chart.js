@@ -109,8 +109,9 @@ export function labelledWidth(plot, labels, index, cycle) {
 export class Chart {
   compared = []; // the compared recordings, each as {recording, stroke (name of a colour), letter}
 
-  constructor(element, height) {
-    this.element = element;
+  /** `seek` is called to go to a time [s]. */
+  constructor(element, height, seek) {
+    Object.assign(this, { element, seek });
     this.height = element.clientHeight || height;
     new ResizeObserver(() => this.fit()).observe(element);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
@@ -120,7 +121,10 @@ export class Chart {
     this.#connect();
   }
 
-  /** Let the mouse, or the arrow keys while the chart has the focus, read values at a place of the horizontal axis. */
+  /**
+   * Let the mouse, or the arrow keys while the chart has the focus, read values at a place of the horizontal axis; the key Enter goes to
+   * the time at this place.
+   */
   #connect() {
     const { element } = this;
     element.tabIndex = 0;
@@ -131,14 +135,25 @@ export class Chart {
     });
     ["pointerleave", "pointerdown", "blur"].forEach((end) => element.addEventListener(end, () => this.read(undefined)));
     element.addEventListener("keydown", (event) => {
-      const direction = { ArrowLeft: -1, ArrowRight: 1, Escape: 0 }[event.key];
-      if (direction === undefined || event.shiftKey) return;
+      const direction = { ArrowLeft: -1, ArrowRight: 1, Escape: 0, Enter: 0 }[event.key];
+      const { min, max } = this.plot.scales.x;
+      if (direction === undefined || event.shiftKey || !this.readingAt(min)) return;
       event.preventDefault();
       event.stopPropagation(); // the arrow keys would move the motion
-      const { min, max } = this.plot.scales.x;
+      if (event.key === "Enter" && this.reading !== undefined) this.goTo(this.reading);
       const next = (this.reading ?? this.at ?? min) + (direction * (max - min)) / READ_STEPS;
       this.read(direction ? Math.min(Math.max(next, min), max) : undefined);
     });
+  }
+
+  /** Go to a time on the horizontal axis. */
+  goTo(time) {
+    this.seek(time);
+  }
+
+  /** Return the time that a place of the plot stands for, `left` and `top` [pixels] from its upper left corner. */
+  timeAt(left) {
+    return this.plot.posToVal(left, "x");
   }
 
   /** Show the text of `readingAt` for the value `x` of the horizontal axis, beside a dashed line; without `x`, remove both. */
@@ -174,7 +189,17 @@ export class Chart {
     );
     this.line = document.createElement("div");
     this.line.className = "now";
-    this.plot.over.append(this.line);
+    const { over } = this.plot;
+    over.append(this.line);
+    const go = ({ clientX, clientY }) => {
+      const { left, top } = over.getBoundingClientRect();
+      this.goTo(this.timeAt(clientX - left, clientY - top));
+    };
+    over.addEventListener("pointerdown", (event) => {
+      over.setPointerCapture(event.pointerId);
+      go(event);
+    });
+    over.addEventListener("pointermove", (event) => event.buttons && go(event));
   }
 
   fit() {

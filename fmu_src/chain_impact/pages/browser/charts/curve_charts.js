@@ -149,7 +149,7 @@ export class CurveCharts {
   #chartOf() {
     const [element, entries] = [make("div", { className: "chart curve-chart" }), make("dl", { className: "entries" })];
     element.setAttribute("role", "img");
-    element.setAttribute("aria-label", `${this.label} over time; click to go to a time`);
+    element.setAttribute("aria-label", `${this.label} over time; click, or arrow keys and Enter, to go to a time`);
     const unit = make("small", { className: "curve-unit" });
     return Object.assign(new UnitChart(element, 104, entries, this.seek), { unit, curvesOf: this.curvesOf });
   }

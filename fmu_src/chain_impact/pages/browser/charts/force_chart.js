@@ -63,8 +63,9 @@ function depthText(tick, ticks) {
 
 /** The chart of the force of the present contact, over the time of the contact or over its penetration. */
 export class ForceChart extends Chart {
-  constructor(element, quantity, title, loopButton) {
-    super(element, 120);
+  /** `seek` is called to go to a time of a contact: with the time [s] and the contact. */
+  constructor(element, quantity, title, loopButton, seek) {
+    super(element, 120, seek);
     Object.assign(this, { quantity, title, loopButton });
     this.unit = { ...unitsOf({}) }; // the units of the quantities of the contact that the chart shows
     this.make(
@@ -136,6 +137,19 @@ export class ForceChart extends Chart {
     return `${withMinus(durationText(time))}: ${forceText(valueAtPlace(force, placeIn(times, time)), 3, this.unit.force)}`;
   }
 
+  goTo(time) {
+    this.seek(this.shown.onset + time, this.shown);
+  }
+
+  timeAt(left, top) {
+    if (!this.loop) return super.timeAt(left);
+    const [depth, force, times] = this.loop;
+    const { onset, end } = this.shown;
+    const awayFrom = (k) => Math.hypot(this.plot.valToPos(depth[k], "x") - left, this.plot.valToPos(force[k], "y") - top);
+    const rows = [...times.keys()].filter((k) => times[k] >= 0 && times[k] <= end - onset);
+    return times[rows.reduce((best, k) => (awayFrom(k) < awayFrom(best) ? k : best))];
+  }
+
   show(recording) {
     this.recording = recording;
     this.shown = null;
@@ -173,7 +187,7 @@ export class ForceChart extends Chart {
     const rubs = along?.some((force) => force !== 0);
     const friction = rubs ? along : times.map(() => null);
     this.loopButton.hidden = !depth;
-    this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
+    this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside, times] : null;
     const lines = this.compared.map((line) => ({ ...line, ...this.#courseIn(line.recording, contact) }));
     this.curves = lines.filter(({ points }) => points);
     const all = (axis) => this.curves.map(({ points }) => points[axis]);

@@ -20,8 +20,8 @@ export class TimeChart extends Chart {
   onset = undefined; // [s] the time from which the axis counts: an onset, or undefined to count from 0
 
   constructor(element, height, entries, seek) {
-    super(element, height);
-    Object.assign(this, { entries, seek });
+    super(element, height, seek);
+    this.entries = entries;
   }
 
   /** Return the time on the axis as text. */
@@ -99,15 +99,6 @@ export class TimeChart extends Chart {
     );
     this.entries.replaceChildren();
     this.values = curves.map((curve) => [curve.name, entryOf(this.entries, curve)]);
-    const go = (event) => {
-      const { left } = this.plot.over.getBoundingClientRect();
-      this.seek(this.plot.posToVal(event.clientX - left, "x"));
-    };
-    this.plot.over.addEventListener("pointerdown", (event) => {
-      this.plot.over.setPointerCapture(event.pointerId);
-      go(event);
-    });
-    this.plot.over.addEventListener("pointermove", (event) => event.buttons && go(event));
   }
 
   /**

@@ -66,8 +66,11 @@ export class Clock {
     this.#listeners.forEach((listener) => listener());
   }
 
-  seek(time) {
+  /** Go to a time [s]; a given `contact` becomes the present one, until the time changes. */
+  seek(time, contact = null) {
     this.set({ frame: this.recording.frameAt(time) });
+    this.#goneTo = contact;
+    if (contact) this.set({});
   }
 
   /** Play or pause; at the end of the recording, play from the start. */

@@ -57,6 +57,7 @@ export class ImpactList {
     element.after(this.more);
     element.addEventListener("focusin", ({ target }) => target.matches("td button") && this.#reach(target));
     element.addEventListener("keydown", (event) => this.#press(event));
+    new ResizeObserver(() => this.#reveal()).observe(element);
   }
 
   /** Let the key Tab reach only this button of the list, so that Tab passes a long list in one step. */
@@ -164,14 +165,18 @@ export class ImpactList {
     if (contact === this.current) return;
     this.element.querySelector("[aria-current]")?.removeAttribute("aria-current");
     this.current = contact;
-    const row = this.rows?.[contact?.number - 1];
+    this.rows?.[contact?.number - 1]?.setAttribute("aria-current", "true");
+    this.#reveal();
+  }
+
+  /** Scroll the list, but not the page, to the row of the present contact, with one more row below it, which lies in the shadow. */
+  #reveal() {
+    const row = this.rows?.[this.current?.number - 1];
     if (!row) return;
-    row.setAttribute("aria-current", "true");
-    const head = row.parentElement.previousElementSibling.offsetHeight;
+    const top = row.offsetTop - row.parentElement.previousElementSibling.offsetHeight;
     const { scrollTop, clientHeight } = this.element;
-    if (row.offsetTop - head < scrollTop) this.element.scrollTop = row.offsetTop - head;
-    const bottom = row.offsetTop + row.offsetHeight;
-    if (bottom > scrollTop + clientHeight) this.element.scrollTop = bottom - clientHeight;
+    const least = row.offsetTop + 2 * row.offsetHeight - clientHeight;
+    this.element.scrollTop = Math.min(top, Math.max(least, scrollTop));
   }
 }
 

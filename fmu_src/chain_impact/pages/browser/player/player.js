@@ -36,7 +36,8 @@ export class Player {
             title: find("outputs-impact"), note: find("outputs-note"),
             whyWithout: "a pin of another scene keeps its outputs" })],
       [({ impacts }) => impacts.length > 0, find("force").closest("section"),
-        new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"))],
+        new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"),
+          (time, contact) => this.clock.seek(time, contact))],
     ];
     this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
     this.zoom = new Zoom(this);

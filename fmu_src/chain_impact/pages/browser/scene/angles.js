@@ -1,6 +1,6 @@
 // Angles, which the page shows in degrees, and what a reader types for a quantity. `scene/words/angles.py` reads texts in degrees, too.
 
-import { numberText, unitText, withPoint } from "../base/format.js";
+import { numberText, raised, unitText, withPoint } from "../base/format.js";
 
 // rad, rad/s or rad/s2 → the word for this unit in degrees, the pattern of a text in degrees, and words for an error
 const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern, advice]]) =>
@@ -10,7 +10,8 @@ const DEGREE = Math.PI / 180; // [rad] one degree
 export const DEGREE_DIGITS = 5;
 /** The number of significant digits that determine each double. */
 export const ALL_DIGITS = 17;
-const [SUM, TOKEN] = [/^([-+*/\s]|(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)*/i, /[-+*/]|[\d.]+(?:e[-+]?\d+)?/gi];
+const [SUM, TOKEN] = [/^([-+*/\s]|pi|π|(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)*/i, /[-+*/]|pi|π|[\d.]+(?:e[-+]?\d+)?/gi];
+const PI = /^(pi|π)$/i;
 const SI_PREFIXES = { n: 1e-9, µ: 1e-6, u: 1e-6, m: 1e-3, c: 1e-2, d: 0.1, "": 1, k: 1e3, M: 1e6, G: 1e9 };
 const ROOM = 9; // number of characters for which the field of a parameter has room
 
@@ -25,11 +26,11 @@ export function orDegrees(unit) {
   return IN_DEGREES[unit]?.advice ?? "";
 }
 
-/** Return the value of sums and products of numbers, a list of numbers and signs such as 2 * 0.6 − 1 / 3; NaN for any other list. */
+/** Return the value of sums and products of numbers, a list of numbers and signs such as 2 * 0.6 − pi / 3; NaN for any other list. */
 function calculated(tokens) {
   const factor = () => {
     const token = tokens.shift();
-    return token === "-" ? -factor() : token === "+" ? factor() : Number(token ?? NaN);
+    return token === "-" ? -factor() : token === "+" ? factor() : PI.test(token) ? Math.PI : Number(token ?? NaN);
   };
   const product = () => {
     let value = factor();
@@ -43,22 +44,37 @@ function calculated(tokens) {
 
 /** Return the factor from a typed unit `word` to a `unit`: no word stands for the unit that is shown; NaN for an unknown word. */
 function factorOf(word, unit) {
-  const plain = word.replaceAll("²", "2").replaceAll("·", ".");
+  const [plain, whole] = [word, unit].map((text) => raised(text).replaceAll("²", "2").replaceAll("·", "."));
   if (unit in IN_DEGREES) return plain === unit ? 1 : ["", IN_DEGREES[unit].word, unit.replace("rad", "°")].includes(plain) ? DEGREE : NaN;
   if (plain === "") return 1;
-  const [base, own] = unit.startsWith("kg") ? [unit.slice(1), SI_PREFIXES.k] : [unit, 1];
+  const [base, own] = unit.startsWith("kg") ? [whole.slice(1), SI_PREFIXES.k] : [whole, 1];
   const prefix = plain.endsWith(base) && /^[a-z]+($|[./])/i.test(base) ? plain.slice(0, -base.length) : "none";
   return (SI_PREFIXES[prefix] ?? NaN) / own;
 }
 
-/**
- * Return what a reader types for a quantity with a `unit` as a number in this unit: "90" and "90°" for an angle, "1.5 rad", "2*0.6",
- * "120 cm". Return any other text as it is, so that it is refused.
- */
-export function typed(given, unit) {
+/** Return {tokens, word, factor} of what a reader types: numbers and signs, a unit's word, and the factor from it to a `unit`. */
+function typedParts(given, unit) {
   const text = withPoint(given).trim();
   const [sum] = SUM.exec(text);
-  const [tokens, factor] = [sum.match(TOKEN) ?? [], factorOf(text.slice(sum.length), unit)];
+  const tokens = sum.match(TOKEN) ?? [];
+  const isInRad = unit in IN_DEGREES && tokens.some((token) => PI.test(token));
+  const word = text.slice(sum.length) || (isInRad ? unit : "");
+  return { tokens, word, factor: factorOf(word, unit) };
+}
+
+/** Return the end of a refusal of what a reader types: the comma or the unit that is not understood; else "". */
+export function notUnderstood(given, unit) {
+  if (/\d,\d/.test(withPoint(given))) return "; this comma may separate thousands; the decimal sign is a point";
+  const { tokens, word, factor } = typedParts(given, unit);
+  return Number.isNaN(factor) && Number.isFinite(calculated(tokens)) ? `; the unit "${word}" is not understood` : "";
+}
+
+/**
+ * Return what a reader types for a quantity with a `unit` as a number in this unit: "90" and "90°" for an angle, "1.5 rad", "2*0.6",
+ * "120 cm". An angle with pi and no unit is in rad. Return any other text as it is, so that it is refused.
+ */
+export function typed(given, unit) {
+  const { tokens, factor } = typedParts(given, unit);
   const isExact = factor === DEGREE || (factor === 1 && tokens.length < 3); // else without round-off in the last digit
   const value = calculated(tokens) * factor;
   return Number.isFinite(value) ? Number(value.toPrecision(isExact ? ALL_DIGITS : 15)) : given;

@@ -2,10 +2,10 @@
 
 import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
-import { inShownUnit, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
+import { inShownUnit, notUnderstood, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
 import { withControls } from "./main_parameters.js";
 
-const EXAMPLES = "; sums, products and other units are taken, too: 2*0.6, 120 cm, 1.5 rad";
+const EXAMPLES = "; sums, products and other units are taken, too: 2*0.6, 120 cm, pi/2 rad";
 
 /** Remove the marks of a refused and of a failing value from a field. */
 function release(field) {
@@ -23,7 +23,8 @@ export function attempt(changes, field, change) {
     release(field);
     change();
   } catch (error) {
-    const advice = /\d,\d/.test(field.value) ? "; the decimal sign is a point" : "";
+    const { parameter } = field.dataset;
+    const advice = parameter && field.type === "text" ? notUnderstood(field.value, typedUnit(changes, parameter)) : "";
     field.setCustomValidity(inShownUnit(withControls(error.message, changes)) + advice);
   }
   const row = field.closest(".main-parameter, .parameter");
@@ -65,6 +66,12 @@ export function presentUnit(changes, name, values = changes.values) {
   return unit.includes("^") ? raised(unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"), values))) : unitText(unit);
 }
 
+/** Return the unit of a parameter for `typed`: that of a stiffness has the present exponent. */
+function typedUnit(changes, name) {
+  const { unit } = changes.parameters.get(name);
+  return unit.includes("^") ? presentUnit(changes, name) : unit;
+}
+
 /** Return the factor and the unit with which a parameter is shown: an angle in degrees, any other value in its `presentUnit`. */
 export function presentlyShown(changes, name, values) {
   const shown = shownIn(changes.parameters.get(name));
@@ -85,7 +92,7 @@ export function valueField(changes, parameter) {
   field.setAttribute("aria-label", name);
   field.dataset.parameter = name;
   field.addEventListener("change", () => attempt(changes, field, () =>
-    changes.set({ [name]: items.length ? field.value : typed(field.value, unit) })));
+    changes.set({ [name]: items.length ? field.value : typed(field.value, typedUnit(changes, name)) })));
   const isActive = () => document.activeElement === field;
   let written;
   const write = (value = written) => {
