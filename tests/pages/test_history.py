@@ -80,9 +80,17 @@ def test_each_arrow_key_moves_a_slider_with_fine_steps(show):
 
 @pytest.mark.parametrize(("model", "walls"), [("cart_pole", False), ("four_link_box", True)])
 def test_the_text_on_the_start_by_hand_names_walls_of_the_scene(show, model, walls):
-    text = show(model).locator(".by-hand small").inner_text()
+    page = show(model)
+    text = page.locator(".by-hand small").inner_text()
     assert text.startswith("At the start, drag joints")
-    assert ("walls" in text) is walls
+    line = page.locator(".by-hand-line")
+    assert ("walls" in text) is ("walls" in line.text_content()) is walls
+    go_to(page, 0.5)
+    assert not line.is_visible()
+    page.get_by_role("button", name="Set the start by hand").click()
+    line.wait_for()
+    page.get_by_role("button", name="Play").click()
+    line.wait_for(state="hidden")
 
 
 def test_a_drag_of_a_handle_is_one_change(show):

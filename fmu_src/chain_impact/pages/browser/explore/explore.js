@@ -1,7 +1,7 @@
 // The program of the page that simulates: each change of a parameter gives another motion. All modules of a page become one script
 // (assembly.py), so no two modules may have the same name at the top level.
 
-import { find } from "../base/dom.js";
+import { find, make } from "../base/dom.js";
 import { Player } from "../player/player.js";
 import { Recording } from "../recording/recording.js";
 import { Changes } from "../scene/changes.js";
@@ -33,7 +33,12 @@ const changes = new Changes(describe(kit, complete(file, kit), command));
 const player = new Player(1);
 const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
-const showByHand = () => find("by-hand").setAttribute("aria-pressed", handles.areShown);
+const dragLine = make("p", { className: "by-hand-line" }); // tells in the drawing what the reader can drag
+find("view").append(dragLine);
+const showByHand = () => {
+  find("by-hand").setAttribute("aria-pressed", handles.areShown);
+  dragLine.hidden = !handles.areShown;
+};
 const refusedStart = new RefusedStart(player.drawing);
 player.layers.push(comparedMotions, handles, refusedStart, { draw: showByHand }); // the handles clear what the refused start adds to them
 
@@ -91,7 +96,7 @@ changes.onChange(() => {
 });
 const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
 player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });
-showParameterList(find("list-of-parameters"), changes);
+showParameterList(find("list-of-parameters"), changes, kit.keys);
 const { clock } = player;
 const address = new Address(changes, choice, { openScene, clock, comparedMotions, refuse: (fault) => simulation.notify(fault) });
 comparedMotions.follow(changes, handles);
@@ -121,6 +126,8 @@ const tellByHand = () => {
   const hasWalls = Object.keys(changes.scene.walls).length > 0;
   const dragged = hasWalls ? "joints, arrows of velocity, and walls" : "joints and arrows of velocity";
   find("by-hand").title = find("by-hand-text").textContent = `At the start, drag ${dragged}.`;
+  const otherwise = make("span", { className: "wide", textContent: ", or use Tab and arrow keys; playing ends this" });
+  dragLine.replaceChildren(`Drag ${dragged.replace("velocity", "velocity (green)")}`, otherwise);
 };
 changes.onOpen(tellByHand);
 tellByHand();

@@ -11,12 +11,28 @@ const CHANGED = "Changed"; // the title of the group of changed parameters, whic
 // first part of a name → title of the group of such parameters, if it is not this part with a capital letter
 const GROUP_TITLES = { initial: "Start", stop: "Stops", tip: "Inputs", base: "Inputs", joint: "Inputs" };
 
+/** Return the names of all keys that a scene file may have, such as contact.friction; `keys`: their data in `kit.py`. */
+function keyNames(keys, owner = "") {
+  return Object.entries(keys).flatMap(([key, entry]) => {
+    const inner = entry.keys ?? entry.each?.keys;
+    return inner ? keyNames(inner, `${owner}${key}.`) : [owner + key];
+  });
+}
+
+/** Return a sentence that names the shortest of the keys in which each of the words is found, and which the scene lacks; "" for no key. */
+function lacking(keys, words) {
+  const found = keyNames(keys).filter((name) => words.every((word) => name.replaceAll("_", " ").includes(word)));
+  const [first, ...others] = found.sort((a, b) => a.length - b.length);
+  return first ? `The scene has no such parameter; a scene file may have ${[first, ...others.slice(0, 2)].join(", ")}.` : "";
+}
+
 /**
  * Fill the list of all parameters, the element `details`, when the reader first opens it for a scene. The parameters are in groups with
  * titles. The field `search` keeps only the parameters for which each word in the field is in the name, in the words for the parameter or
- * in the meaning. The title of the list tells the number of changed parameters.
+ * in the meaning; if none is left, a sentence names `keys` of scene files with these words, or the most similar parameter. The title of the
+ * list tells the number of changed parameters.
  */
-export function showParameterList(details, changes) {
+export function showParameterList(details, changes, keys) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
   const count = details.querySelector("summary span");
   let [rows, first] = []; // first: the names of the changed parameters, as the list is sorted
@@ -47,7 +63,7 @@ export function showParameterList(details, changes) {
     const nothing = details.querySelector(".nothing");
     nothing.hidden = rows.some(({ row }) => !row.hidden);
     const near = nothing.hidden ? "" : nearestText(search.value.trim(), rows.flatMap(({ texts: [name, shown] }) => [name, shown]));
-    nothing.textContent = `No parameter has such a name${near}.`;
+    nothing.textContent = (!nothing.hidden && lacking(keys, words)) || `No parameter has such a name${near}.`;
   };
   const fill = () => {
     if (rows) return refreshRows();
