@@ -257,7 +257,7 @@ def test_few_impacts_leave_their_room_to_the_charts(show):
     assert row["y"] + row["height"] < foot["y"]
 
 
-def test_the_list_of_impacts_has_whole_rows_and_the_present_one_in_a_narrow_column(show):
+def test_a_narrow_list_of_impacts_has_whole_rows_and_the_present_one(show):
     page = show("cart_pole", viewport={"width": 1100, "height": 800})  # narrow, as with the bar for scrolling
     page.keyboard.press("End")
     place = "one => [one.scrollHeight - one.clientHeight, one.querySelector('thead').clientHeight]"
