@@ -39,7 +39,7 @@ def test_a_run_ends_where_no_size_of_a_step_will_do(monkeypatch, error, status):
     assert advance(d, 0.2) == status
     assert advance(d, 0.3) == status
     # the run stands at the last accepted time
-    assert [float(d["step"][name]) for name in ("time", "end")] == [reached, reached]
+    assert [float(d["step"][name]) for name in ("communication_point", "end")] == [reached, reached]
     np.testing.assert_array_equal(d["step"]["state_end"][:-1], state[:-1])
 
 

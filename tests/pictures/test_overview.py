@@ -190,4 +190,4 @@ def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():
 def test_panels_are_chosen():
     page = recorded("sliding_rod").plot(size=(4.0, 3.0), panels=["energy", "friction"])
     assert [axes.get_ylabel() for axes in page.axes] == ["energy [J]", ""]
-    assert [axes.get_xlabel() for axes in page.axes] == ["", "time [s]; shaded: held"]
+    assert [axes.get_xlabel() for axes in page.axes] == ["", "time [s]; grey: impacts; shaded: held"]
