@@ -372,12 +372,12 @@ class ChainModel:
     def bounce(self, y: np.ndarray, c: int) -> tuple[np.ndarray, Touch]:
         """Return the state after a rigid impact of candidate c: q̇⁺ = q̇ − M⁻¹Jᵀ m (1+e) J q̇."""
         place, touch = self.locate(y), self.begin(y, c)
-        assert touch.impact_speed[0].real > touch.law.slowest[0].real, "a contact comes to rest"
-        impulse, e = touch.mass * (1.0 + touch.law.restitution) * touch.impact_speed, touch.law.restitution
+        assert touch.onset_speed[0].real > touch.law.slowest[0].real, "a contact comes to rest"
+        impulse, e = touch.mass * (1.0 + touch.law.restitution) * touch.onset_speed, touch.law.restitution
         after = y.copy()
         after[:, self.v] += self.answer(place, self.gradient(place, c)) * impulse[:, None]
         after[:, self.impulse + c] += impulse
-        after[:, self.dissipated] += 0.5 * touch.mass * (1.0 - e**2) * touch.impact_speed**2
+        after[:, self.dissipated] += 0.5 * touch.mass * (1.0 - e**2) * touch.onset_speed**2
         return after, touch
 
 

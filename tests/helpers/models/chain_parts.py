@@ -109,7 +109,7 @@ class Touch:
     candidate: int
     law: Law
     onset: np.ndarray  # s
-    impact_speed: np.ndarray  # m/s
+    onset_speed: np.ndarray  # m/s
     speed: np.ndarray  # m/s, v₀
     mass: np.ndarray  # kg
     impulse: np.ndarray  # N·s, impulse of the candidate at the onset

@@ -426,7 +426,7 @@ class _Run:
         peak = max([*touch.forces, *forces], key=lambda force: force[0].real)
         depth = max([*touch.depths, now], key=lambda one: one[0].real)
         impulse = self.y[:, chain.impulse + touch.candidate] - touch.impulse
-        values = (touch.onset, end, touch.impact_speed, away, peak, depth, touch.mass, impulse)
+        values = (touch.onset, end, touch.onset_speed, away, peak, depth, touch.mass, impulse)
         return dict(zip(FIELDS, values, strict=True))
 
 
