@@ -158,7 +158,7 @@ def test_collision_shapes_are_points(tmp_path, geometry, xyz, rpy, expected):
 
 def test_ends_of_a_link_touch_in_place_of_its_mesh(tmp_path):
     shapes = {
-        name: SHAPE.format(name=name, geometry=geometry, xyz="0 0 0", rpy="0 0 0")
+        name: SHAPE.format(name=name, geometry=geometry, xyz=".2 0 0", rpy="0 0 0")
         for name, geometry in (("skin", '<mesh filename="no.stl"/>'), ("heel", '<sphere radius="0.02"/>'))
     }
     links = {name: link(name).replace("</link>", f"{shape}</link>") for name, shape in shapes.items()}

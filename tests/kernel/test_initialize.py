@@ -194,7 +194,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
             else:
                 d[record][name][i] = value
         assert check_parameters(d) == (OK if good else PARAMETER_OUT_OF_RANGE)
-        of_link = record == "chain" and field != "wall"
+        of_link = record == "chain" and field != "box_wall"
         assert d.fault.part == (1 + d.candidates + i if of_link and not good else d.fault.part)
         if not good:
             assert initialize(d, 0.0) == d.statistics.status == PARAMETER_OUT_OF_RANGE
