@@ -9,6 +9,7 @@ import numpy as np
 from chain_impact.scene.scene import Scene, load_scene, scene_from_dict
 
 STEEL = 2.145e10  # [N/m^1.5] stiffness of a steel sphere with a radius of 20 mm on a steel wall
+DEFAULT = 1e-8  # [1] the solver's tolerance in a scene that gives none
 Onsets = list[tuple[int, float]]
 """Candidate and time [s] of each onset."""
 

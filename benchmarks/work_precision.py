@@ -22,7 +22,7 @@ from matplotlib.lines import Line2D
 
 from benchmarks import common, peers
 from benchmarks.looks import LOOKS, WIDTH, highest_first, look
-from benchmarks.problems import PROBLEMS
+from benchmarks.problems import DEFAULT, PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, headline
@@ -31,7 +31,6 @@ from chain_impact.studies.sweep.maps import number_few_decades
 
 NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-DEFAULT = 1e-8  # tolerance of a scene
 PUBLIC = "chain-impact"
 FIRST = """from benchmarks import peers
 from benchmarks.problems import PROBLEMS
@@ -101,9 +100,10 @@ def factors_told(equal: list[dict[str, Any]]) -> tuple[str, str]:
     every = sorted(factor for factors in found.values() for factor in factors)
     order = sorted(found, key=lambda name: found[name][-1])
     parts = [f"{name} {_between(found[name])}" for name in order]
+    setting = f"chain-impact at tolerance {number(DEFAULT)}"
     return (
-        f"chain-impact is {_between(every)} times as fast as other programs at equal error",
-        f"CPU time over that of simulate() at the tolerance {number(DEFAULT)}: {', '.join(parts)}",
+        f"{setting} is {_between(every)} times as fast as others at equal error",
+        f"CPU time at equal error over that of simulate() at this tolerance: {', '.join(parts)}",
     )
 
 
