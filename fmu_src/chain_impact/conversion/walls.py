@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
@@ -155,7 +155,11 @@ class Walls:
 
     def _can_touch(self, i: int) -> bool:
         """Return whether the link with index ``i`` has a shape that can touch another shape in the file."""
-        return any(shape.touches for b in self.parts[i] for shape in self.robot.bodies[b].shapes)
+        return any(shape.touches for shape in self._shapes(i))
+
+    def _shapes(self, i: int) -> Iterator[LinkShape]:
+        """Yield the shapes of all bodies of the link with index ``i``."""
+        return (shape for b in self.parts[i] for shape in self.robot.bodies[b].shapes)
 
     def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
@@ -279,8 +283,7 @@ class Walls:
 
         ``touching`` says what touches walls in their place.
         """
-        shapes = (shape for b in self.parts[i] for shape in self.robot.bodies[b].shapes)
-        kinds = dict.fromkeys(shape.kind for shape in shapes if _has_unknown_outline(shape))
+        kinds = dict.fromkeys(shape.kind for shape in self._shapes(i) if _has_unknown_outline(shape))
         if kinds:
             what = f"outlines of shapes ({', '.join(kinds)})"
             text = f"{what} are not known: the {touching} of the link touch walls in their place"

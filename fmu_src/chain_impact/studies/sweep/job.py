@@ -100,15 +100,19 @@ class Job:
         return {name: outputs[name] for name in names if name in outputs}
 
     @property
+    def largest(self) -> tuple[str, ...]:
+        """The columns with the largest values of a run: the peaks and, with loads, JOINT_FORCE."""
+        return (*self.peaks, *((JOINT_FORCE,) if self.loads else ()))
+
+    @property
     def dtype(self) -> np.dtype:
         """The NumPy type of a run's row of results.
 
-        The fields are the peaks, ``joint_force`` if the scene asks for loads, ``time``, and ``columns``.
+        The fields are ``largest``, ``time``, and ``columns``.
         """
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
-        largest = (*self.peaks, *((JOINT_FORCE,) if self.loads else ()), ENDED)
-        return np.dtype([*((name, np.float64) for name in largest), *columns])
+        return np.dtype([*((name, np.float64) for name in (*self.largest, ENDED)), *columns])
 
 
 def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
@@ -269,5 +273,5 @@ class Runner:
         """
         failed = rows[STATUS] != OK
         outputs = [name for name, one in self._columns.items() if one.record_path[0] in {"output", BEHIND}]
-        for name in (*self._job.peaks, *((JOINT_FORCE,) if self._loads else ()), *outputs):
+        for name in (*self._job.largest, *outputs):
             rows[name][failed] = np.nan

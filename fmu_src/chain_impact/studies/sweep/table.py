@@ -68,7 +68,7 @@ class Sweep(Runs):
             ended.update(dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True)))
         most_first = sorted(ended, key=lambda code: (-ended[code], code))
         ends = ", ".join(f"{ended[code]} {STATUS_NAME[code]}" for code in most_first)
-        return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
+        return f"{self.scene.name}  {plural(len(self), 'run')}: {ends}"
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the text of ``repr``, and the rows of the first SHOWN_RUNS runs."""
