@@ -59,11 +59,16 @@ export function ticksOf(ticks) {
   });
 }
 
+/** Return the pair of PREFIXES that suits a size: its least value, by which values are divided, and its prefix; [1, ""] below 1. */
+function largePrefix(size) {
+  return PREFIXES.find(([least]) => size >= least) ?? [1, ""];
+}
+
 /**
  * Return a force [N] as text, such as 12.3 kN: with `count` significant digits, or up to 6 if `count` is 0. A moment has another `unit`.
  */
 export function forceText(newtons, count = 3, unit = "N") {
-  const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];
+  const [factor, prefix] = largePrefix(Math.abs(newtons));
   const value = newtons / factor;
   return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
 }
@@ -83,8 +88,7 @@ export function impulseText(impact, count = 3) {
 
 /** Return the labels for an axis of forces, all with the prefix of the unit that suits the largest tick. */
 export function forceTicks(ticks, unit) {
-  const most = Math.max(...ticks.map(Math.abs));
-  const [factor, prefix] = PREFIXES.find(([least]) => most >= least) ?? [1, ""];
+  const [factor, prefix] = largePrefix(Math.max(...ticks.map(Math.abs)));
   return ticks.map((tick) => (tick ? `${+(tick / factor).toPrecision(6)}\u202f${prefix}${unit}` : "0"));
 }
 
@@ -96,7 +100,7 @@ export function inOneUnit(pairs) {
   const most = new Map();
   pairs.forEach(([value, unit]) => Number.isFinite(value ?? NaN) && most.set(unit, Math.max(most.get(unit) ?? 0, value)));
   const scales = new Map([...most].map(([unit, largest]) => {
-    const [least, prefix] = PREFIXES.find(([from]) => largest >= from) ?? [1, ""];
+    const [least, prefix] = largePrefix(largest);
     const [, factor, small] = SMALL_PREFIXES.find(([from]) => largest >= from) ?? [0, 1, ""];
     return [unit, largest >= 1 ? [1 / least, prefix + unit] : [factor, small + unit]];
   }));
