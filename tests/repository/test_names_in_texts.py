@@ -136,5 +136,17 @@ def test_a_name_that_exists_nowhere_is_found(tmp_path, text, names):
     assert unknown(tmp_path / "file.py") == names
 
 
+def test_the_overview_names_what_there_is():
+    """The name before the path of a file is defined in this file."""
+    text, package = (ROOT / "docs/development/overview.md").read_text("utf-8"), PACKAGE / "chain_impact"
+    pairs = re.findall(r"(\w+)(?:` in `|` \| `| +)((?:\w+/)+\w+\.py)", text)
+    paths = {*re.findall(r"(?<![\w/])(?:\w+/)+(?:\w+\.\w+)?", text)} - {"resources/model.bin"}
+    assert len(pairs) > 15
+    assert {path for path in paths if not ((package / path).exists() or (ROOT / path).is_dir())} == set()
+    defined = {path: (package / path).read_text("utf-8") for _, path in pairs}
+    definition = r"^(?:def |class )?{}\b"
+    assert [pair for pair in pairs if not re.search(definition.format(pair[0]), defined[pair[1]], re.M)] == []
+
+
 def test_each_abbreviation_is_in_use():
     assert WORDS - {name for file in FILES for text in read(file)[0] for name in NAME.findall(text)} == set()
