@@ -290,20 +290,26 @@ def test_an_unknown_name_gets_the_nearest_one(show):
 def test_a_scene_whose_controller_is_elsewhere_tells_that_its_inputs_are_0(show):
     page = show("controlled_arm")
     assert "Here no controller sets the inputs" in page.inner_text("#description")
-    assert "These inputs are 0: Torque of joint 1; Torque of joint 2." in page.inner_text("#inputs")
+    assert page.inner_text(".inputs summary") == "Inputs all are 0"
+    assert page.get_by_role("slider", name="Torque of joint 1").is_visible()
     page = show("four_link_box")
     assert "controller" not in page.inner_text("#description")
-    assert not page.locator("#inputs").is_visible()
+    assert page.locator(".inputs").count() == 0
 
 
 def test_only_inputs_that_nothing_sets_are_told_to_be_0(show):
     page = show("cart_pole")
     assert "controller" not in page.inner_text("#description"), "a signal sets an input"
-    assert "These inputs are 0: Force on the slider; Force on the tip, y." in page.inner_text("#inputs")
+    heads = page.locator("#main-parameters h2").all_inner_texts()
+    assert heads == ["Force on the tip, x push", "Contact and start"], "numbers of signals come first"
+    inputs = page.locator(".inputs summary")
+    assert inputs.inner_text() == "Inputs all are 0"
+    assert not page.get_by_role("slider", name="Force on the slider").is_visible()
+    inputs.click()
     names = "[...document.querySelectorAll('#inputs-over-time dt')].map((name) => name.title)"
     assert page.evaluate(names) == ["tip.force.x"]
     page.get_by_role("slider", name="Force on the slider").press("PageUp")
-    assert "This input is 0: Force on the tip, y." in page.inner_text("#inputs")
+    assert inputs.inner_text() == "Inputs 1 of 2 are 0"
     until(page, "document.querySelectorAll('#inputs-over-time dt').length === 2")
     assert page.evaluate(names) == ["tip.force.x", "slider.force"]
     value = float(page.evaluate("chainImpact.parameters['slider.force']"))
@@ -311,9 +317,9 @@ def test_only_inputs_that_nothing_sets_are_told_to_be_0(show):
     shown = page.locator("#inputs-over-time dd").last.inner_text().split("\u202f")
     assert (float(shown[0]), shown[1]) == (value, "N")
     page.evaluate("chainImpact.show({ 'tip.force.y': 0.1 })")
-    until(page, "!document.getElementById('inputs').textContent.includes('0')")
+    until(page, "document.querySelector('.inputs summary').textContent.trim() === 'Inputs'")
     page.get_by_role("button", name="Reset all").click()
-    assert "These inputs are 0: Force on the slider; Force on the tip, y." in page.inner_text("#inputs")
+    assert inputs.inner_text() == "Inputs all are 0"
     until(page, "document.querySelectorAll('#inputs-over-time dt').length === 1")
 
 

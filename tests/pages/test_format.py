@@ -139,13 +139,13 @@ def test_the_list_of_impacts_shortens_the_names_of_stops_only(script, wall, text
         ("y_min", [0.0, -9.81], "floor"),
         ("x_max", [0.0, -1.0], "right wall"),
         ("ramp", [0.0, -9.81], None),
-        ("y_min", [0.0, 0.0], None),
-        ("y_min", [0.0, 9.81], None),
-        ("x_min", [1.0, -9.81], None),
-        ("y_min", [None, None], None),
+        ("y_min", [0.0, 0.0], "lower wall"),
+        ("y_max", [0.0, 9.81], "upper wall"),
+        ("x_min", [1.0, -9.81], "left wall"),
+        ("y_min", [None, None], "lower wall"),
     ],
 )
-def test_a_wall_of_the_box_has_words_only_where_gravity_points_down(script, wall, gravity, text):
+def test_a_wall_of_the_box_is_a_floor_only_where_gravity_points_down(script, wall, gravity, text):
     given = [wall, {"gravity.x": gravity[0], "gravity.y": gravity[1]}]
     function = "([wall, values]) => boxWallText(wall, (name) => values[name]) ?? null"
     assert script.evaluate(function, given) == text
@@ -170,7 +170,7 @@ def test_a_list_has_short_words_for_what_touches(script, what, text):
         ("base.y", "Position of the base, y"),
         ("base.vx", "Velocity of the base, x"),
         ("base.ay", "Acceleration of the base, y"),
-        ("wall.y_min.belt_speed", "Belt speed of y_min"),
+        ("wall.y_min.belt_speed", "Belt speed of the lower wall"),
         ("wall.ramp.displacement", "Displacement of ramp"),
     ],
 )
@@ -181,7 +181,7 @@ def test_an_input_has_words(script, name, text):
 def test_a_wall_of_the_box_has_the_words_that_gravity_gives_it(script):
     function = "(down) => inputText('wall.y_min.displacement', (name) => (name === 'gravity.y' ? down : 0))"
     assert script.evaluate(function, -9.81) == "Displacement of the floor"
-    assert script.evaluate(function, 9.81) == "Displacement of y_min"
+    assert script.evaluate(function, 9.81) == "Displacement of the lower wall"
 
 
 @pytest.mark.parametrize(

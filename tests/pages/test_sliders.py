@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
+from chain_impact.scene.words.laws import LAW_GROUPS
 from chain_impact.variables.prepared import PreparedScene
 from tests.pages.in_pages import ON_ITS_SIDE, PIXELS, SUBTITLE, impacts_of, until, until_told
 from tests.tiers import needs_browser
@@ -29,7 +30,9 @@ def test_a_slider_and_a_law_give_another_motion_and_reset_the_first_one(show):
     until_told(page, impacts_of({"contact.restitution": value}))
     page.get_by_role("button", name="Reset contact.restitution").first.click()
     until(page, f"{SUBTITLE} === '{before}'")
-    page.get_by_role("combobox", name="contact.model").first.select_option(label="flores")
+    groups = page.locator("#main-parameters optgroup").evaluate_all("all => all.map((one) => one.label)")
+    assert groups == list(LAW_GROUPS)
+    page.get_by_role("combobox", name="contact.model").first.select_option(label="Flores et al. (2011)")
     until_told(page, impacts_of({"contact.model": "flores"}))
     assert "Flores, Machado, Silva & Martins 2011" in page.locator(".sentence:not(.outcome)").inner_text()
 
@@ -91,7 +94,7 @@ def test_a_label_calls_a_wall_the_floor_only_while_gravity_points_down(show):
     label = page.locator("label[for='main-wall.y_min.friction']")
     assert label.inner_text() == "Friction at the floor"
     page.get_by_role("slider", name="Gravity, y").press("End")
-    assert label.inner_text() == "Friction at y_min"
+    assert label.inner_text() == "Friction at the lower wall"
 
 
 def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
@@ -153,6 +156,7 @@ def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):
 
 def test_the_targets_of_a_slider_have_sliders(show):
     page = show("cart_pole", {"inputs.joint_targets": True})
+    page.locator(".inputs summary").click()
     for quantity in ("position", "velocity"):
         page.get_by_role("slider", name=f"Target {quantity} of the slider").press("End")
         assert float(page.evaluate("chainImpact.parameters")[f"slider.target_{quantity}"]) > 0.0
@@ -161,7 +165,7 @@ def test_the_targets_of_a_slider_have_sliders(show):
 def test_a_stiffness_without_effect_is_pale_and_its_forces_have_no_chart(show):
     page = show("bouncing_ball", {"simulation.stop_time": 2.0})
     row = page.locator(".main-parameter").filter(has=page.get_by_role("slider", name="Stiffness"))
-    assert row.locator(".no-effect").inner_text() == "No effect with newton_impact."
+    assert row.locator(".no-effect").inner_text() == "No effect with Newton (1687)."
     opacity = "one => Number(getComputedStyle(one).opacity)"
     assert row.locator("input[type=range]").evaluate(opacity) < 0.6
     assert not page.locator("#force").is_visible()
@@ -181,10 +185,10 @@ def test_a_stiffness_of_stops_is_pale_without_effect(show):
 def test_the_law_of_stops_is_told_before_their_parameters(show):
     page = show("kneed_leg")
     told = page.locator("#main-parameters .note")
-    assert told.inner_text() == "Contact law of stops: newton_impact"
+    assert told.inner_text() == "Contact law of stops: Newton (1687)"
     assert "Stiffness of stops" in told.evaluate("told => told.nextElementSibling.textContent")
     page = show("arm_at_stop", {"stops.model": "hertz"})
-    assert page.locator("#main-parameters .note").inner_text() == "Contact law of stops: hertz"
+    assert page.locator("#main-parameters .note").inner_text() == "Contact law of stops: Hertz (1881)"
     assert show().locator("#main-parameters .note").count() == 0
 
 
@@ -192,7 +196,7 @@ def test_a_law_without_losses_makes_the_restitution_pale(show):
     page = show(hash_="#contact.model=hertz")
     pale = page.locator(".main-parameter.idle .main-parameter-label")
     assert pale.all_inner_texts() == ["Restitution"]
-    assert page.locator(".no-effect:visible").all_inner_texts() == ["No effect with hertz."]
+    assert page.locator(".no-effect:visible").all_inner_texts() == ["No effect with Hertz (1881)."]
     page.evaluate("chainImpact.show({'contact.model': 'flores'})")
     assert pale.count() == 0
 

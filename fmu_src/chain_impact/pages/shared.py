@@ -46,6 +46,7 @@ from chain_impact.scene.rules.rule_language import tree
 from chain_impact.scene.signal_inputs import TARGET_RATE
 from chain_impact.scene.signal_polynomials import NUMBERS
 from chain_impact.scene.words import angles, names, similar_names, unit_text
+from chain_impact.scene.words.laws import law_group, law_text
 from chain_impact.variables import indices
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.variables.units import UNITS
@@ -102,7 +103,8 @@ def shared() -> dict[str, Any]:
             "SIGNAL": [*map(_parsed, SIGNAL_REFUSALS)],
         },
         "laws": {
-            name: {key: getattr(law, key) for key in LAW_FACTS} | {"lossless": law.formula == "0"}
+            name: {key: getattr(law, key) for key in LAW_FACTS}
+            | {"lossless": law.formula == "0", "words": law_text(law), "group": law_group(law)}
             for name, law in CONTACT_LAWS.items()
         },
         "file": {

@@ -4,10 +4,9 @@ import { find } from "../base/dom.js";
 import { tomlText } from "../scene/changed_file.js";
 import { describe } from "../scene/model.js";
 import { asWritten, complete } from "../scene/scene_file.js";
-import { inputText } from "../scene/words.js";
+import { inputText, sceneText } from "../scene/words.js";
 import { editedScene } from "./edited_scene.js";
 
-const MOST_NAMED = 4; // largest number of inputs with the value 0 that are named
 
 export class OpenScene {
   text = ""; // the text of the open scene's file; "" for the page's own scene
@@ -89,28 +88,15 @@ export class OpenScene {
 
   /** Show name and description of the open scene, and notes on its inputs. */
   #describe() {
-    const { scene: { name, text, inputs, driven }, starts } = this.changes;
-    document.querySelector("h1").textContent = name;
+    const { scene: { name, text, inputs, driven, still }, starts, valueOf } = this.changes;
+    Object.assign(document.querySelector("h1"), { textContent: sceneText(name), title: name });
     document.title = `${name} – chain-impact`;
     const isFree = inputs.length > 0 && driven.length === 0 && inputs.every((input) => starts[input] === 0);
     find("description").textContent = [text, isFree && "Here no controller sets the inputs."].filter(Boolean).join(". ");
     find("description").hidden = !find("description").textContent;
-    const notes = notesOnInputs(this.changes);
-    find("inputs").hidden = notes.length === 0;
-    find("inputs").textContent = notes.join(" ");
+    find("inputs").hidden = still.length === 0;
+    const words = still.map((input) => inputText(input, valueOf)).join("; ");
+    find("inputs").textContent = `These inputs keep their start values here: ${words}.`;
     find("edit-first").hidden = !this.text;
   }
-}
-
-/** Return sentences on inputs: which are 0 because nothing sets them, when sliders act, and which stay constant on the page. */
-function notesOnInputs(changes) {
-  const { scene: { inputs, still }, starts, valueOf } = changes;
-  const namesOf = (some) => some.map((input) => inputText(input, valueOf)).join("; ");
-  const zero = inputs.filter((input) => starts[input] === 0 && !changes.isChanged(input));
-  const subject = zero.length === 1 ? "This input is" : "These inputs are";
-  return [
-    zero.length && (zero.length > MOST_NAMED ? `${zero.length} inputs are 0.` : `${subject} 0: ${namesOf(zero)}.`),
-    inputs.length && "While the motion plays, the slider of an input acts from that moment on.",
-    still.length && `These inputs keep their start values here: ${namesOf(still)}.`,
-  ].filter(Boolean);
 }

@@ -4,7 +4,7 @@ import { find, make } from "../base/dom.js";
 import { readable, textWithUnit } from "../base/format.js";
 import { ALL_DIGITS, DEGREE_DIGITS } from "../scene/angles.js";
 import { changesOf } from "../scene/changes.js";
-import { withBoxWalls } from "../scene/words.js";
+import { lawText, withBoxWalls } from "../scene/words.js";
 import { stopText } from "./console.js";
 import { markFailing, presentlyShown } from "./parameters/parameter_fields.js";
 import { withControls, wordsFor } from "./parameters/main_parameters.js";
@@ -204,5 +204,5 @@ function unchangedInWords(changes) {
 function textOf(changes, name, value) {
   const { items } = changes.parameters.get(name);
   const shown = presentlyShown(changes, name, changes.values);
-  return items.length ? items[value - 1][0] : textWithUnit(value, shown, shown.factor === 1 ? ALL_DIGITS : DEGREE_DIGITS);
+  return items.length ? lawText(items[value - 1][0]) : textWithUnit(value, shown, shown.factor === 1 ? ALL_DIGITS : DEGREE_DIGITS);
 }

@@ -1,7 +1,8 @@
 // The words that the page shows in place of the names of walls, contacts, inputs, parameters and numbers of signals.
 
-// walls of a box → words for them, if gravity points straight down
-const OF_BOX = { x_min: "left wall", x_max: "right wall", y_min: "floor", y_max: "ceiling" };
+// walls of a box → words for them, in general and if gravity points straight down
+const OF_BOX = { x_min: "left wall", x_max: "right wall", y_min: "lower wall", y_max: "upper wall" };
+const WITH_GRAVITY = { ...OF_BOX, y_min: "floor", y_max: "ceiling" };
 // the first letter of the name of a base's quantity, as in x, vx, ax → the word for it
 const OF_BASE = { x: "position", y: "position", v: "velocity", a: "acceleration" };
 
@@ -11,11 +12,21 @@ export function capitalized(words) {
 }
 
 /**
- * Return the words for a wall of a box if gravity points straight down; undefined otherwise, and for other walls. `valueOf`: a function
- * from the name of a parameter to its value.
+ * Return the words for a wall of a box, which is the floor or the ceiling only if gravity points straight down; undefined for other walls.
+ * `valueOf`: a function from the name of a parameter to its value.
  */
 export function boxWallText(name, valueOf) {
-  return valueOf("gravity.x") === 0 && valueOf("gravity.y") < 0 ? OF_BOX[name] : undefined;
+  return (valueOf("gravity.x") === 0 && valueOf("gravity.y") < 0 ? WITH_GRAVITY : OF_BOX)[name];
+}
+
+/** Return the words for a contact law, such as "Zhang–Sharf (2009)"; any other name, such as that of a user's law, as it is. */
+export function lawText(name) {
+  return SHARED.laws[name]?.words ?? name;
+}
+
+/** Return the name of a scene as words: "Four link box" for FourLinkBox; a name that is no such word stays. */
+export function sceneText(name) {
+  return name.replace(/(?<=[a-z])[A-Z](?=[a-z])/g, (letter) => ` ${letter.toLowerCase()}`);
 }
 
 /** Return a sentence in which walls of the box, as in "at the wall y_min", have the words of `boxWallText`, as in "at the floor". */

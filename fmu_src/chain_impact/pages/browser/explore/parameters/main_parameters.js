@@ -1,6 +1,6 @@
 // The main parameters of a scene, which have controls of their own, and the words for all parameters.
 
-import { boxWallText, inputText, parameterText, signalText } from "../../scene/words.js";
+import { boxWallText, capitalized, inputText, parameterText, signalText } from "../../scene/words.js";
 
 /**
  * The main parameters, each with a name, a label, and the ends of its slider: `ends` (exponents of ten on a logarithmic slider); or the
@@ -57,13 +57,14 @@ function endsOfSignal(key, value, beside, stop) {
 export function signalSliders({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name }) => {
     const [, signal, all, key] = /^signal\.([^.]+)\.((\w+).*)$/.exec(name) ?? [];
-    return signal ? [{ name, signal, label: signalText(signal, all), key, value: starts[name] }] : [];
+    return signal ? [{ name, signal, words: signalText(signal, all), key, value: starts[name] }] : [];
   });
   const alike = (key) =>
     (["frequency", "frequency_rate"].includes(key) ? ["frequency"] : ["value", "mean", "amplitude", "initial", "final"]);
-  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, label, key, value }) => {
+  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, words: label, key, value }) => {
     const beside = parts.filter((other) => other.signal === signal && alike(key).includes(other.key)).map((other) => other.value);
-    return { name, label, ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
+    const short = capitalized(label.slice(signal.length + 2)); // below a heading with the signal
+    return { name, signal, label, short, ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
   });
 }
 

@@ -3,6 +3,7 @@
 import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { inShownUnit, notUnderstood, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
+import { lawText } from "../../scene/words.js";
 import { withControls } from "./main_parameters.js";
 
 const EXAMPLES = "; sums, products and other units are taken, too: 2*0.6, 120 cm, pi/2 rad";
@@ -78,6 +79,20 @@ export function presentlyShown(changes, name, values) {
   return shown.factor === 1 ? { ...shown, text: presentUnit(changes, name, values) } : shown;
 }
 
+/** Return the elements of a list of choices; contact laws have words, and stand in groups of similar laws, except a user's law. */
+function choicesOf(items) {
+  const groups = new Map();
+  return items.flatMap(([id], k) => {
+    const option = new Option(lawText(id), String(k + 1));
+    const label = SHARED.laws[id]?.group;
+    if (!label) return [option];
+    const isFirst = !groups.has(label);
+    if (isFirst) groups.set(label, make("optgroup", { label }));
+    groups.get(label).append(option);
+    return isFirst ? [groups.get(label)] : [];
+  });
+}
+
 /**
  * Return {field, write, refresh} for a parameter. The `field` is an input for a number, or a list of choices. `write` shows a given value
  * in the field, and `refresh` shows the parameter's present value. The field shows all digits of a number only while it has the focus. A
@@ -86,7 +101,7 @@ export function presentlyShown(changes, name, values) {
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;
   const field = items.length
-    ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
+    ? make("select", {}, ...choicesOf(items))
     : make("input", { type: "text", autocomplete: "off", spellcheck: false });
   field.title = readable(inShownUnit(`${name}: ${text}; ${allowed}${derived?.text ?? ""}${items.length ? "" : EXAMPLES}`));
   field.setAttribute("aria-label", name);

@@ -2,9 +2,11 @@
 
 import { make } from "../../base/dom.js";
 import { numberText, readable, textWithUnit } from "../../base/format.js";
+import { inputText, lawText } from "../../scene/words.js";
 import { idleLaw, lawOf, mainParametersOf, signalSliders } from "./main_parameters.js";
 import { attempt, explain, presentlyShown, refusal, resetButton, valueField } from "./parameter_fields.js";
 
+const INPUTS_TITLE = "Forces, moments and targets that nothing else sets. While the motion plays, a slider acts from that moment on.";
 const STEPS = 400; // number of steps from one end of a slider to the other
 
 /**
@@ -38,10 +40,11 @@ function labelOf(changes, entry) {
   const shown = () => presentlyShown(changes, name);
   const [words, element] = [make("span"), make("small")];
   const label = make("label", { className: "main-parameter-label", title: name }, words);
-  if (shown().text) label.append(" ", element);
+  const { items } = changes.parameters.get(name);
+  if (shown().text || items.length) label.append(" ", element);
   const relabel = () => {
-    words.textContent = entry.label.replace(/ (?=\d)/g, "\u00a0"); // the line is not broken before a number
-    element.textContent = shown().text;
+    words.textContent = (entry.short ?? entry.label).replace(/ (?=\d)/g, "\u00a0"); // the line is not broken before a number
+    element.textContent = items.length ? items[changes.valueOf(name) - 1][0] : shown().text; // a choice has its name in scene files
   };
   return { label, shown, relabel };
 }
@@ -74,7 +77,7 @@ function mainParameter(changes, entry, now) {
     explain(row);
     const law = idleLaw(changes, name.split(".").at(-1), name.startsWith("stop."));
     row.classList.toggle("idle", Boolean(law));
-    noEffect.textContent = law && `No effect with ${law}.`;
+    noEffect.textContent = law && `No effect with ${lawText(law)}.`;
     row.classList.toggle("changed", changes.isChanged(name));
   } };
 }
@@ -151,22 +154,56 @@ function slider(changes, entry, { field, write, now, shown }) {
   } };
 }
 
+/** Return the heading of a signal: its inputs in words, and the name of the signal. */
+function signalHeading(changes, signal) {
+  const words = changes.scene.file.signals[signal].input.map((input) => inputText(input, changes.valueOf)).join("; ");
+  return make("h2", { title: `Signal ${signal}` }, words, " ", make("small", { textContent: signal }));
+}
+
 /**
- * Fill an element with the main parameters, inputs and signals of the scene, at once and each time that a scene is opened. `now` is a
+ * Return a part of the page with the rows of inputs, which the reader can fold, and a function that tells in its heading how many inputs
+ * are 0. The part is open if no signal acts, or if the reader has set more inputs.
+ */
+function inputsPart(changes, rows) {
+  const count = make("small");
+  const part = make("details", { className: "inputs" }, make("summary", { title: INPUTS_TITLE }, "Inputs ", count),
+    ...rows.map(({ row }) => row));
+  // number of inputs that are not 0
+  let before = changes.scene.driven.length === 0 ? -1 : rows.filter(({ name }) => changes.starts[name] !== 0).length;
+  return { part, tell: () => {
+    const zero = rows.filter(({ name }) => changes.valueOf(name) === 0 && !(name in changes.inputSteps)).length;
+    count.textContent = zero === rows.length ? "all are 0" : zero ? `${zero} of ${rows.length} are 0` : "";
+    if (rows.length - zero > before) part.open = true;
+    before = rows.length - zero;
+  } };
+}
+
+/**
+ * Fill an element with the signals, main parameters and inputs of the scene, at once and each time that a scene is opened. `now` is a
  * function that returns the present time and whether the motion plays. Return a function that must be called when the time changes.
  */
 export function showMainParameters(element, changes, now) {
-  let rows;
+  let [rows, tellInputs] = [];
   const lawOfStops = make("p", { className: "note" }); // the law is no parameter: only the scene file can change it
   const fill = () => {
-    const entries = mainParametersOf(changes).filter(({ isListed }) => !isListed);
-    rows = [...entries, ...signalSliders(changes)].map((entry) => mainParameter(changes, entry, now));
-    element.replaceChildren(...rows.map(({ row }) => row));
+    const rowsOf = (entries) => entries.map((entry) => ({ ...mainParameter(changes, entry, now), entry }));
+    const signals = rowsOf(signalSliders(changes));
+    const others = rowsOf(mainParametersOf(changes).filter(({ isListed }) => !isListed));
+    const inputs = others.filter(({ entry }) => entry.isInput);
+    rows = [...signals, ...others];
+    element.replaceChildren(...signals.flatMap(({ row, entry: { signal } }, k) =>
+      (signal === signals[k - 1]?.entry.signal ? [row] : [signalHeading(changes, signal), row])),
+    ...(signals.length ? [make("h2", { textContent: "Contact and start" })] : []),
+    ...others.filter(({ entry }) => !entry.isInput).map(({ row }) => row));
+    const { part, tell } = inputsPart(changes, inputs);
+    tellInputs = tell;
+    if (inputs.length) element.append(part);
     element.querySelector("[id^='main-stop.']")?.closest(".main-parameter").before(lawOfStops);
   };
   const refresh = () => {
     rows.forEach((row) => row.refresh());
-    lawOfStops.textContent = `Contact law of stops: ${lawOf(changes, true)}`;
+    tellInputs();
+    lawOfStops.textContent = `Contact law of stops: ${lawText(lawOf(changes, true))}`;
   };
   changes.onOpen(fill);
   changes.onChange(refresh);

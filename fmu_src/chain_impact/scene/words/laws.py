@@ -1,0 +1,32 @@
+"""The words for contact laws: a name for readers, and the group of similar laws."""
+
+from __future__ import annotations
+
+import re
+
+from chain_impact.kernel.forces.contact_law import ContactLaw
+
+ELASTIC, FAMILY, OTHERS, RIGID = LAW_GROUPS = (
+    "Elastic",
+    "Dissipative, of the Hunt–Crossley family",
+    "Dissipative, with other damping",
+    "Rigid walls",
+)
+"""The groups of contact laws, in the order of lists."""
+
+
+def law_text(law: ContactLaw) -> str:
+    """Return the authors of a law, with the year if its source begins with them: Zhang–Sharf (2009)."""
+    year = re.search(r"\b\d{4}\b", law.source)
+    first = re.split(r"[ ,]", law.title)[0]
+    name = law.title if "," in law.title else law.title.replace(" & ", "–")
+    return f"{name} ({year[0]})" if year and law.source.startswith(first) else name
+
+
+def law_group(law: ContactLaw) -> str:
+    """Return the group of a law, one of LAW_GROUPS."""
+    if law.impulsive:
+        return RIGID
+    if law.formula == "0":
+        return ELASTIC
+    return FAMILY if law.in_family else OTHERS
