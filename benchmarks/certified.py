@@ -25,7 +25,8 @@ from chain_impact.kernel.forces.candidate_laws import HARMLESS_DEPTH, USER_LAW
 from chain_impact.kernel.status import OK
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.errors import SimulationError
+from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.random_scenes import (
     DRIVEN,
     FOLDED,

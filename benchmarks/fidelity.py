@@ -23,10 +23,10 @@ from benchmarks.problems import DEFAULT, PROBLEMS, STEEL
 from benchmarks.race import judge
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.drawing.style import BLUE, headline
-from chain_impact.recording.text import number
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.law_exchange import law_values
+from chain_impact.text import number
 
 PROBLEM = PROBLEMS["steel"]
 STIFFNESSES = (1e5, 1e6, 1e7, 1e8, 1e9, 1e10, STEEL, 1e12)

@@ -18,9 +18,9 @@ from benchmarks.peers import MissingError
 from benchmarks.peers.cvode import BUDGET, COUNTS, Cvode, driver
 from benchmarks.peers.ours import OnInstance
 from chain_impact.pictures.drawing.style import BLUE, INK, headline
-from chain_impact.recording.text import number
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.instance import Instance
+from chain_impact.text import number
 from tests.helpers.kernel.kernel_calls import advance
 
 STIFFNESSES = (1e6, 1e8, 1e10, 1e12)

@@ -27,7 +27,8 @@ from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
 from chain_impact.pictures.drawing.style import INK, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.errors import SimulationError
+from chain_impact.simulation.instance import Instance
 
 STIFFNESSES = tuple(10.0**k for k in range(4, 13))
 RESTITUTIONS = (0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)

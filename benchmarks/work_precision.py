@@ -26,8 +26,8 @@ from benchmarks.problems import DEFAULT, PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, headline
-from chain_impact.recording.text import number
 from chain_impact.studies.sweep.maps import number_few_decades
+from chain_impact.text import number
 
 NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

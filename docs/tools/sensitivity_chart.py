@@ -23,7 +23,7 @@ from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, head
 from chain_impact.pictures.over_time.time_axis import mark_impacts
 from chain_impact.pictures.rows_of_impacts import calm
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.text import number
+from chain_impact.text import number
 from docs.tools import DOCS
 
 WIDTH = 190.0 / 25.4  # [inch] that of a printed page

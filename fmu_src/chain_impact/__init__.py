@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from chain_impact.results.animate import AnimationError as AnimationError
     from chain_impact.results.ranking import Effect as Effect, Ranking as Ranking
     from chain_impact.results.result import Result as Result
-    from chain_impact.scene.files.models import model_names as model_names
-    from chain_impact.scene.reading import (
+    from chain_impact.scene.errors import (
         SceneError as SceneError,
         SceneWarning as SceneWarning,
         UnknownNameError as UnknownNameError,
     )
+    from chain_impact.scene.files.models import model_names as model_names
     from chain_impact.scene.scene import (
         Scene as Scene,
         load_scene as load_scene,
@@ -40,9 +40,8 @@ if TYPE_CHECKING:
         Differentiated as Differentiated,
         DifferentiatedRun as DifferentiatedRun,
     )
+    from chain_impact.simulation.errors import RunError as RunError, SimulationError as SimulationError
     from chain_impact.simulation.inputs import Signal as Signal
-    from chain_impact.simulation.instance import SimulationError as SimulationError
-    from chain_impact.simulation.record_scene import RunError as RunError
     from chain_impact.simulation.simulate import simulate as simulate, with_law as with_law
     from chain_impact.studies.animate import animate as animate, record_slowly as record_slowly
     from chain_impact.studies.compare.compare import Comparison as Comparison, compare as compare
@@ -68,14 +67,13 @@ _MODULES = {
     "recording.sensitivity": ("Sensitivities",),
     "recording.stick_slip": ("STICK_SLIP_DTYPE",),
     "scene.files.models": ("model_names",),
-    "scene.reading": ("SceneError", "SceneWarning", "UnknownNameError"),
+    "scene.errors": ("SceneError", "SceneWarning", "UnknownNameError"),
     "scene.scene": ("Scene", "load_scene", "parse_scene", "with_values"),
     "scene.stiffness": ("sphere_plane_stiffness",),
     "simulation.chain": ("Chain",),
     "simulation.derivatives": ("Differentiated", "DifferentiatedRun"),
+    "simulation.errors": ("RunError", "SimulationError"),
     "simulation.inputs": ("Signal",),
-    "simulation.instance": ("SimulationError",),
-    "simulation.record_scene": ("RunError",),
     "simulation.simulate": ("simulate", "with_law"),
     "studies.animate": ("animate", "record_slowly"),
     "studies.compare.compare": ("Comparison", "compare"),

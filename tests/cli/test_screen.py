@@ -12,7 +12,8 @@ import pytest
 from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_lines
 from chain_impact.recording.summary import NONE
-from chain_impact.simulation.record_scene import record_scene
+from chain_impact.scene.settings import with_settings
+from chain_impact.simulation.simulate import simulate
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.problems import default_scene, driven
 
@@ -32,14 +33,14 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
 
 
 def test_the_list_of_impacts_has_their_peak_forces_and_impulses():
-    recording = record_scene(load_scene("kneed_leg"), {})
+    recording = simulate(load_scene("kneed_leg"))
     _, table, *_ = summary(recording)
     head, *rows = plain_lines(table)
     assert head.endswith("peak force, N·m  impulse, N·m·s")  # all are at stops
     for row, impact in zip(rows, recording.impacts, strict=True):
         force, impulse = (f"{impact[name]:.4g}" for name in ("peak_force", "impulse"))
         assert re.search(rf"  {force} +{impulse}$", row)
-    free = record_scene(default_scene(), {})
+    free = simulate(default_scene())
     head, first, *_ = plain_lines(list(summary(free))[1])
     assert head.endswith("peak force, N  impulse, N·s")
     for cell, name in zip(first.split()[-2:], ("peak_force", "impulse"), strict=True):
@@ -47,25 +48,25 @@ def test_the_list_of_impacts_has_their_peak_forces_and_impulses():
 
 
 def test_the_walls_that_were_hit_are_explained():
-    lines = [part for part in summary(record_scene(default_scene(), {})) if isinstance(part, str)]
+    lines = [part for part in summary(simulate(default_scene())) if isinstance(part, str)]
     (walls,) = (line for line in lines if line.startswith("wall "))
     assert "x_max is the right wall" in walls
     assert "y_min is the floor" in walls
     assert "x_min" not in walls
     (points,) = (line for line in lines if line.startswith("point "))
     assert points.endswith("and so on")
-    sliding = [part for part in summary(record_scene(load_scene("sliding_rod"), {})) if isinstance(part, str)]
+    sliding = [part for part in summary(simulate(load_scene("sliding_rod"))) if isinstance(part, str)]
     (walls,) = (line for line in sliding if line.startswith("wall "))
     turned = math.degrees(load_scene("sliding_rod").walls[0].angle)
     assert f"ramp has the angle {turned:.4g} deg" in walls
     (points,) = (line for line in sliding if line.startswith("point "))
     assert points.endswith("0 is the first end of the link, 1 its other end")
-    joint = summary(record_scene(load_scene("kneed_leg"), {}))  # hits a stop only
+    joint = summary(simulate(load_scene("kneed_leg")))  # hits a stop only
     assert not [part for part in joint if isinstance(part, str) and part.startswith(("point", "wall"))]
 
 
 def test_without_impacts_there_is_no_table_of_them():
-    head, *lines = summary(record_scene(default_scene(), {"simulation.stop_time": 0.1}))
+    head, *lines = summary(simulate(with_settings(default_scene(), {"simulation.stop_time": 0.1})))
     assert head.plain.endswith("0 impacts")
     assert [line.split()[0] for line in lines] == ["energy", "balance"]
 
@@ -88,7 +89,7 @@ def test_the_list_of_variables_is_as_wide_as_the_terminal(width):
 
 
 def test_the_list_of_impacts_tells_which_link_has_a_point():
-    recording = record_scene(load_scene("thrown_brick"), {"simulation.stop_time": 0.8})
+    recording = simulate(with_settings(load_scene("thrown_brick"), {"simulation.stop_time": 0.8}))
     told = [part for part in summary(recording) if isinstance(part, str) and part.startswith("point ")]
     assert len(told) == 1
     assert told[0].endswith("2–5 on link 1")
@@ -103,7 +104,7 @@ def test_elsewhere_lines_are_whole_and_have_no_spaces_at_their_end():
 
 
 def test_the_list_of_impacts_has_their_durations_and_tells_which_last():
-    recording = record_scene(driven(stop_time=0.2), {})
+    recording = simulate(driven(stop_time=0.2))
     lines = list(plain_lines(list(summary(recording))[1]))
     cells = [line.split()[5] for line in lines if line[:3].strip().isdecimal()]
     assert max(map(len, lines)) <= 80
@@ -116,5 +117,5 @@ def test_the_list_of_impacts_has_their_durations_and_tells_which_last():
 
 
 def test_a_rigid_impact_has_no_duration():
-    _, first, *_ = plain_lines(list(summary(record_scene(default_scene(model="newton_impact"), {})))[1])
+    _, first, *_ = plain_lines(list(summary(simulate(default_scene(model="newton_impact"))))[1])
     assert first.split()[5:7] == [NONE, NONE]

@@ -16,7 +16,7 @@ from chain_impact.fmu.build import validate_fmu
 from chain_impact.fmu.check_description import NAME_PATTERNS, description_findings
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.validate import validation
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.system import HOST
 from tests.fmu.standard import co_simulation_functions
 from tests.fmu.zig import zig

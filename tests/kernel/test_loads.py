@@ -6,7 +6,7 @@ from scipy.integrate import simpson
 
 from chain_impact import load_scene, simulate, sweep
 from chain_impact.scene.scene import Scene, with_values
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from tests.helpers.campaigns.random_scenes import DRIVEN, RUBBED, SLANTED, STOPPED, scene as random_scene
 from tests.helpers.tools.differences import slope
 

@@ -23,6 +23,7 @@ import pytest
 import quickjs
 
 from chain_impact import load_scene, model_names, simulate
+from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.pages.assembly import text_of
 from chain_impact.pages.drawn import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts
@@ -31,7 +32,6 @@ from chain_impact.pictures.film.arrow_scale import ArrowScale
 from chain_impact.pictures.film.film import CHAIN, FORCE, MUTED, TIP
 from chain_impact.pictures.over_time.energies import ENERGIES, without_gap
 from chain_impact.recording.joint_stops import ranges_of
-from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
 from chain_impact.recording.view import framed, free_room, pin_mark, places_of, radius_of
 from chain_impact.scene.display.bodies import outlines_from, rail_from

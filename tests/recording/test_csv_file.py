@@ -9,8 +9,8 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.reading import SceneError
-from chain_impact.simulation.record_scene import record_scene
+from chain_impact.scene.errors import SceneError
+from chain_impact.scene.settings import with_settings
 
 HEAD = "time,point[0].x,point[0].y,point[1].x,point[1].y"
 ROWS = "0,0,0,1,0\n0.1,0,0,1,0.1\n"
@@ -37,7 +37,7 @@ def test_a_table_is_what_it_was_written_from(tmp_path, scene):
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("settings", [{}, {"outputs.impacts": 0}, {"contact.model": "newton_impact"}])
 def test_the_table_of_a_scene_has_its_impacts_exactly(tmp_path, scene, settings):
-    written = record_scene(scene, settings)
+    written = simulate(with_settings(scene, settings))
     assert len(written.impacts) > 10
     written.save_csv(tmp_path / "box.csv")
     read = read_csv(tmp_path / "box.csv", scene)

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.recording.csv_file import read_csv
-from chain_impact.simulation.record_scene import record_scene
+from chain_impact.scene.settings import with_settings
 from tests.helpers.scenes.problems import flat_rod
 
 NAMES = ("contact.restitution", "initial.vx", "link[1].mass", "gravity.y")
@@ -82,12 +82,12 @@ def test_names_that_are_not_there(result):
 def test_a_recording_has_them_too(result):
     assert result.sensitivities is result.sensitivities
     scene = load_scene("four_link_box")
-    assert record_scene(scene, {"simulation.stop_time": 0.1}).sensitivities is None
+    assert simulate(with_settings(scene, {"simulation.stop_time": 0.1})).sensitivities is None
 
 
 def test_a_table_has_them_and_can_be_read_again(tmp_path):
     scene, name = flat_rod(model="newton_impact"), "initial.vy"
-    recording = record_scene(scene, {}, sensitivities=[name])
+    recording = simulate(scene, sensitivities=[name])
     path = tmp_path / "rod.csv"
     recording.save_csv(path)
     with path.open(newline="") as file:

@@ -1,6 +1,6 @@
 """The summary lines of a result; test_result.py tests most of the lines."""
 
-# Tests: recording/joint_peaks.py, recording/text.py
+# Tests: recording/joint_peaks.py, recording/impact_words.py, text.py
 
 import re
 
@@ -12,7 +12,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.cli import screen
 from chain_impact.recording.joint_peaks import BY_ROW, SAMPLED, joint_peaks
 from chain_impact.recording.summary import LISTED_IMPACTS, LISTED_IN_SHORT, energy_lines
-from chain_impact.recording.text import plural
+from chain_impact.text import plural
 from tests.helpers.scenes.problems import dropped_ball
 
 

@@ -10,9 +10,9 @@ import pytest
 from matplotlib.text import Text
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
-from chain_impact.recording.text import signed
 from chain_impact.results.ranking import by_step, ranking_of
 from chain_impact.scene.words.unit_text import of_power
+from chain_impact.text import signed
 from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.differences import slope
 

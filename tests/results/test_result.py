@@ -13,7 +13,7 @@ import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
 from chain_impact.results.result import ENERGIES
-from chain_impact.scene.reading import UnknownNameError
+from chain_impact.scene.errors import UnknownNameError
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.problems import default_scene
 from tests.helpers.tools.refusal import refusal

@@ -8,7 +8,8 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.status import OK, TOO_MUCH_WORK
 from chain_impact.scene.scene import scene_from_dict, with_values
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.errors import SimulationError
+from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.random_scenes import scene as random_scene
 from tests.helpers.kernel.kernel_calls import advance, advance_awhile, initialize
 from tests.helpers.models.reference import balance

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, compare, fit, load_scene, simulate, sweep
-from chain_impact.scene.reading import UnknownNameError
+from chain_impact.scene.errors import UnknownNameError
 from tests.helpers.scenes.friction import SLOPE, puck, sled, thrown
 from tests.helpers.tools.refusal import refusal
 

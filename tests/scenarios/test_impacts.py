@@ -9,7 +9,8 @@ from chain_impact import simulate
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.scene.words.names import SLIDER_STOPS, STOPS
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.errors import SimulationError
+from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.random_scenes import SLANTED, SPRUNG, scene as random_scene
 from tests.helpers.models.reference import (
     balance,

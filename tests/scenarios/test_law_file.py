@@ -24,8 +24,8 @@ from chain_impact.compilation.folders import base_folder
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, LAW_COUNT
 from chain_impact.kernel.forces.user_law import ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE
+from chain_impact.scene.errors import SceneWarning
 from chain_impact.scene.files.models import models_folder
-from chain_impact.scene.reading import SceneWarning
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.user_laws.law_file import source_of
 from chain_impact.variables.prepared import PreparedScene

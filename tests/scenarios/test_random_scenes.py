@@ -14,7 +14,8 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.scene.scene import with_values
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.errors import SimulationError
+from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.folds import faults
 from tests.helpers.campaigns.oracle import account, judge
 from tests.helpers.campaigns.random_scenes import (

@@ -19,8 +19,10 @@ from chain_impact.progress import log_once
 from chain_impact.recording.equality import equal
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.half_planes import HalfPlane, half_planes
+from chain_impact.scene.settings import with_settings
 from chain_impact.simulation import instance, kernels
-from chain_impact.simulation.record_scene import RunError, record_scene
+from chain_impact.simulation.errors import RunError
+from chain_impact.simulation.simulate import simulate
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.scenes import OnDemand
 from tests.helpers.tools.shared import shared_folder
@@ -46,14 +48,14 @@ def fmus(tmp_path_factory):
 def record(request, fmus):
     """Simulate the four-link box with settings, as a scene and as an FMU."""
     if request.param == "scene":
-        return lambda settings: record_scene(load_scene("four_link_box"), settings)
+        return lambda settings: simulate(with_settings(load_scene("four_link_box"), settings))
     return lambda settings: record_fmu(fmus["four_link_box"], settings)
 
 
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", model_names())
 def test_a_scene_and_its_fmu_give_the_same(fmus, model):
-    scene, fmu = record_scene(load_scene(model), {}), record_fmu(fmus[model], {})
+    scene, fmu = simulate(load_scene(model)), record_fmu(fmus[model], {})
     assert (scene.name, scene.walls, scene.parameters) == (fmu.name, fmu.walls, fmu.parameters)
     np.testing.assert_allclose(scene.time, fmu.time, rtol=0, atol=1e-12)
     assert scene.columns.keys() == fmu.columns.keys()
@@ -71,7 +73,7 @@ def test_the_columns_of_an_fmu_are_its_outputs(fmus):
 
 
 def test_the_columns_of_a_scene_are_those_of_its_fmu_row_by_row(fmus):
-    ours, theirs = record_scene(load_scene("four_link_box"), {}), record_fmu(fmus["four_link_box"], {})
+    ours, theirs = simulate(load_scene("four_link_box")), record_fmu(fmus["four_link_box"], {})
     assert list(ours.columns) == list(theirs.columns)
     stepwise = [name for name in ours.columns if name.startswith(("impact", "solver"))]
     assert len(stepwise) == 5 + 9 * 8 + 5
@@ -93,7 +95,7 @@ def test_walls_and_start_are_those_that_were_set(record):
 
 def test_walls_at_any_angle_are_those_that_were_set(fmus):
     settings = {"wall.ramp.angle": "-0.5", "wall.stop.x": "0.25", "simulation.stop_time": "1.0"}
-    scene, fmu = record_scene(load_scene("ramp"), settings), record_fmu(fmus["ramp"], settings)
+    scene, fmu = simulate(with_settings(load_scene("ramp"), settings)), record_fmu(fmus["ramp"], settings)
     assert scene.walls == fmu.walls
     assert list(fmu.walls) == ["ramp", "stop"]
     assert fmu.walls["ramp"] == HalfPlane((math.sin(0.5), math.cos(0.5)), 0.0)
@@ -263,7 +265,7 @@ def test_all_outputs_of_an_fmu_take_one_run(monkeypatch):
 
     monkeypatch.setattr(instance, "kernel_for", kernel_for)
     scene = load_scene("rod_drop")
-    record_scene(scene, {}, seen.append)
+    simulate(scene, progress=seen.append)
     assert told == [scene]
     assert (seen, seen[-1]) == (sorted(seen), 1.0)
 
@@ -274,7 +276,7 @@ def test_too_many_rows_are_refused_before_the_first_run(monkeypatch):
     monkeypatch.setattr(sys.modules["chain_impact.simulation.simulate"], "MOST_BYTES", rows * 8 * 60)
     monkeypatch.setattr(instance, "kernel_for", None)
     with pytest.raises(SceneError, match=r"rows of 1\d\d outputs"):
-        record_scene(scene, settings)
+        simulate(with_settings(scene, settings))
 
 
 def test_a_scene_says_when_it_has_to_compile(monkeypatch, caplog):
@@ -286,5 +288,5 @@ def test_a_scene_says_when_it_has_to_compile(monkeypatch, caplog):
     monkeypatch.setattr(kernels, "kernel_library", kernel_library)
     monkeypatch.setattr(kernels, "_loaded", {})
     with pytest.raises(BuildError, match="out of luck"):
-        record_scene(load_scene("rod_drop"), {})
+        simulate(load_scene("rod_drop"))
     assert caplog.messages == ["compiling (about 17 s, then kept)"]

@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.status import BASE_BEYOND_WALL
 from chain_impact.scene.scene import scene_from_dict
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
 
 MIDDLE, WIDTH = 1.003, 0.1  # s

@@ -1,5 +1,7 @@
 """Random scene files: valid files survive a round trip, and other files are refused with one line."""
 
+# Tests: scene/errors.py
+
 import copy
 import functools
 import json
@@ -11,8 +13,8 @@ from dataclasses import fields
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.models import model_names
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, load_scene, parse_scene, scene_from_dict, scene_to_dict
 from tests.helpers.tools.refusal import refusal
 from tests.scene.scene_files import scene_dicts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, SimulationError, load_scene
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from tests.helpers.campaigns.random_scenes import scene as random_scene
 from tests.helpers.kernel.kernel_calls import instance_of
 

@@ -5,7 +5,7 @@ import functools
 import pytest
 
 from chain_impact import compare, simulate
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.studies.compare.compare import OVERLAPS
 from chain_impact.studies.compare.plot import conditions, looks_of, message
 from chain_impact.studies.compare.text import advice, heading, law_table, legend

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.recording.equality import equal
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.studies.animate import record_slowly
 
 

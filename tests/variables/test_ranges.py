@@ -18,7 +18,8 @@ from chain_impact.kernel.record.ranges import (
     most_bound,
 )
 from chain_impact.kernel.status import PARAMETER_OUT_OF_RANGE
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.errors import SimulationError
+from chain_impact.simulation.instance import Instance
 from chain_impact.variables.parameters import PARAMETERS
 from tests.helpers.kernel.plain import Plain
 from tests.helpers.scenes.derivative_scenes import table

@@ -26,11 +26,11 @@ from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.csv_file import NeedsSceneError, read_csv
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import plural
 from chain_impact.results.animate import FILM_SIZE, FORMATS, LEAST_SIDE, MOST_SIDE, write_animation
 from chain_impact.scene.scene import load_scene
-from chain_impact.simulation.instance import SimulationError
-from chain_impact.simulation.record_scene import RunError, with_settings
+from chain_impact.scene.settings import with_settings
+from chain_impact.simulation.errors import RunError
+from chain_impact.text import plural
 
 PAGE = FORMATS[0]  # suffix of a page for the browser; an animation with any other of FORMATS is a film
 
@@ -139,11 +139,7 @@ def record(options: argparse.Namespace) -> Recording:
     with progress() as advance:
         if is_fmu(options.source):
             return record_fmu(Path(options.source), settings, advance, inputs)
-        scene = scene_of_options(options)
-        try:
-            return record_slowly(scene, options.impact_time, advance)
-        except SimulationError as error:
-            raise RunError(f"{scene.name}: {error}", error.result) from None
+        return record_slowly(scene_of_options(options), options.impact_time, advance)
 
 
 def is_csv(source: str) -> bool:

@@ -36,9 +36,9 @@ from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.animate import AnimationError
-from chain_impact.scene.reading import SceneError, SceneWarning
+from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.words.similar_names import nearest
-from chain_impact.simulation.record_scene import RunError
+from chain_impact.simulation.errors import RunError
 from chain_impact.system import prepare_console
 
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(

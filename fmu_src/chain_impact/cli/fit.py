@@ -25,8 +25,8 @@ from chain_impact.cli.options import (
 from chain_impact.cli.progress import progress, say
 from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import load_scene
+from chain_impact.scene.settings import with_settings
 from chain_impact.simulation.inputs import INTERPOLATIONS
-from chain_impact.simulation.record_scene import with_settings
 
 # The name of the stop time. If the command line sets the stop time, only data up to this time are fitted; a
 # stop time in the scene file limits no data.

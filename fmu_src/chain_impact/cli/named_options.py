@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 
-from chain_impact.scene.reading import value_text
-from chain_impact.simulation.record_scene import value_of
+from chain_impact.scene.errors import value_text
+from chain_impact.scene.settings import value_of
 
 START = r"(?:^|(?<=: ))"  # matches where a fault begins: at the start of the error, or after ": "
 Change = tuple[int, int, str]

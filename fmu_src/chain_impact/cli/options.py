@@ -15,8 +15,8 @@ from chain_impact.cli.progress import say
 from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.files.models import model_names, scene_file_path
 from chain_impact.scene.scene import Scene, load_scene
+from chain_impact.scene.settings import with_settings
 from chain_impact.scene.words.similar_names import nearest, nearest_file
-from chain_impact.simulation.record_scene import with_settings
 
 if TYPE_CHECKING:
     from chain_impact.pictures.drawing.sizes import Size

@@ -29,12 +29,12 @@ from chain_impact.recording.summary import (
     load_lines,
     passing_lines,
 )
-from chain_impact.recording.text import TextTable, plural
 from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Box
 from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.compare.compare import Comparison
 from chain_impact.studies.compare.text import advice, formatted, heading, law_table as compared, legend
+from chain_impact.text import TextTable, plural
 
 # matches the separators in the description of a variable such as solver.status, before each number with a
 # meaning: ": " and "; " in "status: 0 running; 1 ended"

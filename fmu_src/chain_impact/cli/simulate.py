@@ -34,11 +34,11 @@ from chain_impact.cli.source import Source
 from chain_impact.recording.curves import Curves, curves_of
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.tables import SUFFIXES
-from chain_impact.recording.text import plural
 from chain_impact.results.result import Result
-from chain_impact.scene.reading import SceneError
-from chain_impact.simulation.record_scene import RunError
+from chain_impact.scene.errors import SceneError
+from chain_impact.simulation.errors import RunError
 from chain_impact.studies.accuracy import Differences
+from chain_impact.text import plural
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

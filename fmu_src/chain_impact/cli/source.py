@@ -19,12 +19,12 @@ from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.recording import Recording
 from chain_impact.results.ranking import Ranking
+from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.keys.tables import Solver
-from chain_impact.scene.reading import SceneError, SceneWarning
 from chain_impact.scene.scene import Scene, load_scene
+from chain_impact.scene.settings import value_of, with_settings
 from chain_impact.scene.words.names import input_key
-from chain_impact.simulation.instance import SimulationError
-from chain_impact.simulation.record_scene import record_scene, value_of, with_settings
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 from chain_impact.variables.indices import JOINT_FORCE
@@ -74,7 +74,7 @@ class Source:
         with progress() as advance:
             if self.is_fmu:
                 return record_fmu(Path(self.name), settings_of(self.settings), advance, self.inputs)
-            return record_scene(self.scene(), {}, advance, sensitivities or None)
+            return simulate(self.scene(), sensitivities=sensitivities or None, progress=advance)
 
     def with_enough_rows(self, recording: Recording) -> Recording:
         """Return ``recording`` if it has LEAST_MOTION_ROWS rows, else the recording of a new run.
@@ -106,9 +106,13 @@ class Source:
             raise UsageError(f"--rank: {self.name} is an FMU; must be a scene")
         scene = self.scene()
         scene = scene.with_values({"outputs.loads": True}) if what == JOINT_FORCE else scene
-        rows = {"simulation.step_size": scene.simulation.stop_time}
         with progress() as advance:
-            result = record_scene(scene, rows, advance, parameters or ["*"])
+            result = simulate(
+                scene,
+                output_step=scene.simulation.stop_time,
+                sensitivities=parameters or ["*"],
+                progress=advance,
+            )
         return result.ranking(what, parameters or "*").checked(partial(_changed_run, scene))
 
     def units(self) -> Mapping[str, str]:

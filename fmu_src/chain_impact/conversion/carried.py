@@ -19,9 +19,9 @@ from chain_impact.conversion.mjcf_contacts import point_name
 from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import identifier
 from chain_impact.conversion.to_mjcf import mjcf_of
-from chain_impact.recording.text import few
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.words.names import input_key
+from chain_impact.text import few
 
 # two numbers are the same, up to round-off, if they differ by at most SAME_NUMBER, or by this part of the
 # larger one

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 
-from chain_impact.recording.text import few
+from chain_impact.text import few
 
 # [1] a `size` up to which a difference gives no warning, unless its `effect` is MOTION
 NEGLIGIBLE = 0.02

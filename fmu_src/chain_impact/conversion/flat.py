@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.conversion.joints import PARALLEL_ANGLE
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 
 ZERO_LENGTH = 1e-9  # [m] a length up to ZERO_LENGTH counts as 0, because it may be round-off
 # a number of smaller magnitude counts as 0; the round-off of numbers near 1 is smaller

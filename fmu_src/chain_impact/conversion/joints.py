@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.conversion.robot import Joint, Robot
-from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.errors import SceneError, UnknownNameError
 
 # [rad] axes count as parallel up to this angle between the lines along them
 PARALLEL_ANGLE = 1e-6

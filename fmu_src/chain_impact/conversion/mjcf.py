@@ -20,8 +20,8 @@ from chain_impact.conversion.mjcf_fields import flag_notes, unsupported_fields
 from chain_impact.conversion.mjcf_files import Compiled, compiled, warned_by
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.extras import require
-from chain_impact.recording.text import plural
-from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.errors import SceneError, UnknownNameError
+from chain_impact.text import plural
 
 CARRIED = "chain_impact"
 """The name of the text element that has the data of the scene as JSON, in files of this package."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from chain_impact.conversion.differences import Difference, Effect, collected_warnings
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
 FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)

@@ -23,8 +23,8 @@ from chain_impact.conversion.flat import ZERO_LENGTH, Plan, near, plan_of
 from chain_impact.conversion.joints import Chosen, Moving, NoChainError, above, chosen_joints
 from chain_impact.conversion.robot import JOINT_KEYS, Body, Joint, Robot, scene_values
 from chain_impact.conversion.walls import Walls
-from chain_impact.recording.text import few
-from chain_impact.scene.reading import UnknownNameError
+from chain_impact.scene.errors import UnknownNameError
+from chain_impact.text import few
 
 # number of significant digits of each real number in the scene of a robot; robot files usually have fewer
 # digits, so most further digits are round-off

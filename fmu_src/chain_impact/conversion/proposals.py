@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from chain_impact.conversion.joints import Moving, NoChainError, above, joints_at_start, parallel_groups
 from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import Robot
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 
 TRIALS = 200  # largest number of conversions that are tried to find a proposal; one conversion takes a few ms
 

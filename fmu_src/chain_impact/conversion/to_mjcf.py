@@ -12,9 +12,9 @@ from xml.etree.ElementTree import Element, SubElement
 from chain_impact.conversion.mjcf import CARRIED, NO_LIMIT
 from chain_impact.conversion.mjcf_contacts import point_name
 from chain_impact.conversion.robot import JOINT_KEYS
-from chain_impact.recording.text import few
 from chain_impact.scene.keys.chain_tables import Link, Slider
 from chain_impact.scene.scene import Scene, scene_to_dict
+from chain_impact.text import few
 
 # axis of a hinge: the scene's x and y are x and z in MJCF, because z points up in MuJoCo's pictures
 HINGE = "0 -1 0"

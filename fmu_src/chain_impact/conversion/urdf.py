@@ -25,8 +25,8 @@ from chain_impact.conversion.differences import (
 from chain_impact.conversion.robot import Body, Joint, LinkShape, Robot, identifier, outline
 from chain_impact.conversion.urdf_elements import GEOMETRIES, check_elements, other_elements
 from chain_impact.extras import require
-from chain_impact.recording.text import few
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
+from chain_impact.text import few
 
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
 """Type of a joint in URDF → ``Joint.kind``, for the joints that a scene can have."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from chain_impact.conversion.differences import Difference, Effect
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 
 USED_ATTRIBUTES = {
     "robot": "name",

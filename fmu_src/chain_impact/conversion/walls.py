@@ -27,7 +27,7 @@ from chain_impact.conversion.points import (
 )
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
 from chain_impact.kernel.rows.geometry import NORMALS, OVERLAP, WALLS
-from chain_impact.recording.text import plural
+from chain_impact.text import plural
 
 Points = list[dict[str, Any]]
 """The tables of the points of one link."""

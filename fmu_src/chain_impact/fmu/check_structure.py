@@ -14,7 +14,7 @@ from xml.etree.ElementTree import Element
 from chain_impact.fmu.check_variables import Variable
 from chain_impact.fmu.findings import NAMED_VARIABLES, Finding
 from chain_impact.fmu.versions import is_fmi_2
-from chain_impact.recording.text import few
+from chain_impact.text import few
 
 OUTPUT_LIST, DERIVATIVE_LIST, INITIAL_LIST = "Outputs", "Derivatives", "InitialUnknowns"
 _THIRD = {OUTPUT_LIST: "Output", DERIVATIVE_LIST: "ContinuousStateDerivative", INITIAL_LIST: "InitialUnknown"}

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from chain_impact.recording.text import few
+from chain_impact.text import few
 
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"

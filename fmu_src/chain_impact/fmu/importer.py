@@ -24,8 +24,8 @@ import numpy as np
 from chain_impact.fmu.findings import archive_findings
 from chain_impact.fmu.platforms import binary_of
 from chain_impact.fmu.versions import is_fmi_2
-from chain_impact.scene.reading import SceneError
-from chain_impact.simulation.record_scene import RunError
+from chain_impact.scene.errors import SceneError
+from chain_impact.simulation.errors import RunError
 from chain_impact.system import HOST, PLATFORMS
 
 # the number of the status fmi2Warning; messages up to this status are dropped, because they report no fault

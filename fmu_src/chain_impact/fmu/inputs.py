@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from chain_impact.scene.checks.signal_checks import check_table
+from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.files.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal
-from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.signal_inputs import family
 from chain_impact.scene.signal_polynomials import is_motion, table_of, values_of
 from chain_impact.scene.warning import warn

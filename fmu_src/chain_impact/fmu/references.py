@@ -24,8 +24,7 @@ from chain_impact.progress import log
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.chain import Chain
-from chain_impact.simulation.instance import SimulationError
-from chain_impact.simulation.record_scene import RunError
+from chain_impact.simulation.errors import RunError, SimulationError
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 

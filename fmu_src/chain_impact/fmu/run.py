@@ -21,8 +21,10 @@ from chain_impact.recording.impacts import impacts_shown
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
+from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
+from chain_impact.scene.reading import nearest_choice
+from chain_impact.scene.settings import value_of
 from chain_impact.scene.words.angles import in_radians, or_degrees
 from chain_impact.scene.words.names import (
     SLIDER_STOPS,
@@ -34,7 +36,7 @@ from chain_impact.scene.words.names import (
     signal_hint,
     start_hint,
 )
-from chain_impact.simulation.record_scene import RunError, value_of
+from chain_impact.simulation.errors import RunError
 from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.parameters import SIMULATION_KINDS
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact import map_colours
 from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
@@ -26,9 +27,9 @@ from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS, OF_IMPACT
-from chain_impact.recording import curves, joint_stops, map_colours, pacing, view
+from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.scene import reading
+from chain_impact.scene import errors
 from chain_impact.scene.checks.signal_checks import AT_REST
 from chain_impact.scene.contents import PARALLEL_COSINE
 from chain_impact.scene.display import bodies
@@ -109,7 +110,7 @@ def shared() -> dict[str, Any]:
         },
         "file": {
             "CORNERS": [corner_of_box(n, 1.0, 1.0) for n in range(1, chain_tables.BOX_CORNERS + 1)],
-            "SHOWN": reading.SHOWN,
+            "SHOWN": errors.SHOWN,
             "STEP_ROUND_OFF": STEP_ROUND_OFF,
         },
         "signals": {

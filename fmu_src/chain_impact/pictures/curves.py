@@ -41,9 +41,9 @@ from chain_impact.pictures.words.headline import hit_words, peak_of, write_head
 from chain_impact.recording.contact_times import has_impulses
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import LOAD_UNITS, few, plural
 from chain_impact.scene.words.names import AXES, name_parts
 from chain_impact.scene.words.unit_text import in_brackets, unit_text
+from chain_impact.text import LOAD_UNITS, few, plural
 
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8

@@ -29,9 +29,10 @@ from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.single_impact import shown_contact
 from chain_impact.pictures.words.headline import hit_words
 from chain_impact.recording.course import Course
+from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import prefixed, speed_unit
+from chain_impact.text import prefixed
 
 IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
 SHOWN_BEFORE = 0.03  # for a long contact, the time shown before the onset, relative to that after the onset

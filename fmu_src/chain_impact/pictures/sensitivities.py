@@ -41,9 +41,9 @@ from chain_impact.pictures.sensitivity_table import draw_impact_changes
 from chain_impact.pictures.words.headline import conditions, time_unit
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
-from chain_impact.recording.text import WHOLE, number, plural, readable
 from chain_impact.scene.words.names import AXES
 from chain_impact.scene.words.unit_text import in_brackets, with_unit
+from chain_impact.text import WHOLE, number, plural, readable
 
 # a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12

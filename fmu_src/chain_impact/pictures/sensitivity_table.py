@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, OUTSIDE_COLOUR, is_narrow
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.text import signed
+from chain_impact.text import signed
 
 STRONGEST = 0.6  # the opacity of the largest changes, from 0 to 1: so low that the text on it stays legible
 # the colours of changes, with the opacity 0 for no change, so that they suit a light and a dark ground; blank

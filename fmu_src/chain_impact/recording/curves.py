@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.recording.course import Repeatable
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.reading import names_matching
+from chain_impact.scene.errors import names_matching
 from chain_impact.variables.hints import series_hint
 from chain_impact.variables.prepared import PreparedScene
 

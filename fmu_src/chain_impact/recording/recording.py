@@ -15,17 +15,18 @@ import numpy as np
 from chain_impact.deprecated import OlderName
 from chain_impact.recording.bodies import site_radii
 from chain_impact.recording.equality import same
+from chain_impact.recording.impact_words import toucher_name
 from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.joint_stops import JointRange, is_joint_stop
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import FRICTION, NO_PHASES, SLIDER_STOP, WALL, Touch
 from chain_impact.recording.tables import save_impacts
-from chain_impact.recording.text import plural, toucher_name
 from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
+from chain_impact.scene.errors import names_matching
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.reading import names_matching
 from chain_impact.scene.words.names import AXES, SLIDER_STOPS, by_owner
 from chain_impact.system import written_whole
+from chain_impact.text import plural
 from chain_impact.variables.hints import output_hint
 
 ROWS_AT_ONCE = 10_000  # number of rows that ``save_csv`` converts to text at a time

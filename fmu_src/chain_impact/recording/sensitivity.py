@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 
 from chain_impact.recording.equality import same
-from chain_impact.recording.text import TextTable, as_html, plural
-from chain_impact.scene.reading import UnknownNameError
+from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.words.names import sensitivity_name, value_at_start
 from chain_impact.scene.words.unit_text import in_brackets, of_scene, with_unit
+from chain_impact.text import TextTable, as_html, plural
 from chain_impact.variables.listing import derivatives
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable

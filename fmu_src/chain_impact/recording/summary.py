@@ -15,9 +15,9 @@ from chain_impact.recording.joint_stops import at_joint_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import element_label
-from chain_impact.recording.text import TextTable, few, plural
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.unit_text import of_power
+from chain_impact.text import TextTable, few, plural
 from chain_impact.variables.impact_units import unit_at
 
 # largest numbers of impacts in a list: LISTED_IMPACTS in notebooks and on the command line, LISTED_IN_SHORT

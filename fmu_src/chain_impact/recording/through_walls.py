@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from chain_impact.recording.text import few
 from chain_impact.scene.display.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
+from chain_impact.text import few
 
 # [1] A point passes through a wall if, at different times, its distances from the wall on the free side and
 # on the other side are both larger than this, relative to the size of the motion.

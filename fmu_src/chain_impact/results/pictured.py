@@ -19,7 +19,7 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
 from chain_impact.recording.through_walls import points_through_walls
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.reading import SceneError, SceneWarning, UnknownNameError, names_matching
+from chain_impact.scene.errors import SceneError, SceneWarning, UnknownNameError, names_matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
 

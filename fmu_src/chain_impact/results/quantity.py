@@ -13,10 +13,10 @@ import numpy as np
 from chain_impact.recording.impacts import POSITION
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, slopes_of_impacts
-from chain_impact.recording.text import plural
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.words.names import name_parts
 from chain_impact.scene.words.similar_names import nearest
+from chain_impact.text import plural
 from chain_impact.variables.impact_units import impact_units
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 

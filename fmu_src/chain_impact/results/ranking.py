@@ -14,10 +14,10 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import FIRST_ORDER, PART, Sensitivities, differs, step_of
 from chain_impact.recording.summary import digits
-from chain_impact.recording.text import TextTable, as_html, as_text, plural, readable, signed
 from chain_impact.results.quantity import quantity_named
-from chain_impact.scene.reading import names_matching
+from chain_impact.scene.errors import names_matching
 from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.text import TextTable, as_html, as_text, plural, readable, signed
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:

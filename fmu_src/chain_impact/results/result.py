@@ -19,12 +19,12 @@ from chain_impact.recording.course import Repeatable
 from chain_impact.recording.joint_stops import JointRange, ranges_of
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
-from chain_impact.recording.text import as_html, as_text
 from chain_impact.results.pictured import Pictured
 from chain_impact.results.ranking import Ranking, ranking_of
+from chain_impact.scene.errors import UnknownNameError, names_matching
 from chain_impact.scene.facts import FACTS
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.reading import UnknownNameError, names_matching
+from chain_impact.text import as_html, as_text
 from chain_impact.variables.hints import series_hint
 from chain_impact.variables.outputs import OUTPUTS
 from chain_impact.variables.prepared import PreparedScene, field_at

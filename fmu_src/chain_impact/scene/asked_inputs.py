@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.scene.contents import Contents
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.files.table_file import read_table, samples_of
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal_inputs import driven_alone
 from chain_impact.scene.words.names import INPUTS_OF, input_asked, input_key
 from chain_impact.scene.words.similar_names import nearest

@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from chain_impact.scene.contents import AnyScene
+from chain_impact.scene.errors import no_wall, refusal, refused, value_text
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.keys.tables import Material
-from chain_impact.scene.reading import no_wall, refusal, refused, value_text
 from chain_impact.scene.shapes import with_shapes
 from chain_impact.scene.signal_inputs import with_signals
 from chain_impact.user_laws.law_file import LawError, read_law

@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 
 from chain_impact.scene.checks.checks import check_joint_angles, check_start, start_hints
 from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.tables import Contact, Initial, Simulation, Solver
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.rules.key_rules import keeps, keys
 from chain_impact.scene.words.angles import radians_hint
 from chain_impact.scene.words.names import AXES, DataPath, name_of

@@ -5,174 +5,23 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
-from chain_impact.deprecated import OlderName
+from chain_impact.scene.errors import refusal, refused, value_text
 from chain_impact.scene.rules.key_rules import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.rules.refusals import sentence
 from chain_impact.scene.words.angles import in_radians, or_degrees
-from chain_impact.scene.words.names import DataPath, fmu_name, path_text
+from chain_impact.scene.words.names import DataPath, path_text
 from chain_impact.scene.words.similar_names import nearest, one_typo, proposed
 from chain_impact.scene.words.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
 SIMILAR_KEY = 0.7
-NAMED_PARTS = 8  # a message lists quantities of only one owner: at most this number, then …
 _ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
 _VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
-SHOWN = 60  # a message has at most this number of characters of a value, then ...
-
-
-class SceneError(ValueError):
-    """Raised when a scene cannot be used.
-
-    The message is one line. It tells, as far as they are known, the file, the key, the value and what is
-    allowed.
-
-    Attributes:
-        path: the path of the key in the scene file; () if it is not known.
-        source: the name of the scene or file, with which the message begins; "" for none.
-        name: the name of the refused value, which follows in the message; "" for none.
-        fault: the rest of the message, such as the value and the allowed values.
-        line: the number of the line in the file, with which the message ends; None if it is not known.
-    """
-
-    def __init__(self, fault: str, path: DataPath = (), name: str = "") -> None:
-        """Store the parts of the message that are known where the fault is found; others can be set later."""
-        super().__init__(fault)
-        self.path, self.name, self.fault, self.source = path, name, fault, ""
-        self.line: int | None = None
-
-    def __str__(self) -> str:
-        """Return the message as one line, also if names or values in the message have line breaks."""
-        before = f"{self.source}: " * bool(self.source) + self.name
-        between = " " * (bool(self.name) and not self.fault.startswith(":"))
-        at = "" if self.line is None else f" (at line {self.line})"
-        return " ".join(f"{before}{between}{self.fault}{at}".splitlines())
-
-    def __repr__(self) -> str:
-        """Return the class with the whole message."""
-        return f"{type(self).__name__}({str(self)!r})"
-
-    @property
-    def args(self) -> tuple[str]:  # type: ignore[override]
-        """The message, as other exceptions have it."""
-        return (str(self),)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Return how ``pickle`` makes an equal error, with all parts, in another process."""
-        return Exception.__new__, (type(self),), vars(self)
-
-    place = OlderName("path")
-
-
-def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
-    """Return the error on the key at ``path`` with the sentence on ``fault`` in refusals.py.
-
-    ``words`` replace the words in braces in the sentence.
-    """
-    return refused(path, sentence(fault, **words))
-
-
-def refused(path: DataPath, fault: str) -> SceneError:
-    """Return the error whose name is the text of ``path``, or "scene" for (), with the fault ``fault``."""
-    return SceneError(fault, path, path_text(path) or "scene")
-
-
-def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
-    """Return the error on a key at ``path`` that names no existing wall; ``walls`` are the existing ones.
-
-    ``value`` are the first words of the sentence, such as "= 'roof' "; "" if the key itself is the name.
-    """
-    if not walls:
-        return refusal(path, "no_walls")
-    return refusal(path, "no_wall", value=value, walls=", ".join(walls))
-
-
-class SceneWarning(UserWarning):
-    """The warning, one line, on a value or motion that is valid, but probably a mistake of the user."""
-
-
-class UnknownNameError(SceneError, KeyError):
-    """Raised for a name that does not exist; the message gives a hint, such as the most similar name."""
-
-    def __init__(
-        self,
-        source: str,
-        name: object,
-        names: Iterable[str],
-        what: str,
-        hint: str | None = None,
-        *,
-        otherwise: str = "`chain-impact info SCENE` lists the names",
-    ) -> None:
-        """Make the message "<source>: <name> is <what>; <hint>", where ``what`` is such as "not a parameter".
-
-        Without a hint, the message ends with the most similar of ``names``; if none is similar, with names of
-        the same owner, such as ``joint[2]``; if there are none, with ``otherwise``. If ``name`` is several of
-        ``names``, as "a b", the hint is how to separate these.
-        """
-        names, parts = list(names), re.split(r"[\s;]+", name) if isinstance(name, str) else []
-        if len(parts) > 1 and {*parts} <= {*names}:
-            hint = f"it is {len(parts)} names: separate them by commas, or in Python give a list"
-        if hint is None:
-            near = proposed(name, names) if isinstance(name, str) else None
-            hint = f"the nearest is {near}" if near else _names_of_owner(name, names) or otherwise
-        text = name if isinstance(name, str) else value_text(name)
-        super().__init__(f"is {what}; {hint}", name=text)
-        self.source = source
-
-
-def _names_of_owner(name: object, names: Collection[str]) -> str:
-    """Return a text such as "joint[2] has angle, torque" for ``joint[2].stop``; "" if no name has this owner.
-
-    The result is also "" for a pattern such as ``*.stop``, in which ``*`` stands for all owners.
-    """
-    owner = str(name).rpartition(".")[0]
-    alike = find_names(f"{owner}.*", names) if owner.strip("*") else []
-    parts = list(dict.fromkeys(one.rpartition(".")[2] for one in alike))
-    more = ", …" * (len(parts) > NAMED_PARTS)
-    return f"{owner} has {', '.join(parts[:NAMED_PARTS])}{more}" if parts else ""
-
-
-def names_matching(
-    source: str,
-    name: str,
-    names: Iterable[str],
-    what: str,
-    hint: Callable[[str], str | None],
-) -> list[str]:
-    """Return the names that ``find_names`` finds for ``name``, in which ``*`` stands for any text.
-
-    Raises:
-        UnknownNameError: when no name matches. Its hint is the text that the function ``hint`` returns for
-            ``name`` or, if this is None, the class's own, such as the most similar name.
-    """
-    is_text = isinstance(name, str)
-    matched = find_names(name, names) if is_text else []
-    if not matched:
-        raise UnknownNameError(source, name, names, what, hint(name) if is_text else None)
-    return matched
-
-
-def find_names(name: str, names: Iterable[str]) -> list[str]:
-    """Return ``[name]`` if ``names`` has it, or else ``[fmu_name(name)]`` if ``names`` has this.
-
-    Otherwise return all ``names`` that match ``name``, in which ``*`` stands for any text, also for none.
-    """
-    for spelling in (name, fmu_name(name)):
-        if spelling in names:
-            return [spelling]
-    if "*" not in name:
-        return []
-    first, *parts, last = map(re.escape, name.split("*"))
-    # Of each part of ``name`` between two ``*``, only the first occurrence is tried (an atomic group),
-    # because to try all combinations of occurrences would take very long for some names.
-    like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
-    return [spelling for spelling in names if like.fullmatch(spelling)]
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
@@ -385,13 +234,3 @@ def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
     """Return a hint with the choice that is most similar to the wrong text ``value``; "" if none is."""
     near = proposed(value, choices) if choices and isinstance(value, str) else None
     return f"; the nearest is {near}" if near else ""
-
-
-def value_text(value: Any) -> str:
-    """Return the text of a value for a message: one line of at most SHOWN characters, and "..." if cut."""
-    try:
-        text = str(value).lower() if isinstance(value, bool) else " ".join(repr(value).split())
-    # an integer with too many digits, or a list with too many levels, has no text
-    except (ValueError, RecursionError):
-        text = f"<{type(value).__name__}>"
-    return text if len(text) <= SHOWN else text[:SHOWN] + "..."

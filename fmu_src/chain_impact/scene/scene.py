@@ -1,8 +1,7 @@
 """The scene: the content of a scene file, read from TOML into frozen dataclasses and checked.
 
-The fields of the dataclasses in contents.py and keys/ define all keys of a scene. The metadata of a field
-have unit, description, range and default; the validation, the scene reference in the docs and the parameters
-of the FMU follow from these metadata. All values are in SI units, angles in radians.
+The fields of the dataclasses in contents.py and keys/ define all keys of a scene. From the metadata of fields
+follow validation, reference and FMU parameters. All values are in SI units, angles in radians.
 """
 
 import functools
@@ -22,13 +21,14 @@ from chain_impact.scene.checks import checks
 from chain_impact.scene.contents import Contents, named_point_hint, slider_hint
 from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
 from chain_impact.scene.display import drawing, scene_text
+from chain_impact.scene.errors import SceneError, UnknownNameError, value_text
 from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
 from chain_impact.scene.files.lines import fault_hint, line_of
 from chain_impact.scene.files.models import scene_file_path, unreadable
 from chain_impact.scene.files.text_file import text_of
 from chain_impact.scene.keys.chain_tables import Link
-from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, value_text
+from chain_impact.scene.reading import Reader, keys_of
 from chain_impact.scene.rules.key_rules import Derived, keys
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import (

@@ -13,8 +13,8 @@ from typing import Any
 
 from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.errors import SceneError, refusal
 from chain_impact.scene.keys.chain_tables import BOX_CORNERS, Site
-from chain_impact.scene.reading import SceneError, refusal
 from chain_impact.scene.words.names import DataPath
 
 _APART = object()

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.errors import SceneError, refusal, refused
 from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.keys.signal_tables import FORMS, Samples, Signal
-from chain_impact.scene.reading import SceneError, refusal, refused
 from chain_impact.scene.signal_polynomials import is_motion, knots_of
 from chain_impact.scene.words.similar_names import nearest
 

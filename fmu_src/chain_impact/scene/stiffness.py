@@ -3,7 +3,7 @@
 import math
 import warnings
 
-from chain_impact.scene.reading import SceneWarning
+from chain_impact.scene.errors import SceneWarning
 
 INCOMPRESSIBLE = 0.5  # [1] Poisson's ratio of an incompressible material, the largest possible ratio
 # [m] radius of a part of a large machine; a larger number is probably a radius in mm

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import warnings
 
-from chain_impact.scene.reading import SceneWarning
+from chain_impact.scene.errors import SceneWarning
 
 PACKAGE = __name__.partition(".")[0]
 

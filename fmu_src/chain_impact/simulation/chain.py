@@ -17,15 +17,16 @@ from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.status import OK
 from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
-from chain_impact.recording.text import plural
 from chain_impact.scene.asked_inputs import how_asked
-from chain_impact.scene.reading import SceneError, UnknownNameError, names_matching, value_text
+from chain_impact.scene.errors import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.angles import in_radians, or_degrees
 from chain_impact.scene.words.names import input_key
-from chain_impact.simulation.instance import Instance, SimulationError, fault_text
+from chain_impact.simulation.errors import SimulationError, fault_text
+from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import spans_of
+from chain_impact.text import plural
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
@@ -177,7 +178,8 @@ class Chain:
             # time so that Python notices Ctrl-C
             self._collect()
             if self._instance.status != OK:
-                raise SimulationError(self._instance.status, self.time, None, self._instance.part)
+                status, part = self._instance.status, self._instance.part
+                raise SimulationError(status, self.time, None, part, self.scene.name)
         self._collect()
         self._observed = True
         if not self._warned and self._integers[self._contradiction_word]:

@@ -19,10 +19,10 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.recording.equality import same
+from chain_impact.recording.impact_words import toucher_name
 from chain_impact.recording.impacts import LOG_DTYPE, POSITION, in_order
 from chain_impact.recording.joint_stops import at_joint_stop
-from chain_impact.recording.text import toucher_name
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.scene.words.names import DataPath
 from chain_impact.simulation.bends_at_start import bends_at_start
@@ -35,8 +35,9 @@ from chain_impact.simulation.derivative_limits import (
     REASONS_AT_STOPS,
     REASONS_OF_FRICTION,
 )
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import Given, InputSchedule, by_name, input_schedule
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
 from chain_impact.variables.listing import BEHIND

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 
 
 def checked_signal(what: str, signal: Any) -> Any:

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from chain_impact.kernel.chain.inputs import CONTINUES, REINITIALIZE
 from chain_impact.scene.asked_inputs import how_asked
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import TIME, TableSource, gap_hints, read_table, samples_of
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import INPUTS_OF, DataPath, input_key
 from chain_impact.simulation.approximation import RESOLVED, Approximator, NotSmoothError

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from chain_impact.deprecated import OlderName
 from chain_impact.kernel.record.fields import WORD
-from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
+from chain_impact.kernel.status import OK, PAUSED
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.stick_slip import CHANGE_DTYPE
-from chain_impact.results.result import Result
 from chain_impact.scene.candidates import parts_in_words
 from chain_impact.scene.scene import Scene
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import InputSchedule
 from chain_impact.simulation.kernels import kernel_for
 from chain_impact.simulation.output_rows import Rows, spans_of
@@ -26,33 +25,6 @@ from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
-
-
-class SimulationError(RuntimeError):
-    """Raised when the solver cannot continue.
-
-    Attributes:
-        status: the code, see ``chain_impact.kernel.status``.
-        time: the time at which the solver stopped [s].
-        part: the part of the scene that is the reason, such as a point and a wall; "" if no single part is.
-        result: the ``Result`` up to this time; None if the scene cannot start, and for a ``Chain``.
-    """
-
-    def __init__(self, status: int, time: float, result: Result | None, part: str = "") -> None:
-        """Make the message from the status, the time and the part."""
-        super().__init__(f"the simulation stopped at t = {time:.9g} s: {fault_text(status, part)}")
-        self.status, self.time, self.result, self.part = status, time, result, part
-
-    def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None, str]]:
-        """Pickle the arguments, so that the error can return from another process."""
-        return type(self), (self.status, self.time, self.result, self.part)
-
-    place = OlderName("part")
-
-
-def fault_text(status: int, part: str) -> str:
-    """Return the sentence for a status, with the part of the scene that is the reason, if there is one."""
-    return f"{STATUS_TEXT[status]}: {part}" if part else STATUS_TEXT[status]
 
 
 class Instance:
@@ -104,7 +76,7 @@ class Instance:
         """
         self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
-            raise SimulationError(self.status, 0.0, None, self.part)
+            raise SimulationError(self.status, 0.0, None, self.part, self.prepared.scene.name)
 
     def observe(self) -> int:
         """Compute the outputs of the record at the present time; return the status."""

@@ -17,7 +17,7 @@ import numpy as np
 from chain_impact.kernel.chain.inputs import DEGREE
 from chain_impact.kernel.rows.geometry import OVERLAP
 from chain_impact.scene.checks.checks import start_hint
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.signal_polynomials import is_position, spline_of_position
 from chain_impact.scene.words.names import AXES
 from chain_impact.simulation.approximation import Approximator

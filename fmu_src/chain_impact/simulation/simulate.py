@@ -20,13 +20,14 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
 from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import Given, InputSchedule, Interpolation, input_schedule
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows, structured
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
 from chain_impact.variables.prepared import PreparedScene
@@ -161,7 +162,7 @@ def simulate(
     )
     _warn(instance, result)
     if instance.status != OK:
-        raise SimulationError(instance.status, instance.time, result, instance.part)
+        raise SimulationError(instance.status, instance.time, result, instance.part, prepared.scene.name)
     return result
 
 

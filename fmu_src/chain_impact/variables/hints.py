@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 
-from chain_impact.scene.reading import find_names
+from chain_impact.scene.errors import find_names
 
 Hint = Callable[[str], str | None]
 """A function from an unknown name to a hint for the error; None if no hint is known."""

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 
 from chain_impact.scene.asked_inputs import how_asked
 from chain_impact.scene.contents import named_point_hint
+from chain_impact.scene.errors import find_names, names_matching
 from chain_impact.scene.keys.tables import Outputs
-from chain_impact.scene.reading import find_names, names_matching
 from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.words.names import DataPath, input_key, parameter_hint

@@ -20,7 +20,7 @@ import numpy as np
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from tests.helpers.campaigns.load_checks import load_checks
 from tests.helpers.campaigns.oracle_energy import (
     INTERPOLATED,

@@ -23,7 +23,7 @@ from chain_impact.kernel.status import BASE_BEYOND_WALL, EVENT_STORM, NO_ROOM, S
 from chain_impact.results.result import Result
 from chain_impact.scene.asked_inputs import inputs_of
 from chain_impact.scene.scene import Scene, scene_from_dict
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from tests.helpers.campaigns.random_parts import Draw
 from tests.helpers.models.body_model import BodyModel
 

@@ -21,10 +21,10 @@ from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.tangent.friction import SAME_TIME_SLOPE
 from chain_impact.results.result import Result
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from tests.helpers.campaigns.body_derivatives import Given, bodies, carts, moved_bases
 from tests.helpers.campaigns.random_parts import Draw
 from tests.helpers.campaigns.resting_chains import shares_left_open

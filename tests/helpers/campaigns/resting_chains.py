@@ -14,7 +14,7 @@ import numpy as np
 from chain_impact import simulate
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import Scene, scene_from_dict
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from tests.helpers.campaigns.random_parts import Draw
 from tests.helpers.scenes.problems import of_law
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 
 
 def refusal(make, *arguments) -> str:

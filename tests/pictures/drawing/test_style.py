@@ -12,7 +12,7 @@ from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import LOAD, PALETTE, broken, headline
 from chain_impact.pictures.over_time.energies import ENERGIES
-from chain_impact.recording.text import number
+from chain_impact.text import number
 from tests.pictures.pictures import contrast, lab
 
 # what readers without one kind of cones see (Machado, Oliveira and Fernandes 2009, severity 1)

@@ -13,8 +13,8 @@ import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.checks.checks import hints
+from chain_impact.scene.errors import SceneWarning
 from chain_impact.scene.files.models import model_names
-from chain_impact.scene.reading import SceneWarning
 from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict, scene_to_dict, with_values
 from tests.helpers.scenes.problems import of_law
 from tests.helpers.tools.refusal import refusal

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from jsonschema import Draft7Validator
 
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.models import SCENE_FILE, model_names, models_folder
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, scene_from_dict, scene_to_dict
 from docs.tools import generate
 from tests.scene.scene_files import scene_dicts

@@ -15,7 +15,7 @@ from chain_impact import (
     parse_scene,
     record_fmu,
 )
-from chain_impact.scene.reading import value_text
+from chain_impact.scene.errors import value_text
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.scene.words.angles import in_radians, radians_hint
 from chain_impact.studies.fit.parameters import parameters_of

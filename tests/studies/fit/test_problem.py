@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.studies.fit import problem as module
 from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.parameters import parameters_of

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from chain_impact import fit, simulate
-from chain_impact.recording.text import aligned
 from chain_impact.studies.fit.report import rounded_text
+from chain_impact.text import aligned
 from tests.helpers.scenes.stops import struck_rod
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 

@@ -13,7 +13,7 @@ import pytest
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation import kernels
 from chain_impact.studies.sweep.batches import (

@@ -11,9 +11,9 @@ import pytest
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.simulation.record_scene import RunError
+from chain_impact.simulation.errors import RunError
 from chain_impact.studies.sweep import cluster
 from chain_impact.studies.sweep.computation import Computation
 from chain_impact.studies.sweep.sweep import sweep

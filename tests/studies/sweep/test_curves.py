@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.text import number
 from chain_impact.studies.sweep.curves import COLOURS, course_text
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.text import number
 from tests.pictures.pictures import contrast, lab
 from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
 

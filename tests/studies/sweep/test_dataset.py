@@ -12,7 +12,7 @@ import pytest
 from filelock import FileLock
 
 from chain_impact.extras import MissingExtraError
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep import computation, sweep as module
 from chain_impact.studies.sweep.computation import CHUNK, file_name

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.design import CUBE, MOST_CELLS, MOST_SOBOL, check_table_size, grid, sampled
 from chain_impact.studies.sweep.variation import variations_of

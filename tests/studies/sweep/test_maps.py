@@ -6,12 +6,12 @@ import matplotlib.style
 import numpy as np
 import pytest
 
-from chain_impact.recording.text import number
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.contours import LEAST_ROOM
 from chain_impact.studies.sweep.maps import FAILED_COLOUR, beyond_ends
 from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.text import number
 from tests.studies.sweep.drawn_sweeps import SCENE, drawn
 
 

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn

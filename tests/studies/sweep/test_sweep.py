@@ -10,10 +10,10 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.recording.joint_stops import at_joint_stop
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
-from chain_impact.simulation.instance import SimulationError
-from chain_impact.simulation.record_scene import with_settings
+from chain_impact.scene.settings import with_settings
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate, with_law
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.sweep import sweep

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.reading import SceneError, SceneWarning
+from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.variation import sweepable, variations_of
 

@@ -23,8 +23,8 @@ from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLoca
 
 from chain_impact.pictures.drawing.dark_ground import PLUM, TIME, UMBER, Ground
 from chain_impact.pictures.drawing.line_breaks import COMMA, in_lines
-from chain_impact.recording.text import LOAD_UNITS, prefixed
 from chain_impact.system import written_whole
+from chain_impact.text import LOAD_UNITS, prefixed
 
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
 BROWN, VIOLET = "#7a4b2a", "#7a3fa8"

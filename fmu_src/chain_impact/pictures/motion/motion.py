@@ -22,8 +22,8 @@ from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
-from chain_impact.recording.text import prefixed
 from chain_impact.recording.view import ball_of
+from chain_impact.text import prefixed
 
 # matplotlib's order of drawing (zorder) for the tip's path: above walls, because a tip may slide along a wall
 PATH_LAYER = 2.1

@@ -27,8 +27,8 @@ from chain_impact.pictures.words.impact_numbers import (
 )
 from chain_impact.pictures.words.point_names import short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
+from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import speed_unit
 
 # the largest number of different looks of marks, each for a point or a joint at its stops, or for all others
 MOST_OWN_MARKS = 5

@@ -13,7 +13,7 @@ from chain_impact.recording.contact_times import course_in_run
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import prefixed
+from chain_impact.text import prefixed
 from chain_impact.variables.impact_units import unit_at
 
 PEAK = 0.95  # a force counts as at its peak from PEAK × its largest value on

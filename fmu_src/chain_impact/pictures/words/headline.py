@@ -21,12 +21,13 @@ from chain_impact.pictures.drawing.style import (
 )
 from chain_impact.pictures.words.point_names import brief_hit, what_touches
 from chain_impact.recording.contact_times import has_impulses, peak_time
+from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_peaks import BY_ROW, joint_peaks
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import number, plural, prefixed, speed_unit
 from chain_impact.scene.words.names import name_parts
 from chain_impact.scene.words.unit_text import of_power
+from chain_impact.text import number, plural, prefixed
 from chain_impact.variables.impact_units import unit_at
 
 # a dissipated energy up to this, relative to the largest |total energy|, is round-off, and not a loss

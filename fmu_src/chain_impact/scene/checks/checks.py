@@ -14,11 +14,11 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
 from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
 from chain_impact.scene.checks.signal_checks import check_signals
 from chain_impact.scene.contents import Contents
+from chain_impact.scene.errors import SceneError, no_wall, refusal, refused, value_text
 from chain_impact.scene.files.table_file import gap_hints
 from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.tables import Contact, Material, Stops
-from chain_impact.scene.reading import SceneError, no_wall, refusal, refused, value_text
 from chain_impact.scene.rules.refusals import LAW_FACTS, REFUSALS
 from chain_impact.scene.rules.rule_language import ValueOf, holds, number_in, of_members, value_at
 from chain_impact.scene.words.angles import radians_hint, turns_hint

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from chain_impact.scene.asked_inputs import how_asked, inputs_of
 from chain_impact.scene.contents import Contents
+from chain_impact.scene.errors import SceneError, refusal, refused, value_text
 from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
-from chain_impact.scene.reading import SceneError, refusal, refused, value_text
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import holds
 from chain_impact.scene.signal_inputs import driven_alone, family

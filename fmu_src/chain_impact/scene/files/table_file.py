@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
+from chain_impact.scene.errors import SceneError, value_text
 from chain_impact.scene.files.text_file import comma_separated, likely_time, text_of
-from chain_impact.scene.reading import SceneError, decimal_comma, value_text
+from chain_impact.scene.reading import decimal_comma
 
 TableSource = str | Path | Mapping[str, Sequence[Any] | np.ndarray]
 """A CSV or Parquet file, a data frame of pandas or polars, or a mapping: name of a column → cells."""

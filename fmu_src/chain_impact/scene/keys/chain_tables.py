@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass, replace
 
+from chain_impact.scene.errors import refusal
 from chain_impact.scene.keys.default_rules import CONTACT_RADIUS, MIDDLE, OFF, ROD, SLIDER_TABLE
-from chain_impact.scene.reading import refusal
 from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
 from chain_impact.scene.words.names import SLIDER_STOPS, STOPS
 

@@ -17,12 +17,11 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.course import course_of
 from chain_impact.recording.impacts import common_count
-from chain_impact.recording.text import as_html, as_text
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
-from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.compare.runs import LawRun, LawRuns, Reached, first_of
 from chain_impact.studies.compare.text import report
@@ -38,6 +37,7 @@ from chain_impact.studies.law_exchange import (
     stiffened,
 )
 from chain_impact.system import written_whole
+from chain_impact.text import as_html, as_text
 
 if TYPE_CHECKING:
     import pandas
@@ -257,7 +257,7 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
     except SceneError as error:
         notes.append(str(error).removeprefix(f"{scene.name}: "))
     except SimulationError as error:
-        notes.append(str(error))
+        notes.append(error.fault)
         result = error.result
     number = None if result is None else first_number(result.scene, result.impacts)
     if result is not None and number is not None:

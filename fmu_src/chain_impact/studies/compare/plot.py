@@ -39,10 +39,10 @@ from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
-from chain_impact.recording.text import number, plural, prefixed, span_text
 from chain_impact.scene.words.unit_text import of_power, with_unit
 from chain_impact.studies.compare.runs import LawRuns, grows_again, has_jump, with_jump
 from chain_impact.studies.law_exchange import LOSSLESS, compared_impact
+from chain_impact.text import number, plural, prefixed, span_text
 from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default width and height of the figure

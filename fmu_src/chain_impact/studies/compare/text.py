@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.text import TextTable, prefixed
 from chain_impact.studies.compare.runs import LawRun, LawRuns
 from chain_impact.studies.law_exchange import EXACT_LAW, compared_impact
+from chain_impact.text import TextTable, prefixed
 from chain_impact.variables.impact_units import unit_at
 
 # a law realises the prescribed restitution e if its e′ in the first impact differs from e by at most

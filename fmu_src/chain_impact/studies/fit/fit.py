@@ -11,9 +11,8 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
-from chain_impact.recording.text import plural
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import TableSource, is_table
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
@@ -26,6 +25,7 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.sigma import standard_deviation
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
+from chain_impact.text import plural
 
 # the logarithm of an interval's end counts as ± infinity beyond ± LARGEST_LOGARITHM; exp overflows above 709
 LARGEST_LOGARITHM = 700.0

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.progress import Progress, silent
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from chain_impact.progress import Progress
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit
 from chain_impact.studies.law_exchange import first_number, law_values, needed_exponent

@@ -10,9 +10,9 @@ import numpy as np
 
 from chain_impact.recording.impacts import POSITION
 from chain_impact.scene.candidates import candidates
+from chain_impact.scene.errors import SceneError, names_matching, value_text
 from chain_impact.scene.files.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.files.text_file import likely_time, time_like
-from chain_impact.scene.reading import SceneError, names_matching, value_text
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.similar_names import nearest
 from chain_impact.studies.fit.measurements import (

@@ -9,7 +9,7 @@ from itertools import compress
 import numpy as np
 
 from chain_impact.recording.impacts import POSITION
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 
 POINT, WALL, DURATION = "point", "wall", "duration"

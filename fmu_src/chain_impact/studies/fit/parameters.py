@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.scene.reading import SceneError, UnknownNameError, value_text
+from chain_impact.scene.errors import SceneError, UnknownNameError, value_text
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.words.angles import in_radians
 from chain_impact.scene.words.names import fmu_name, start_hint, value_at_start

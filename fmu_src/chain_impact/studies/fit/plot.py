@@ -41,7 +41,6 @@ from chain_impact.pictures.drawing.style import (
     styled,
 )
 from chain_impact.pictures.over_time.time_axis import name_time
-from chain_impact.recording.text import number, plural
 from chain_impact.results.result import Result
 from chain_impact.scene.words.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.simulation.simulate import simulate
@@ -57,6 +56,7 @@ from chain_impact.studies.fit.report import (
     sigma_of,
 )
 from chain_impact.studies.fit.unknown import size_of
+from chain_impact.text import number, plural
 
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
 MOST_IN_TITLE = 2  # largest number of parameters in the headline

@@ -13,11 +13,11 @@ from itertools import pairwise
 import numpy as np
 
 from chain_impact.kernel.status import OK, STATUS_TEXT
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import AT_ONSET, Differentiated, DifferentiatedRun
+from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import Interpolation
-from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.measurements import DURATION, LATE_FACTOR, MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
@@ -122,7 +122,7 @@ class Problem:
                 for scene, data_set, used in zip(self.scenes, self.data, self.used, strict=True)
             ]
         except SimulationError as error:
-            raise SceneError(f"{self.scenes[0].name}: {error}") from None
+            raise SceneError(f"{self.scenes[0].name}: {error.fault}") from None
         ends = np.cumsum([0, *map(len, self.data)])
         self._parts = [slice(*pair) for pair in pairwise(ends.tolist())]
 

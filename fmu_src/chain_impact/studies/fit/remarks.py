@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from chain_impact.recording.text import plural
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.uncertainty import exceedance_probability, information
+from chain_impact.text import plural
 
 # a value is no outlier if its |residual| is at most SMALL_RESIDUAL × the range of the measured values of its
 # column

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chain_impact.recording.text import TextTable, number, plural, prefixed
 from chain_impact.scene.words.unit_text import of_scene, with_unit
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import LOG_SCALE_REACH, Parameter
 from chain_impact.studies.fit.unknown import size_of
+from chain_impact.text import TextTable, number, plural, prefixed
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation exceeds HIGH
 # the largest number of horizons that the report lists; of more, it lists the first two, "…" and the last two

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chain_impact.extras import require
-from chain_impact.recording.text import as_html, as_text
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.report import report
+from chain_impact.text import as_html, as_text
 
 if TYPE_CHECKING:
     import pandas

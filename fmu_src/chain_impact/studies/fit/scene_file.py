@@ -10,8 +10,8 @@ from typing import Any
 import tomlkit
 
 from chain_impact.compilation import cache
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.text_file import text_of
-from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, parse_scene, scene_to_dict
 from chain_impact.system import written_whole
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from chain_impact.scene.reading import SceneError, value_text
+from chain_impact.scene.errors import SceneError, value_text
 
 SIGMA = "sigma({})"  # the name of the column of standard deviations, from the name of the column of values
 PERCENT = "%"

@@ -12,8 +12,8 @@ from typing import Any
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
-from chain_impact.scene.reading import SceneError
-from chain_impact.simulation.record_scene import RunError
+from chain_impact.scene.errors import SceneError
+from chain_impact.simulation.errors import RunError
 from chain_impact.studies.sweep.batches import hand_out
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 

@@ -10,12 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.map_colours import spread
 from chain_impact.pictures.drawing.distinct_curves import merged_dashes
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
-from chain_impact.recording.map_colours import spread
-from chain_impact.recording.text import number
 from chain_impact.studies.sweep.maps import (
     NEVER,
     SCENE_LINE,
@@ -28,6 +27,7 @@ from chain_impact.studies.sweep.maps import (
 from chain_impact.studies.sweep.quantities import EQUAL_RESULTS, Quantity, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
+from chain_impact.text import number
 
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}

@@ -23,7 +23,7 @@ import numpy as np
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
 from chain_impact.progress import log
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.studies.sweep.batches import missing
 from chain_impact.studies.sweep.computation import CHUNK, PARQUET, Columns, Span, columns_of, file_name

@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]

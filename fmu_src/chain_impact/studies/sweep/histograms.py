@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.map_colours import WIDE_COLOURS, spread
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
-from chain_impact.recording.map_colours import WIDE_COLOURS, spread
 from chain_impact.scene.words.unit_text import with_unit
 from chain_impact.studies.sweep.maps import (
     NEVER,

@@ -16,7 +16,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
 from chain_impact.progress import log
 from chain_impact.scene.candidates import candidates, stop_pairs
-from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import SENSITIVITY, DataPath
 from chain_impact.simulation.kernels import kernel_for, sizes_of

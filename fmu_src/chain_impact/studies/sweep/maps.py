@@ -17,16 +17,16 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
+from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import INK, TICK_STEPS, is_narrow, raised
-from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
-from chain_impact.recording.text import number
 from chain_impact.scene.words.unit_text import in_brackets, of_scene, unit_text, with_unit
 from chain_impact.studies.sweep.contours import Scale, draw_contours
 from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
+from chain_impact.text import number
 
 # the colours of a map: the name of matplotlib's colour map, which the maps of pages have, too; the grey of
 # runs without a finite value, which failed or have only impulses

@@ -19,8 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from chain_impact.pictures.drawing.figures import draw_figure, settle
 from chain_impact.pictures.drawing.sizes import Size, figure_size
 from chain_impact.pictures.drawing.style import COUNT_STEPS, headline, is_narrow, raised, styled
-from chain_impact.recording.text import few, number, plural
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.sweep.computation import STATUS_WORD
 from chain_impact.studies.sweep.curves import COLOURS, FOOT, course_text, distinct_texts, draw_curves
@@ -44,6 +43,7 @@ from chain_impact.studies.sweep.maps import draw_maps, number_in_scene, own_maps
 from chain_impact.studies.sweep.quantities import LOADS, Quantity, Results, constants, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
+from chain_impact.text import few, number, plural
 
 MOST_MAPS = 9  # the largest number of maps if three parameters vary
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show

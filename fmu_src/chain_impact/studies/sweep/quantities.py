@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from chain_impact.recording.text import few, prefixed, span_text
+from chain_impact.scene.errors import SceneError, names_matching
 from chain_impact.scene.facts import SceneFacts
-from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
+from chain_impact.text import few, prefixed, span_text
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene

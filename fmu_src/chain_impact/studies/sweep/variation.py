@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.contents import named_point_hint, slider_hint
-from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
+from chain_impact.scene.errors import SceneError, UnknownNameError
+from chain_impact.scene.reading import nearest_choice
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.angles import in_radians, or_degrees, radians_hint

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from itertools import groupby, zip_longest
 from typing import NamedTuple
-
-from chain_impact.scene.words.names import SLIDER_STOPS, point_label
-from chain_impact.variables.impact_units import unit_at
 
 
 def plural(count: int, what: str) -> str:
@@ -23,19 +20,6 @@ def few(names: Sequence[str], shown: int) -> str:
     """Return the first ``shown`` names and, if there are others, their number: "a, b and 3 more"."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"
-
-
-def toucher_name(number: int, stop: str, names: Mapping[int, str]) -> str:
-    """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider".
-
-    Args:
-        number: the number of the point, or of the joint.
-        stop: the name of the stop among the walls; "" for an impact at a wall.
-        names: the names of points, by their numbers.
-    """
-    if stop in SLIDER_STOPS:
-        return "slider"
-    return f"joint {number}" if stop else point_label(number, names)
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -94,11 +78,6 @@ def readable(largest: float, unit: str) -> tuple[float, str]:
     ``largest`` is the largest |value| that is shown in the unit.
     """
     return prefixed(largest, unit) if unit in PREFIXED_UNITS else (1.0, unit)
-
-
-def speed_unit(at_stop: bool) -> str:
-    """Return the unit of an impact's speed: m/s, or rad/s if the impact is at a stop of a joint."""
-    return unit_at("impact_speed", stop=at_stop)
 
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:

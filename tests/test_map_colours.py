@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.recording.map_colours import colour_ends, count_bins
+from chain_impact.map_colours import colour_ends, count_bins
 
 
 def test_colours_end_before_few_values_that_are_far_off():
