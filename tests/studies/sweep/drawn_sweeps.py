@@ -21,5 +21,6 @@ def drawn(found):
 
 
 def labels_of(page):
-    """Return the labels of the vertical axes, without how little their values differ."""
-    return [axes.get_ylabel().partition(", varies")[0] for axes in page.axes]
+    """Return the headings of the panels in one line each, without how little their values differ."""
+    titles = [axes.get_title().replace("\n", " ") for axes in page.axes if axes.get_title()]
+    return [title.partition(", varies")[0] for title in titles]

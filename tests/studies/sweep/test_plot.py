@@ -7,9 +7,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.errors import SceneError
+from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
-from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn
+from tests.pictures.pictures import WIDTHS, check_texts
+from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
 
 KINDS = {
     "one number": ({"contact.restitution": "0.0:0.8:9"}, {}),
@@ -50,11 +52,32 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     found = sweep(SCENE, vary, **options)
     page = found.plot(size=(width / 25.4, 16.0))
     assert page.get_figwidth() == width / 25.4
-    told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title().partition(":")[0]) for axes in page.axes]
+    told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title().replace("\n", " ")) for axes in page.axes]
     labels = {label.partition(", ")[0] for texts in told for label in texts}
     assert {quantity.label for quantity in results_of(found).every} <= labels
     foot = [text.get_text() for legend in page.legends for text in legend.get_texts()]
     assert "failed or only impulses" in foot or kind != "number and all choices"
+
+
+LONG = {
+    "lines": ({"initial.angle[1]": "-1.5:1.5:5"}, {}),
+    "maps": ({"link[1].center_of_mass_offset": "0:0.1:4", "initial.angular_velocity[1]": "0:1:4"}, {}),
+    "samples": ({"initial.angle[1]": "-1:1", "link[1].center_of_mass_offset": "0:0.1"}, {"samples": 9}),
+}
+
+
+@pytest.mark.full("takes long", but=1)
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("kind", LONG)
+def test_the_longest_names_fit_their_panels_at_each_width(kind, width):
+    values = {"outputs.loads": True, "link[1].center_of_mass_offset": 0.05, "simulation.stop_time": 0.3}
+    vary, options = LONG[kind]
+    page = sweep(load_scene("arm_at_stop").with_values(values), vary, **options).plot(size=(width, None))
+    check_texts(page)
+    for axes in page.axes:
+        heading, name, inside = axes.title, axes.yaxis.label, axes.get_window_extent()
+        assert heading.get_window_extent().width <= inside.width
+        assert name.get_window_extent().height <= inside.height
 
 
 @pytest.mark.full("takes long")
@@ -91,12 +114,9 @@ def test_a_choice_without_a_value_has_a_word_in_its_row():
 
 def test_only_the_panels_that_are_named_are_drawn():
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:3"}, outputs=["point[4].x"])
-    assert [axes.get_ylabel() for axes in found.plot(panels="peak*").axes] == ["peak force [kN]"]
+    assert labels_of(found.plot(panels="peak*")) == ["peak force [kN]"]
     page = found.plot(panels=["point[4].x", "energy.kinetic"])
-    assert [axes.get_ylabel() for axes in page.axes] == [
-        "point[4].x at the end [m]",
-        "energy.kinetic at the end [J]",
-    ]
+    assert labels_of(page) == ["point[4].x at the end [m]", "energy.kinetic at the end [J]"]
     with pytest.raises(SceneError, match=r"peek_force.*the nearest is peak_force"):
         found.plot(panels="peek_force")
 

@@ -11,6 +11,7 @@ from functools import partial
 from itertools import combinations
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis, YAxis
@@ -21,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.legends import fit_legends
-from chain_impact.pictures.drawing.line_breaks import in_lines
+from chain_impact.pictures.drawing.line_breaks import COMMA, in_lines
 from chain_impact.pictures.drawing.sizes import LEAST_SIZE, Size, figure_size
 from chain_impact.pictures.drawing.style import (
     DPI,
@@ -219,15 +220,16 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
     A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
     there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap.
 
-    Axes are high enough if each with a label along y has at least LEAST_AXES_HEIGHT, and if the mean height
-    of the axes with such a label is at least ``mean`` [inches].
+    Axes are high enough if each with a label along y, or with a heading (``name_above``), has at least
+    LEAST_AXES_HEIGHT, and if the mean height of these axes is at least ``mean`` [inches].
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
         fill(figure)
         if not isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
             figure.draw_without_rendering()
-        sides = np.array([axes.bbox.height / figure.dpi for axes in figure.axes if axes.get_ylabel()])
+        named = [axes for axes in figure.axes if axes.get_ylabel() or has_heading(axes)]
+        sides = np.array([axes.bbox.height / figure.dpi for axes in named])
         lacks = len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0
         if lacks > 0.0:
             return float(lacks)
@@ -246,7 +248,7 @@ def text_boxes(figure: Figure) -> Iterator[Bbox]:
     texts, legends = list(figure.texts), [legend for axes in figure.axes if (legend := axes.get_legend())]
     yield from (legend.get_window_extent() for legend in legends)
     for axes in figure.axes:
-        texts += [axes.xaxis.label, axes.yaxis.label]
+        texts += [axes.xaxis.label, axes.yaxis.label, *([axes.title] if has_heading(axes) else [])]
         texts += [*numbers_in_view(axes.xaxis), *numbers_in_view(axes.yaxis)]
     yield from (text.get_window_extent() for text in texts if text.get_text())
 
@@ -297,9 +299,15 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """
     before = labels_of(figure)
     for axes in figure.axes if wanted is None else wanted:
-        label, inside = axes.yaxis.label, axes.get_window_extent()
-        if label.get_window_extent().height > inside.height:
-            label.set_text(label.get_text().replace(" [", "\n["))
+        inside = axes.get_window_extent()
+        if has_heading(axes):
+            axes.title.set_text(axes.title.get_text().replace("\n", " "))
+            in_lines(axes.title, inside.width, COMMA)
+        label = axes.yaxis.label
+        for whole, broken in ((" [", "\n["), (".", ".\n")):
+            told = label.get_text()
+            if label.get_window_extent().height > inside.height and broken not in told:
+                label.set_text(told.replace(whole, broken, 1))
         thin_ticks(axes)
         label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
         # the label is centred on its axes, and must not reach beyond the figure's edges
@@ -309,6 +317,19 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
             label.set_text(label.get_text().replace("\n", " "))
             in_lines(label, longest, "; ")
     return labels_of(figure) != before
+
+
+def name_above(axes: Axes, name: str) -> None:
+    """Write the name of what axes show as a heading above the axes, at their left edge.
+
+    There a long name has room; ``break_labels`` breaks it into lines that are as long as the axes are wide.
+    """
+    axes.set_title(name, x=0.0, ha="left", ma="left", fontsize=mpl.rcParams["axes.labelsize"])
+
+
+def has_heading(axes: Axes) -> bool:
+    """Return whether axes have a heading from ``name_above``."""
+    return bool(axes.get_title()) and axes.title.get_horizontalalignment() == "left"
 
 
 def thin_ticks(axes: Axes) -> None:
@@ -333,5 +354,6 @@ def numbers_meet(axis: Axis) -> bool:
 
 
 def labels_of(figure: Figure) -> list[str]:
-    """Return the labels of all horizontal and vertical axes of a figure."""
-    return [axis.label.get_text() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+    """Return the labels of all horizontal and vertical axes of a figure, and the titles of the axes."""
+    texts = (text for axes in figure.axes for text in (axes.xaxis.label, axes.yaxis.label, axes.title))
+    return [text.get_text() for text in texts]

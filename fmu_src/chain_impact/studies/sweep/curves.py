@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.map_colours import spread
 from chain_impact.pictures.drawing.distinct_curves import merged_dashes
+from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
@@ -189,9 +190,7 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
     ``shown``: the value of the quantity in each run; it is not finite if the run has no value.
     """
     finite = shown[np.isfinite(shown)]
-    axes.set_ylabel(quantity.label)
-    if told := quantity.small_range_text(finite):
-        axes.set_title(told, loc="right", fontsize="small")
+    name_above(axes, quantity.label_for(finite))
     if ends := quantity.ends_for(finite):
         axes.set_ylim(*ends)
     if not finite.size:

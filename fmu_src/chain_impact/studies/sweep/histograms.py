@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, spread
+from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.scene.words.unit_text import with_unit
@@ -149,7 +150,8 @@ def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -
     else:
         axes.set_xscale("log" if is_logarithmic(variation) else "linear")
     axes.plot(given, shown, ".", color=BLUE, markersize=4.0, rasterized=True)
-    axes.set(xlabel=label_of(runs, variation), ylabel=quantity.label)
+    axes.set_xlabel(label_of(runs, variation))
+    name_above(axes, quantity.label)
     finite = shown[np.isfinite(shown)]
     if finite.size and spread(finite) >= WIDE_COLOURS and not quantity.is_count:
         axes.set_yscale("log")

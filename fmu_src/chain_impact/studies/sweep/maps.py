@@ -19,6 +19,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
+from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import INK, TICK_STEPS, is_narrow, raised
 from chain_impact.scene.words.unit_text import in_brackets, of_scene, unit_text, with_unit
@@ -176,7 +177,11 @@ def _draw_group(
     look["ticks"] = (
         None if isinstance(norm, LogNorm | BoundaryNorm) else MaxNLocator(MOST_LEVELS, steps=TICK_STEPS)
     )
-    bar = figure.colorbar(meshes[0], ax=panels, label=label, extend=extend, **look)
+    bar = figure.colorbar(meshes[0], ax=panels, extend=extend, **look)
+    if len(panels) > 1:
+        bar.set_label(label)
+    else:
+        name_above(panels[0], label)
     few_decades = isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]
     if few_decades:
         axis = bar.long_axis

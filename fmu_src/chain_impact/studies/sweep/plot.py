@@ -138,16 +138,15 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 
 
 def name_once(figure: Figure) -> None:
-    """Remove the label of a horizontal axis if an axis below, in the same column, has the same label."""
-    named: set[tuple[int, str]] = set()
+    """Remove the label of a horizontal axis if the next axes below, in the same column, have it, too."""
+    below: dict[int, str] = {}
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()
-        if cell is None or not axes.get_xlabel():
+        if cell is None or not (name := axes.get_xlabel()):
             continue
-        name = (cell.colspan.start, axes.get_xlabel())
-        if name in named:
+        if below.get(cell.colspan.start) == name:
             axes.set_xlabel("")
-        named.add(name)
+        below[cell.colspan.start] = name
 
 
 def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
