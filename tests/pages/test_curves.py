@@ -2,6 +2,7 @@
 
 # Tests: pages/browser/charts/curve_charts.js, pages/browser/explore/curve_choice.js
 # Tests: pages/browser/charts/chart.js, pages/browser/charts/time_chart.js
+# Tests: pages/browser/player/enlarged_cards.js
 
 import numpy as np
 import pytest
@@ -68,6 +69,50 @@ def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
     for name in names:
         known = np.interp(0.9, result.time, result[name])
         assert told(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
+
+
+def test_an_enlarged_chart_shows_a_part_of_the_time_and_hides_curves(show, result):
+    page = show(hash_="#curves=point[4].y,impact.count")
+    for where in ("#force", ".curve-chart", "#energy"):
+        enlarge = page.locator(f"section:has({where}) .enlarge")
+        small = page.locator(where).first.bounding_box()
+        stage = page.locator("#stage").bounding_box()
+        enlarge.click()
+        until(page, f"document.querySelector('{where}').clientWidth > 400")
+        plot = page.locator(f"{where} .u-over").first.bounding_box()
+        below = page.locator("#stage").bounding_box()
+        assert below["y"] + below["height"] < plot["y"] < stage["y"] + stage["height"]
+        left, width, y = plot["x"], plot["width"], plot["y"] + 20
+        page.mouse.move(left + 0.2 * width, y)
+        page.mouse.down()
+        page.mouse.move(left + 0.4 * width, y, steps=2)
+        page.mouse.up()
+        until(page, f"document.querySelector('{where}').classList.contains('zoomed')")
+        if where == ".curve-chart":  # the present time, 0, is outside
+            assert page.locator("#outputs-over-time dd").all_inner_texts() == ["–", "–"]
+            assert page.locator(".curve-chart.zoomed").count() == 2
+        else:
+            before = page.locator("#time").inner_text()
+            page.mouse.click(left + 0.5 * width, y)
+            until(page, f"document.getElementById('time').textContent !== '{before}'")
+        if where == "#energy":
+            assert time_of(page) == pytest.approx(0.6, abs=0.01)
+            term = page.get_by_role("button", name="dissipated")
+            for is_shown in (False, True):
+                term.click()
+                assert (page.evaluate(PIXELS, ["energy", "dissipated"]) > 20) is is_shown
+        page.keyboard.press("Escape")
+        page.locator(f"{where}.zoomed").first.wait_for(state="detached")
+        page.keyboard.press("Escape")
+        until(page, f"document.querySelector('{where}').clientWidth < 400")
+        assert page.locator(where).first.bounding_box() | {"y": 0} == small | {"y": 0}
+        page.locator("#scrub").fill("0")
+    page.locator("#list .enlarge").click()
+    heads, row = page.locator("#impacts thead th"), page.locator("#impacts tbody tr").first.locator("td")
+    assert heads.all_inner_texts()[-3:] == ["duration, ms", "penetration, mm", "impulse, N·s"]
+    first = result.impacts[0]
+    known = [1e3 * first["duration"], 1e3 * first["max_penetration"], first["impulse"]]
+    assert [float(text) for text in row.all_inner_texts()[-3:]] == pytest.approx(known, rel=5e-3)
 
 
 def test_an_angle_is_drawn_in_degrees(show, result):
@@ -316,7 +361,7 @@ def test_no_energy_hides_another(show, model, seen, faint):
 def test_a_curve_is_as_strong_as_its_entry_in_the_list(show, model, faint):
     """The total energy of the box turns only by round-off, which fills no area."""
     page = show(model)
-    line = page.locator("#energies dt").get_by_text("total")
+    line = page.locator("#energies dt").filter(has_text="total")
     opacity = line.evaluate("term => Number(getComputedStyle(term, '::before').opacity)")
     assert (opacity < 1.0) is faint
     assert (page.evaluate(PIXELS, ["energy", "total"]) < 100) is faint

@@ -144,7 +144,9 @@ export function speedText(value) {
 /** Return the units of an impact's speed, peak force and impulse; at a stop of a joint (`atStop`), those of the angular quantities. */
 export function unitsOf({ atStop }) {
   const units = SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"];
-  return { speed: unitText(units.impact_speed), force: unitText(units.peak_force), impulse: unitText(units.impulse) };
+  const [speed, force, impulse, penetration] =
+    [units.impact_speed, units.peak_force, units.impulse, units.max_penetration].map(unitText);
+  return { speed, force, impulse, penetration };
 }
 
 /** Return a sentence with ≤ and ≥ in place of <= and >=, in which no line ends after a sign of comparison. */

@@ -16,6 +16,7 @@ const NARROWEST = 48; // [pixels] least width of a vertical axis, enough for mos
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 const READ_STEPS = 100; // number of steps of the arrow keys along the horizontal axis of a chart
 const LETTER_DOT = 6; // [pixels] radius of the dot around a curve's letter
+const LEAST_DRAG = 6; // [pixels] a shorter drag in an enlarged chart is a click
 const LABEL_MARGIN = 4; // [pixels] free space to the left of a label of an axis
 const DECIMALS_OF_LARGEST = 3; // number of decimals with which values are written if the largest of them lies between 1 and 10
 const LEAST_WITH_DECIMALS = 1e-6; // if the largest absolute value is below this, values are written with exponents
@@ -108,6 +109,8 @@ export function labelledWidth(plot, labels, index, cycle) {
 /** A chart with a vertical line at the present time: the base class of all charts. */
 export class Chart {
   compared = []; // the compared recordings, each as {recording, stroke (name of a colour), letter}
+  group = [this]; // the charts that show the same part of the horizontal axis
+  zoomed = undefined; // the part of the horizontal axis that the reader has chosen, [from, to]; undefined: the usual axis
 
   /** `seek` is called to go to a time [s]. */
   constructor(element, height, seek) {
@@ -137,6 +140,7 @@ export class Chart {
     element.addEventListener("keydown", (event) => {
       const direction = { ArrowLeft: -1, ArrowRight: 1, Escape: 0, Enter: 0 }[event.key];
       const { min, max } = this.plot.scales.x;
+      if (event.key === "Escape" && this.reading === undefined) return;
       if (direction === undefined || event.shiftKey || !this.readingAt(min)) return;
       event.preventDefault();
       event.stopPropagation(); // the arrow keys would move the motion
@@ -144,6 +148,25 @@ export class Chart {
       const next = (this.reading ?? this.at ?? min) + (direction * (max - min)) / READ_STEPS;
       this.read(direction ? Math.min(Math.max(next, min), max) : undefined);
     });
+  }
+
+  /** Show a part of the horizontal axis, [from, to], in all charts of the group; without a part, the usual axis. */
+  zoom(part) {
+    this.group.forEach((chart) => {
+      chart.zoomed = part;
+      chart.element.classList.toggle("zoomed", Boolean(part));
+      chart.rescale();
+    });
+  }
+
+  /** Draw the chart again after a change of `zoomed`. */
+  rescale() {
+    this.plot?.setData(this.plot.data);
+  }
+
+  /** Let the card of the chart be large or small; only a large chart shows a part of the horizontal axis. */
+  enlarge(isLarge) {
+    if (!isLarge) this.zoom();
   }
 
   /** Go to a time on the horizontal axis. */
@@ -191,15 +214,41 @@ export class Chart {
     this.line.className = "now";
     const { over } = this.plot;
     over.append(this.line);
-    const go = ({ clientX, clientY }) => {
-      const { left, top } = over.getBoundingClientRect();
-      this.goTo(this.timeAt(clientX - left, clientY - top));
+    this.#connectPointer(over);
+  }
+
+  /** Let a click in the plot go to a time, and a drag too; in an enlarged chart, a drag chooses a part of the horizontal axis. */
+  #connectPointer(over) {
+    const band = document.createElement("div");
+    band.className = "band";
+    let from; // where a drag in an enlarged chart began
+    const at = ({ clientX, clientY }) => {
+      const { left, top, width } = over.getBoundingClientRect();
+      return [Math.min(Math.max(clientX - left, 0), width), clientY - top];
     };
+    const go = (event) => this.goTo(this.timeAt(...at(event)));
     over.addEventListener("pointerdown", (event) => {
       over.setPointerCapture(event.pointerId);
-      go(event);
+      from = over.closest(".enlarged") ? at(event)[0] : undefined;
+      if (from === undefined) go(event);
     });
-    over.addEventListener("pointermove", (event) => event.buttons && go(event));
+    over.addEventListener("pointermove", (event) => {
+      if (!event.buttons) return;
+      if (from === undefined) return go(event);
+      const ends = [from, at(event)[0]].sort((one, other) => one - other);
+      Object.assign(band.style, { left: `${ends[0]}px`, width: `${ends[1] - ends[0]}px` });
+      over.append(band);
+    });
+    over.addEventListener("pointerup", (event) => {
+      const ends = [from, at(event)[0]].sort((one, other) => one - other);
+      if (from === undefined) return;
+      if (ends[1] - ends[0] < LEAST_DRAG) go(event);
+      else this.zoom(ends.map((end) => this.plot.posToVal(end, "x")));
+    });
+    ["pointerup", "pointercancel"].forEach((end) => over.addEventListener(end, () => {
+      from = undefined;
+      band.remove();
+    }));
   }
 
   fit() {

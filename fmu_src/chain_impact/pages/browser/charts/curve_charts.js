@@ -41,14 +41,10 @@ export function writersOf(curves) {
 
 /** A chart of all curves with one unit. */
 class UnitChart extends TimeChart {
-  get span() {
-    return this.close ?? super.span;
-  }
-
   get comparedCurves() {
     return this.compared.flatMap(({ recording, ...line }) => {
       const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
-      return curves.filter(({ name }) => this.names.includes(name)).map(({ values }) =>
+      return curves.filter(({ name }) => this.names.includes(name) && !this.hidden.has(name)).map(({ values }) =>
         ({ points: [time, values.map((value) => this.factor * value)], ...line }));
     });
   }
@@ -82,14 +78,16 @@ class UnitChart extends TimeChart {
     }
     this.mark(present);
     const now = this.reading ?? present;
+    const [from, to] = this.span;
+    const isOff = now < from || now > to; // the chart does not show the present time
     this.values.forEach(([name, value], k) => {
-      const own = this.areZero[k] ? "always 0" : this.writers[k](valueAt(this.time, this.curves[k], now));
+      const own = isOff ? "–" : this.areZero[k] ? "always 0" : this.writers[k](valueAt(this.time, this.curves[k], now));
       const others = this.compared.flatMap(({ recording, letter }) => {
         const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
         const curve = curves.find((one) => one.name === name);
-        return curve ? [`${letter} ${this.writers[k](this.factor * valueAt(time, curve, now))}`] : [];
+        return curve && !isOff ? [`${letter} ${this.writers[k](this.factor * valueAt(time, curve, now))}`] : [];
       });
-      writeValues(value, [own, this.unitText].filter((text) => text !== "").join("\u202f"), others);
+      writeValues(value, isOff ? own : [own, this.unitText].filter((text) => text !== "").join("\u202f"), others);
     });
   }
 }
@@ -132,6 +130,7 @@ export class CurveCharts {
       this.charts = new Map(units.map((unit) => [unit, this.#chartOf()]));
       const parts = [...this.charts.values()].flatMap(({ unit, element, entries }) => [unit, element, entries]);
       this.element.replaceChildren(...parts);
+      this.charts.forEach((chart) => Object.assign(chart, { group: [...this.charts.values()] }));
       this.compare(this.#compared);
     }
     if (this.zoomButton) this.zoomButton.hidden = recording.impacts.length === 0;
@@ -152,6 +151,14 @@ export class CurveCharts {
     element.setAttribute("aria-label", `${this.label} over time; click, or arrow keys and Enter, to go to a time`);
     const unit = make("small", { className: "curve-unit" });
     return Object.assign(new UnitChart(element, 104, entries, this.seek), { unit, curvesOf: this.curvesOf });
+  }
+
+  zoom(part) {
+    this.charts.values().next().value?.zoom(part);
+  }
+
+  enlarge(isLarge) {
+    if (!isLarge) this.zoom();
   }
 
   compare(recordings) {

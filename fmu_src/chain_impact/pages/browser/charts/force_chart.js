@@ -102,10 +102,14 @@ export class ForceChart extends Chart {
     this.plot.over.append(this.dot);
     loopButton.addEventListener("click", () => {
       loopButton.setAttribute("aria-pressed", loopButton.getAttribute("aria-pressed") !== "true");
-      const { frame, shown } = this;
-      this.shown = null;
-      this.draw(frame, shown);
+      this.zoom();
     });
+  }
+
+  rescale() {
+    const { frame, shown } = this;
+    this.shown = null;
+    this.draw(frame, shown);
   }
 
   /** Write the peak force of the shown contact directly above its largest force, which has a dot; other curves give way to the text. */
@@ -163,6 +167,7 @@ export class ForceChart extends Chart {
   draw(frame, contact) {
     if (!contact) return;
     this.frame = frame;
+    if (this.shown && contact !== this.shown && this.zoomed) this.zoom(); // another contact has its own times
     if (contact !== this.shown) this.#show(contact);
     this.line.hidden = this.dot.hidden = true;
     if (!this.loop) {
@@ -195,7 +200,8 @@ export class ForceChart extends Chart {
     const high = extentOf([contact.peak === null ? inside : [contact.peak], friction], all(1));
     this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
-      if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
+      if (this.zoomed) this.plot.setScale("x", { min: this.zoomed[0], max: this.zoomed[1] });
+      else if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
       const room = PEAK_ROOM / this.plot.over.clientHeight;

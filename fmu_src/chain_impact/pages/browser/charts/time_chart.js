@@ -1,5 +1,6 @@
 // Charts of quantities over the time of a recording or over a part of it, among them the chart of the energies.
 
+import { make } from "../base/dom.js";
 import { fixed, ticksOf, withMinus } from "../base/format.js";
 import {
   axisOptions, Chart, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
@@ -14,6 +15,7 @@ const CURVE_APART = 0.3; // [pixels of the screen] least distance between two po
 /** A chart of quantities over time, with a list of their names and their values at the present time. */
 export class TimeChart extends Chart {
   names = [];
+  hidden = new Set(); // the names of the curves that the reader has hidden
   soft = false; // true: the vertical axis begins or ends at 0 if 0 is near the values
   isOfCounts = false; // true: the values are counts, so the ticks are whole numbers
   #isZero = false; // whether all values in view are 0, so that the axis has the tick 0 alone
@@ -36,9 +38,15 @@ export class TimeChart extends Chart {
     if (this.drawn && time !== reading) this.draw(...this.drawn);
   }
 
-  /** Return the first and the last time on the axis [s]: those of the recording, or of a part that a derived class shows. */
+  rescale() {
+    super.rescale();
+    if (this.drawn) this.draw(...this.drawn);
+  }
+
+  /** Return the first and the last time on the axis [s]: of the part that the reader or a derived class has chosen, or of the recording. */
   get span() {
-    return [this.recording.start, this.recording.end];
+    const { start, end } = this.recording;
+    return this.zoomed?.[0] < end ? this.zoomed : this.close ?? [start, end];
   }
 
   /** Show rows of values for the curves; a curve that turns so often that it fills an area is pale, as its entry in the legend is. */
@@ -65,6 +73,7 @@ export class TimeChart extends Chart {
   makeCurves(curves, data) {
     this.names = curves.map(({ name }) => name);
     const series = curves.map(({ name, stroke, dash, isStepped }) => ({
+      show: !this.hidden.has(name),
       stroke: () => styleColour(stroke),
       width: WIDTHS[name] ?? 1.6,
       dash,
@@ -98,7 +107,29 @@ export class TimeChart extends Chart {
       data,
     );
     this.entries.replaceChildren();
-    this.values = curves.map((curve) => [curve.name, entryOf(this.entries, curve)]);
+    this.values = curves.map((curve) => [curve.name, this.entryOf(curve)]);
+  }
+
+  /**
+   * Add an entry to the legend: words for a quantity, which are a button that hides its curve, and a line that looks like the curve. Return
+   * the element of the entry in which the quantity's present value is to stand.
+   */
+  entryOf({ name, words = name, stroke, dash, className = "" }) {
+    const [entry, value] = [make("div", { className }), make("dd")];
+    const button = make("button", { type: "button", textContent: words, ariaPressed: !this.hidden.has(name) });
+    const term = make("dt", { title: words === name ? "" : name }, button);
+    term.style.setProperty("--pattern", patternOf(stroke, dash));
+    term.addEventListener("click", () => {
+      const isShown = this.hidden.delete(name);
+      if (!isShown) this.hidden.add(name);
+      button.ariaPressed = isShown;
+      const index = this.names.indexOf(name);
+      if (index >= 0) this.plot.setSeries(index + 1, { show: isShown });
+      this.rescale();
+    });
+    entry.append(term, value);
+    this.entries.append(entry);
+    return value;
   }
 
   /**
@@ -107,7 +138,7 @@ export class TimeChart extends Chart {
    */
   #range(least, most) {
     const [from, to] = this.span;
-    let [low, high] = [least, most];
+    let [low, high] = [least ?? 0, most ?? 0]; // null if all curves are hidden
     for (const { points: [times, values] } of this.comparedCurves) {
       values.forEach((value, k) => {
         if (times[k] < from || times[k] > to) return;
@@ -131,7 +162,8 @@ export class EnergyChart extends TimeChart {
   }
 
   get comparedCurves() {
-    return this.compared.map(({ recording: { rowTime: time, energies }, ...line }) =>
+    const shown = this.compared.filter(({ letter }) => !this.hidden.has(totalOf(letter)));
+    return shown.map(({ recording: { rowTime: time, energies }, ...line }) =>
       ({ points: [time, movedBy(energies, this.offset).total ?? []], ...line }));
   }
 
@@ -149,11 +181,9 @@ export class EnergyChart extends TimeChart {
     if (!isSame) this.makeCurves(names.map(curveOf), data);
     this.setData(data);
     this.written = writerOf(data.slice(1));
-    this.legend?.parentElement.remove();
-    const letters = this.compared.map(({ letter }) => letter).join(", ");
-    // one entry of the list stands for the curves of all compared motions
-    const stroke = this.compared.length === 1 ? this.compared[0].stroke : "muted";
-    this.legend = letters ? entryOf(this.entries, { name: `${letters}: total`, stroke, dash: [6, 3] }) : undefined;
+    this.entries.querySelectorAll(".of-pin").forEach((entry) => entry.remove());
+    this.totals = this.compared.map(({ letter, stroke, recording: other }) =>
+      [other, this.entryOf({ name: totalOf(letter), stroke, dash: [6, 3], className: "of-pin" })]);
   }
 
   compare(recordings) {
@@ -167,6 +197,11 @@ export class EnergyChart extends TimeChart {
     const frame = this.reading === undefined ? present : this.recording.frameAt(this.reading);
     this.values.forEach(([name, value]) => {
       value.textContent = this.written(this.recording.betweenRows(this.energies[name], frame));
+    });
+    const time = this.reading ?? this.recording.timeAt(present);
+    this.totals.forEach(([other, value]) => {
+      const { total } = movedBy({ total: other.energies.total }, this.offset);
+      value.textContent = total ? this.written(other.betweenRows(total, other.frameAt(time))) : "–";
     });
   }
 }
@@ -211,18 +246,8 @@ function patternOf(stroke, dash = [1]) {
   return `repeating-linear-gradient(to right, ${parts.join(", ")})`;
 }
 
-/**
- * Add an entry to the legend of a chart, the <dl> `list`: words for a quantity, and a line that looks like the quantity's curve. Return the
- * element of the entry in which the quantity's present value is to stand.
- */
-function entryOf(list, { name, words = name, stroke, dash }) {
-  const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
-  Object.assign(term, { textContent: words, title: words === name ? "" : name });
-  term.style.setProperty("--pattern", patternOf(stroke, dash));
-  entry.append(term, value);
-  list.append(entry);
-  return value;
-}
+/** Return the name of the total energy of the pinned motion with a letter. */
+const totalOf = (letter) => `${letter}: total`;
 
 /** Draw faint vertical lines at the onsets of the impacts on a plot of uPlot. */
 function drawOnsets({ ctx, bbox, valToPos }, impacts) {

@@ -9,10 +9,11 @@ import { find } from "../base/dom.js";
 export function keepChartsWhole() {
   const [column, list] = [document.querySelector("aside"), find("list")];
   const fit = () => {
-    const charts = column.scrollTop > 0 ? [] : [...column.querySelectorAll(".chart")];
+    const charts = column.scrollTop > 0 ? [] : [...column.querySelectorAll(":scope > :not(.enlarged) .chart")];
     charts.forEach((chart) => chart.style.removeProperty("height"));
     const edge = getComputedStyle(list).position === "sticky" ? list.getBoundingClientRect().top : Infinity;
-    const boxes = Array.from(column.querySelectorAll("h2, .curve-unit, .chart"), (part) => part.getBoundingClientRect());
+    const parts = column.querySelectorAll(":scope > :not(.enlarged) :is(h2, .curve-unit, .chart)");
+    const boxes = Array.from(parts, (part) => part.getBoundingClientRect());
     const cut = boxes.find(({ top, bottom }) => top < edge && bottom > edge);
     const above = cut ? charts.filter((chart) => chart.checkVisibility() && chart.getBoundingClientRect().bottom <= cut.top) : [];
     above.forEach((chart) => Object.assign(chart.style, { height: `${chart.clientHeight + (edge - cut.top + 1) / above.length}px` }));

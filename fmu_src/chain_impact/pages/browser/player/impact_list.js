@@ -9,6 +9,7 @@ const LONGEST_LIST = 2000; // largest number of rows in the list, because each n
 const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
 const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // head of the column for the largest force in a joint, which the list has if these forces are known
+const OF_LARGE_LIST = ["duration", "penetration", "impulse"]; // columns that only an enlarged list has
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
   peak: "Largest force of the contact, at a stop of a joint the largest moment; the impulse of a rigid wall or stop",
@@ -47,6 +48,9 @@ const QUANTITIES_OF = {
   speed: (impact) => [impact.speed, unitsOf(impact).speed],
   peak: (impact) => (impact.peak === null ? [impact.impulse, unitsOf(impact).impulse] : [impact.peak, unitsOf(impact).force]),
   [JOINT_FORCE]: ({ joint, jointForce }) => [joint > 0 ? jointForce : null, "N"],
+  duration: ({ onset, end }) => [end - onset, "s"],
+  penetration: (impact) => [impact.depth, unitsOf(impact).penetration],
+  impulse: (impact) => [impact.impulse, unitsOf(impact).impulse],
 };
 
 export class ImpactList {
@@ -88,14 +92,16 @@ export class ImpactList {
   /** Fill the list with the impacts of a recording, at most the first LONGEST_LIST; a line tells the number of the others. */
   show(recording) {
     const { element } = this;
+    this.recording = recording;
     this.current = this.rows = this.reached = undefined;
     this.more.textContent = `All ${recording.impacts.length} impacts`;
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return this.#showAll(false);
     element.parentElement.style.setProperty("--rows", recording.impacts.length);
-    const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
     const areImpulses = recording.impacts.every((impact) => impact.peak === null && impulseText(impact));
+    const ofJoints = recording.impacts.some(({ joint }) => joint > 0) ? [JOINT_FORCE] : [];
+    const columns = [...COLUMNS, ...ofJoints, ...(this.isLarge ? OF_LARGE_LIST.filter((name) => !areImpulses || name !== "impulse") : [])];
     const hasStops = recording.impacts.some(({ atStop }) => atStop);
     const table = make("table", { className: hasStops || areImpulses ? "long-units" : "" });
     this.columns = mapped(QUANTITIES_OF, (quantityOf) => inOneUnit(recording.impacts.map(quantityOf)));
@@ -152,12 +158,22 @@ export class ImpactList {
     const { joint } = impact;
     const ofJoint = { textContent: textIn(JOINT_FORCE), title: joint > 0 ? `In joint ${joint}` : "" };
     if (columns.includes(JOINT_FORCE)) row.append(make("td", ofJoint));
+    columns.filter((name) => OF_LARGE_LIST.includes(name)).forEach((name) => row.append(make("td", { textContent: textIn(name) })));
     row.addEventListener("click", () => {
       this.goTo(impact);
       // on a phone in landscape format, the list lies far below the motion, so the page scrolls back to it
       find("stage").scrollIntoView({ block: "nearest" });
     });
     return row;
+  }
+
+  /** Let the list be large, with more columns, or small. */
+  enlarge(isLarge) {
+    this.isLarge = isLarge;
+    if (!this.recording) return;
+    const { current } = this;
+    this.show(this.recording);
+    this.draw(0, current);
   }
 
   /** Mark the row of the present contact in the list, and scroll the list, but not the page, to it. */

@@ -8,6 +8,7 @@ import { EnergyChart } from "../charts/time_chart.js";
 import { ChainDrawing } from "../drawing/chain_drawing.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
+import { enlargeable } from "./enlarged_cards.js";
 import { ImpactList, impactText } from "./impact_list.js";
 import { Zoom } from "./zoom.js";
 
@@ -40,6 +41,7 @@ export class Player {
           (time, contact) => this.clock.seek(time, contact))],
     ];
     this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
+    enlargeable([...this.panels.map(([, card, part]) => [card, part]), [find("list"), this.impacts]]);
     this.zoom = new Zoom(this);
     this.showControls = connect(this.clock, this.drawing, this.zoom);
     this.clock.onChange(() => this.drawSoon());
