@@ -17,7 +17,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, TypeVar
 
-from chain_impact.compilation.ready import for_release
+from chain_impact.compilation.ready import is_release_build
 
 ROOT = Path(__file__).parents[1]
 RESULTS = Path(__file__).parent / "results"
@@ -134,7 +134,7 @@ def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:
 
     The process ends if it lacks the settings of a release, which ``python -m benchmarks`` makes.
     """
-    if not for_release():
+    if not is_release_build():
         sys.exit("run: python -m benchmarks NAME")
     further = {name: _version(name) for name in packages}
     return {

@@ -375,7 +375,7 @@ def digest(*sources: Path) -> str:
 
 def built(links: int) -> Path:
     """Return the library for a number of links, compiled if it is not cached."""
-    here, exact = Path(__file__), ready.exact_sizes(links)
+    here, exact = Path(__file__), ready.exact_scope(links)
     name = f"{here.stem}-{digest(here)}"
     program = "from benchmarks import kernel_model; "
 
@@ -388,13 +388,13 @@ def built(links: int) -> Path:
     )
 
 
-def link(lowered_file: Path, links: compilers.Sizes, library: Path) -> None:
+def link(lowered_file: Path, links: compilers.KernelScope, library: Path) -> None:
     """Build a library as for the kernel, without the C interface of FMUs."""
     functions = library.with_name("functions.o")
     compilers.compile_part(lowered_file.read_text(), functions, HOST, compilers.KERNEL, links)
     compilers.prepare_zig(HOST)
     registers = compilers.INTERFACE / "common" / "registers.c"
-    compilers._zig_library(HOST, library, functions, registers, *compilers.write_beside(library, None))
+    compilers._zig_library(HOST, library, functions, registers, *compilers.write_stubs(library, None))
 
 
 @cache

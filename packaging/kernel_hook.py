@@ -86,7 +86,7 @@ class KernelHook(BuildHookInterface[Any]):
         if version == "editable":
             return
         making, platform = kernels(), target()
-        ready, release = making.ready, making.ready.for_release()
+        ready, release = making.ready, making.ready.is_release_build()
         self.scratch = tempfile.TemporaryDirectory(prefix="chain-impact-")
         folder = Path(self.scratch.name, ready.FOLDER.name)
         cached = making.all_cached(platform, release=release)

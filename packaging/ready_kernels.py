@@ -25,11 +25,11 @@ REQUIREMENTS = [
 
 
 def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
-    """Return the kernels of a wheel: file name → kind and number of links."""
+    """Return the kernels of a wheel: file name → kind and scenes."""
     return {
-        ready.library_name(size, platform, what=kind): (kind, size)
+        ready.library_name(scope, platform, kind=kind): (kind, scope)
         for kind in ready.PARTS
-        for size in ready.sizes(kind, release)
+        for scope in ready.wheel_scopes(kind, release)
     }
 
 
@@ -97,9 +97,9 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
                 if name == browser.MODULE:
                     browser.link(ready.compiled_for_browsers(lambda: texts[compilers.KERNEL]), file)
                     return
-                kind, links = wanted[name]
+                kind, scope = wanted[name]
                 parts = [
-                    ready.compiled(links, platform, what, functools.partial(texts.__getitem__, what))
+                    ready.compiled(scope, platform, what, functools.partial(texts.__getitem__, what))
                     for what in ready.PARTS[kind]
                 ]
                 compilers.link(parts, file, platform)

@@ -107,7 +107,7 @@ def kernels() -> str:
 def all_kinds_of_kernels_give_the_same_bits() -> str:
     scene, blocks = ci.load_scene("four_link_box"), {}
     for kind, size in ((compilers.KERNEL, 4), (compilers.KERNEL, None), (compilers.DERIVATIVES, None)):
-        found = ready.find(ready.library_name(size, system.HOST, what=kind))
+        found = ready.find(ready.library_name(size, system.HOST, kind=kind))
         if found is None:
             continue
         kernel, memory = load_kernel(found), PreparedScene(scene).new_instance()

@@ -17,14 +17,13 @@ class OlderName:
         self.name = name
 
     def __set_name__(self, owner: type, older: str) -> None:
-        """Store the text of the warning, which is also the docstring of the attribute."""
-        self.__doc__ = (
-            f"{owner.__name__}.{older} is deprecated, use {self.name}: version 1.0 removes {older}."
-        )
+        """Store the end of the warning, and the docstring of the attribute."""
+        self.warning = f"{older} is deprecated, use {self.name}: version 1.0 removes {older}."
+        self.__doc__ = f"{owner.__name__}.{self.warning}"
 
     def __get__(self, owner: object, kind: type) -> Any:
         """Return the value of the attribute ``name`` with a DeprecationWarning; of a class, this object."""
         if owner is None:
             return self
-        warnings.warn(str(self.__doc__), DeprecationWarning, stacklevel=2)
+        warnings.warn(f"{kind.__name__}.{self.warning}", DeprecationWarning, stacklevel=2)
         return getattr(owner, self.name)

@@ -123,11 +123,11 @@ class Compilers:
         self.lowered.append(what)
         module.write_text(what)
 
-    def compile_part(self, module, compiled, platform, what, sizes):
-        assert module == what
-        assert compiled.name.startswith(what)
-        self.compiled.append((what, platform, sizes))
-        compiled.write_text(f"{what} for {sizes}")
+    def compile_part(self, module, compiled, platform, part, scope):
+        assert module == part
+        assert compiled.name.startswith(part)
+        self.compiled.append((part, platform, scope))
+        compiled.write_text(f"{part} for {scope}")
 
     def link(self, parts, library, platform, law=None):
         assert all(part.stem.endswith(platform) for part in parts)

@@ -26,9 +26,9 @@ def lower(module, what):
     module.write_text(what)
 
 
-def compile_part(text, compiled, platform, what, sizes):
-    assert text == what
-    compiled.write_text(f"{text} for {sizes}")
+def compile_part(text, compiled, platform, part, scope):
+    assert text == part
+    compiled.write_text(f"{text} for {scope}")
 
 
 def link(parts, library, platform):
@@ -83,10 +83,10 @@ def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, mo
 @needs_compilers
 def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeypatch):
     monkeypatch.setattr(ready, "find_spec", lambda _: None)
-    found = ready.find(ready.library_name(None, "linux64", what=ready.DERIVATIVES))
+    found = ready.find(ready.library_name(None, "linux64", kind=ready.DERIVATIVES))
     assert found.read_text() == "kernel for None and derivatives for None"
     assert kernel_library(4, derivatives=True) == found
-    assert ready.find(ready.library_name(ready.exact_sizes(64), "linux64")).read_text() == "kernel for None"
+    assert ready.find(ready.library_name(ready.exact_scope(64), "linux64")).read_text() == "kernel for None"
     assert ready.find(ready.library_name(3, "linux64")) is None
     assert kernel_library(4) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
     assert ready.find(ready.library_name(None, "win64")) is None
@@ -133,7 +133,7 @@ def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, t
     assert not [line for line in said if "kernel-any-" in line]
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
     ready._usable.cache_clear()
-    assert len(ready.libraries()) == len(ready.SIZES) + 3  # two with derivatives, and a browser module
+    assert len(ready.libraries()) == len(ready.WHEEL_SCOPES) + 3  # two with derivatives, and a browser module
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
     for links in range(1, ready.LARGEST_EXACT + 1):
         assert kernel_library(links).read_text() == f"kernel for {links}"

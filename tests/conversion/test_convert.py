@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import SceneError, load_scene, model_names, simulate
 from chain_impact.cli import main
-from chain_impact.conversion.convert import convert, of_robot
+from chain_impact.conversion.convert import convert, scene_of_robot
 from chain_impact.conversion.planar import Choices
 from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.scene.files.models import models_folder
@@ -99,7 +99,7 @@ def carts():
 @pytest.mark.parametrize("model", [*model_names(), *carts()], ids=lambda one: getattr(one, "name", one))
 def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
     scene = scene_of(model)
-    again, done = of_robot(written(tmp_path, "model.xml", mjcf_of(scene)[0]))
+    again, done = scene_of_robot(written(tmp_path, "model.xml", mjcf_of(scene)[0]))
     assert (done.warnings, done.left_out) == ([], [])
     assert list(again.values) == list(scene.values)
     for name, value in scene.values.items():
@@ -110,7 +110,7 @@ def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
 def test_the_model_of_a_real_arm_is_what_convert_makes_of_its_file():
     """The model equals the converted file except for start, target angles, and limits of the angles."""
     joints = ["shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
-    made, _ = of_robot(models_folder() / "ur5e" / "ur5e.xml", Choices(joints))
+    made, _ = scene_of_robot(models_folder() / "ur5e" / "ur5e.xml", Choices(joints))
     model = load_scene("ur5e")
     assert made.initial.position == model.initial.position
     assert made.inputs == model.inputs
@@ -180,7 +180,7 @@ def test_a_urdf_becomes_a_scene_and_what_is_left_out_is_named(tmp_path, capsys):
 
 
 def test_an_mjcf_of_others_becomes_a_scene_without_its_meshes(tmp_path):
-    found, done = of_robot(written(tmp_path, "hopper.xml", MJCF))
+    found, done = scene_of_robot(written(tmp_path, "hopper.xml", MJCF))
     thigh, leg = found.chain.links
     assert found.chain.base == "free"
     assert (thigh.length, leg.length) == (0.4, 0.5)
@@ -213,7 +213,7 @@ def test_an_mjcf_of_others_becomes_a_scene_without_its_meshes(tmp_path):
 )
 def test_a_file_that_is_no_robot_is_refused_in_one_line(tmp_path, name, text, said):
     with pytest.raises(SceneError) as caught:
-        of_robot(written(tmp_path, name, text))
+        scene_of_robot(written(tmp_path, name, text))
     assert said in str(caught.value)
 
 

@@ -77,7 +77,7 @@ def test_a_saved_state_goes_on_to_the_last_bit(fmu, save_at):
 def test_a_run_of_an_fmu_tells_points_by_their_names(fmus):
     run = record_fmu(fmus["body"], {"simulation.stop_time": 0.4})
     assert run.point_names == {3: "heel", 4: "toe"}
-    assert run.toucher(run.impacts[0]) == "point 3 (heel)"
+    assert run.touching_part(run.impacts[0]) == "point 3 (heel)"
 
 
 def test_names_of_points_and_rules_do_not_follow_from_descriptions(fmus, tmp_path):

@@ -12,7 +12,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.compilation import library
-from chain_impact.compilation.compilers import INCLUDES, complete, interface_sources, write_beside
+from chain_impact.compilation.compilers import INCLUDES, add_prelude, interface_sources, write_stubs
 from chain_impact.compilation.library import kernel_library
 from chain_impact.system import X86
 from chain_impact.variables.prepared import PreparedScene
@@ -40,13 +40,13 @@ def fuzzer(request, tmp_path_factory):
     else:
         command = ["cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-fsanitize=undefined,address"]
         command += ["-fno-sanitize-recover=undefined", *inputs, sanitized_kernel(folder, links)]
-        subprocess.run([*map(str, command), *map(str, write_beside(program, None))], check=True)
+        subprocess.run([*map(str, command), *map(str, write_stubs(program, None))], check=True)
     return program
 
 
 def sanitized_kernel(folder, links):
     """Return an object of the kernel in which each access to memory is checked."""
-    text = complete(library._lowered_kernel(library.KERNEL), links)
+    text = add_prelude(library._lowered_kernel(library.KERNEL), links)
     text, functions = re.subn(r"^(define .*)\{$", r"\1sanitize_address {", text, flags=re.M)
     assert functions > 500
     (folder / "kernel.ll").write_text(text)

@@ -39,7 +39,7 @@ def assert_as_python(found, scene):
     prepared = PreparedScene(scene)
     record = prepared.new_instance([])
     np.testing.assert_array_equal([int(word) for word in found["words"]], record.view(np.int64))
-    columns = [[output.name, prepared.word(output), output.unit] for output in prepared.outputs]
+    columns = [[output.name, prepared.word_of(output), output.unit] for output in prepared.outputs]
     assert found["columns"] == columns
     inputs = [driven for driven in prepared.inputs if driven.record_path[0] != "given_channel"]
     assert found["still"] == [driven.name for driven in prepared.inputs if driven not in inputs]

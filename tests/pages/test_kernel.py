@@ -213,7 +213,9 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
         np.testing.assert_allclose(here, there, atol=0.01 * size)
     assert set(found["energies"]) == {name for name, energy in known.energies.items() if energy.any()}
     forces = {
-        (touch.point, touch.wall) for touch in known.touches if touch.force is not None and touch.force.any()
+        (interaction.point, interaction.wall)
+        for interaction in known.interactions
+        if interaction.force is not None and interaction.force.any()
     }
     assert {(point, wall) for point, wall in found["forces"]} == forces
     loads = [(joint, *force.min(axis=0)[:1], *force.max(axis=0)[1:]) for joint, force in known.loads.items()]
@@ -221,7 +223,7 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
     assert found["radius"] == pytest.approx(radius, abs=1e-9)
     assert [stop["joint"] for stop in found["stops"]] == list(known.stops)
     # forces of walls only: moments of stops have their own scale
-    peak = known.impacts["peak_force"][~known.at_stops].max(initial=0.0)
+    peak = known.impacts["peak_force"][~known.is_at_joint_stop].max(initial=0.0)
     assert found["peakForce"] == pytest.approx(peak, rel=1e-3, abs=1e-200)
     assert (found["time"][0], found["time"][-1]) == (known.time[0], known.time[-1])
     assert (np.diff(found["time"]) > 0).all()

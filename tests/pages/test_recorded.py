@@ -80,7 +80,9 @@ def test_the_packed_data_are_the_recording(recording):
         np.testing.assert_allclose(points, recording.points[:, :, axis], atol=5e-5)
     (energies,) = packed["drawn"]["energies"]
     np.testing.assert_allclose(whole(energies, "total", time), recording.energies["total"], atol=1e-3)
-    forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
+    forces = {
+        (interaction.point, interaction.wall): interaction.force for interaction in recording.interactions
+    }
     for contact in packed["drawn"]["contacts"]:
         known = forces.pop((contact["n"], contact["name"]))
         np.testing.assert_allclose(whole(contact, "force", time), known, atol=0.5)

@@ -321,9 +321,9 @@ def test_the_headline_has_the_change_of_a_run_that_differs():
 def test_a_headline_that_no_run_can_check_tells_the_change_to_first_order(swing):
     alone = replace(swing, rerun=None)
     assert re.search(r"changes \S+ by about", alone.plot_sensitivities().get_suptitle())
-    assert alone.in_other_run({"contact.stiffness": 2e7}, 0.1) is None
-    assert swing.in_other_run({"contact.stiffness": -1.0}, 0.1) is None
-    other = swing.in_other_run({"gravity.y": 0.0}, 0.1)
+    assert alone.row_of_other_run({"contact.stiffness": 2e7}, 0.1) is None
+    assert swing.row_of_other_run({"contact.stiffness": -1.0}, 0.1) is None
+    other = swing.row_of_other_run({"gravity.y": 0.0}, 0.1)
     np.testing.assert_allclose(other.energies["potential"], 0.0, atol=1e-12)
 
 

@@ -30,7 +30,7 @@ def test_a_short_contact_is_marked_at_its_onset():
 
 def test_a_contact_is_marked_at_its_onset_if_no_row_has_its_peak():
     recording = recorded("elastic_floor")
-    sparse = recording.at(np.flatnonzero(recording.columns["contact[0].y_min.force"] < 10.0))
+    sparse = recording.with_rows(np.flatnonzero(recording.columns["contact[0].y_min.force"] < 10.0))
     np.testing.assert_array_equal(impacts_at_peaks(sparse)["onset"], recording.impacts["onset"])
 
 

@@ -65,8 +65,8 @@ def test_a_chain_without_walls_needs_no_scene(tmp_path):
 
 def test_a_stop_of_a_slider_needs_no_scene(tmp_path):
     (tmp_path / "cart.csv").write_text(f"{HEAD},contact[0].slider_min.force\n0,0,0,1,0,0\n0.1,0,0,1,0,2.5\n")
-    (touch,) = read_csv(tmp_path / "cart.csv").touches
-    assert (touch.wall, touch.force.tolist()) == ("slider_min", [0.0, 2.5])
+    (interaction,) = read_csv(tmp_path / "cart.csv").interactions
+    assert (interaction.wall, interaction.force.tolist()) == ("slider_min", [0.0, 2.5])
 
 
 @pytest.mark.parametrize(

@@ -66,7 +66,7 @@ def test_the_lines_of_a_range_begin_where_the_link_is_at_its_stop():
 
 def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():
     found = swung()
-    at_stop, impacts = found.at_stops, found.impacts
+    at_stop, impacts = found.is_at_joint_stop, found.impacts
     assert (impacts["point"][0], found.wall_names[impacts["wall"][0]], at_stop[0]) == (2, "joint_min", True)
     assert at_stop.any()
     assert not at_stop.all()
@@ -76,7 +76,9 @@ def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():
     speeds = found.linear_impact_speeds[by_speed(found)].tolist()
     assert speeds == sorted(speeds, reverse=True)
     knee_at = found.point_at(1, impacts["onset"][0])
-    np.testing.assert_allclose(found.spot(impacts[0]), knee_at, atol=0.01)  # the ring is at the joint
+    np.testing.assert_allclose(
+        found.impact_position(impacts[0]), knee_at, atol=0.01
+    )  # the ring is at the joint
 
 
 def test_texts_name_the_joint_and_the_unit():
@@ -126,7 +128,11 @@ def test_a_table_of_all_outputs_is_the_same_recording(tmp_path):
 @pytest.mark.parametrize(("up", "stop"), [(False, "joint_min"), (True, "joint_max")])
 def test_touches_have_the_moments_of_stops(up, stop):
     result = swung(up)
-    moments = {touch.wall: touch.force for touch in result.touches if touch.kind == JOINT_STOP}
+    moments = {
+        interaction.wall: interaction.force
+        for interaction in result.interactions
+        if interaction.kind == JOINT_STOP
+    }
     sign = 1.0 if stop == "joint_min" else -1.0
     np.testing.assert_array_equal(moments[stop], np.maximum(sign * result["joint[2].stop_moment"], 0.0))
     assert moments[stop].max() > 0.0
@@ -139,13 +145,13 @@ def test_impacts_at_stops_have_marks_and_their_own_axis():
     names = {name for axes in page.axes for name in axes.get_legend_handles_labels()[1]}
     assert {"stops", "impacts", "joint 2", "point 2"} <= names
     found = rings(page.axes[0], recording).values()
-    assert recording.at_stops[[hit for hits in found for hit in hits]].any()
+    assert recording.is_at_joint_stop[[hit for hits in found for hit in hits]].any()
     axes = Figure().add_subplot()
     draw_impacts(axes, recording)
     (right,) = axes.child_axes
     assert (axes.get_ylabel(), right.get_ylabel()) == ("peak force [kN]", "at stops [N·m]")
     scale, heights = stop_scale(recording), {line.get_label(): max(line.get_ydata()) for line in axes.lines}
-    hardest = recording.impacts["peak_force"][recording.at_stops].max()
+    hardest = recording.impacts["peak_force"][recording.is_at_joint_stop].max()
     assert heights["joint 2"] == pytest.approx(scale * hardest)
     assert heights["joint 2"] == pytest.approx(heights["point 2"]), "each kind fills its axis"
 
@@ -157,7 +163,7 @@ def test_with_impacts_at_stops_only_the_axis_is_theirs():
         recording.prepared,
         recording.time,
         recording.outputs,
-        recording.impacts[recording.at_stops],
+        recording.impacts[recording.is_at_joint_stop],
         statistics=recording.statistics,
     )
     draw_impacts(axes, recording)

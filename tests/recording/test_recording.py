@@ -163,17 +163,17 @@ def test_the_arrays_of_a_result_are_those_of_its_columns(model):
     assert named.energies.keys() == result.energies.keys()
     for name, energy in result.energies.items():
         np.testing.assert_array_equal(named.energies[name], energy)
-    places = {(touch.point, touch.wall): touch for touch in named.touches}
-    assert len(places) == len(result.touches) == len(named.touches)
-    for touch in result.touches:
+    places = {(interaction.point, interaction.wall): interaction for interaction in named.interactions}
+    assert len(places) == len(result.interactions) == len(named.interactions)
+    for interaction in result.interactions:
         for name in ("force", "penetration", "rate", "friction", "sticking"):
             np.testing.assert_array_equal(
-                getattr(touch, name), getattr(places[touch.point, touch.wall], name)
+                getattr(interaction, name), getattr(places[interaction.point, interaction.wall], name)
             )
 
 
 def test_arrays_of_a_part_of_the_outputs():
     result = simulate("four_link_box", 0.6, output=["point[*].x", "point[*].y", "contact[2].*"])
     assert result.points.shape[1:] == (5, 2)
-    assert {touch.point for touch in result.touches} == {2}
+    assert {interaction.point for interaction in result.interactions} == {2}
     assert result.energies == {}

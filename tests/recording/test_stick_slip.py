@@ -123,7 +123,7 @@ def test_phases_from_outputs_of_an_fmu_are_those_of_its_walls():
         "contact[1].elsewhere.sticking": np.ones(6),
         "joint[2].sticking": np.ones(6),
     }
-    found = phases_from(time, Recording("Test", time, columns).touches, WALLS)
+    found = phases_from(time, Recording("Test", time, columns).interactions, WALLS)
     assert found.tolist() == [(1, 4, 1.0, 2.0, 1), (1, 4, 2.0, 4.0, 0)]
 
 

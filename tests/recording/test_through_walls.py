@@ -18,7 +18,7 @@ def test_points_that_pass_through_a_wall_are_reported(points):
     told = [
         f"points {', '.join(map(str, through))} pass through y_min without touching it: see contact.points"
     ]
-    assert result.passing == (told if through else [])
+    assert result.points_through_walls == (told if through else [])
     for line in told:
         assert (f"note     {line}" in repr(result).splitlines()) == bool(through)
         assert (f"note     {line}" in list(screen.summary(result))) == bool(through)

@@ -300,7 +300,7 @@ def test_a_heading_ends_within_a_narrow_picture(result):
 def test_at_stops_the_moment_is_ranked():
     result = simulate(knee(), stop_time=0.8, sensitivities="stop.*")
     found = result.ranking("stop.peak_moment")
-    assert (found.unit, found.value) == ("N.m", result.impacts["peak_force"][result.at_stops].max())
+    assert (found.unit, found.value) == ("N.m", result.impacts["peak_force"][result.is_at_joint_stop].max())
     with pytest.raises(SceneError, match="max_penetration is 0: nothing presses against a wall"):
         result.ranking("max_penetration")
 

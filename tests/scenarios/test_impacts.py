@@ -124,7 +124,7 @@ def test_an_impact_has_the_position_at_which_its_point_touches(model):
         at_joint = impact["wall_name"] in STOPS
         place = row.point_at(impact["point"] - at_joint, impact["onset"])
         if impact["wall_name"] not in (*STOPS, *SLIDER_STOPS):
-            wall, reach = row.wall_of(impact), result.touching[impact["point"]]
+            wall, reach = row.wall_of(impact), result.touching_radii[impact["point"]]
             assert wall.clearance(impact["x"], impact["y"]) == pytest.approx(0.0, abs=1e-9)
             place = place - reach * np.array(wall.normal)
         assert (impact["x"], impact["y"]) == pytest.approx(tuple(place), abs=1e-9)

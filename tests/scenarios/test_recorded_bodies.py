@@ -70,11 +70,11 @@ def test_an_outline_goes_with_its_link():
 
 def test_points_of_links_touch_with_their_own_radii():
     run = simulate(scene_from_dict(BRICK, "Brick"), stop_time=0.1)
-    assert run.touching == dict.fromkeys((2, 3, 4, 5), 0.02)
+    assert run.touching_radii == dict.fromkeys((2, 3, 4, 5), 0.02)
 
 
 def test_an_impact_at_a_sliders_stop_is_where_its_carriage_ends(cart):
-    first, second = (cart.spot(impact) for impact in cart.impacts[:2])
+    first, second = (cart.impact_position(impact) for impact in cart.impacts[:2])
     along, half = np.array([np.cos(0.3), np.sin(0.3)]), cart.rail.half
     assert first == pytest.approx([1.0, 2.0] + (0.4 + half) * along, abs=1e-6)
     assert second == pytest.approx([1.0, 2.0] - (0.2 + half) * along, abs=1e-6)
@@ -105,11 +105,11 @@ def test_pictures_and_films_show_bodies(run, tmp_path, name):
 
 def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     run = simulate(bodies.body(), 0.6, output_step=0.01)
-    told = [run.toucher(impact) for impact in run.impacts]
+    told = [run.touching_part(impact) for impact in run.impacts]
     assert told[:3] == ["point 3 (heel)", "point 4 (toe)", "point 6"]
-    assert {cart.toucher(impact) for impact in cart.impacts} == {"slider"}
+    assert {cart.touching_part(impact) for impact in cart.impacts} == {"slider"}
     shown = Recording("R", run.time, run.columns, run.impacts, wall_names=run.wall_names)
-    assert shown.toucher(run.impacts[0]) == "point 3"
+    assert shown.touching_part(run.impacts[0]) == "point 3"
     places = {element_label(phase, run.wall_names, run.point_names) for phase in run.stick_slip}
     assert {"point 3 (heel) at y_min", "point 4 (toe) at y_min"} <= places
     groups = point_groups(run, marks_of(run)[1])
@@ -119,7 +119,7 @@ def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     assert data(run)["pointNames"] == [(3, "heel"), (4, "toe")]
     assert "slider  slider_max" in str(cart)
     few = simulate(cart.scene, 0.5, output=["slider.position"])
-    assert few.toucher(few.impacts[0]) == "slider"
+    assert few.touching_part(few.impacts[0]) == "slider"
 
 
 @needs_interop
@@ -157,7 +157,7 @@ def test_a_page_has_bodies_and_the_line_of_a_slider(run):
     assert found["links"] == 1
     assert found["pointCount"] == run.all_points.shape[1]
     assert [link for link, _ in found["bodies"]] == [*run.outlines]
-    assert dict(found["touching"]) == run.touching
+    assert dict(found["touching"]) == run.touching_radii
     assert bool(found["rail"]) == (run.name == "Cart")
     if found["rail"]:
         assert [*found["rail"]["stops"]] == ["slider_min", "slider_max"]

@@ -47,13 +47,13 @@ def test_each_contact_has_the_rows_that_its_peak_needs(model):
     scene = load_scene(model)
     recording = record_slowly(scene)
     for impact in recording.impacts:
-        (touch,) = (
+        (interaction,) = (
             one
-            for one in recording.touches
+            for one in recording.interactions
             if (one.point, one.wall) == (impact["point"], recording.wall_names[impact["wall"]])
         )
         within = (recording.time >= impact["onset"]) & ~(recording.time > impact["end"])
-        assert touch.force[within].max() == pytest.approx(impact["peak_force"], rel=0.02)
+        assert interaction.force[within].max() == pytest.approx(impact["peak_force"], rel=0.02)
 
 
 def test_rows_follow_each_other_closely_only_near_impacts():

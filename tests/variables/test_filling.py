@@ -21,7 +21,7 @@ def from_nothing(scene):
 
 
 def same(found, wanted):
-    assert (found.candidates, found.sizes, found.layout) == (wanted.candidates, wanted.sizes, wanted.layout)
+    assert (found.candidates, found.counts, found.layout) == (wanted.candidates, wanted.counts, wanted.layout)
     assert found.outputs == wanted.outputs
     assert found.parameters == wanted.parameters
     assert found.output_indices.motion == wanted.output_indices.motion

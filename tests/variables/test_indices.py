@@ -13,7 +13,7 @@ def test_the_words_of_the_outputs_are_those_of_the_variables(name):
     prepared = PreparedScene(load_scene(name))
     motion, stepwise, *_ = prepared.output_indices
     assert [*motion, *stepwise] == [output.name for output in prepared.outputs]
-    words = {output.name: prepared.word(output) for output in prepared.outputs}
+    words = {output.name: prepared.word_of(output) for output in prepared.outputs}
     assert motion == {output: words[output] for output in motion}
     assert {one: word for one, (word, _) in stepwise.items()} == {one: words[one] for one in stepwise}
     assert {output.name for output in prepared.outputs if output.type != "real"} == {
@@ -30,7 +30,7 @@ def test_scenes_of_one_shape_share_them():
 def test_a_row_has_what_the_record_has_at_its_time():
     scene = load_scene("rod_drop").with_values({"simulation.stop_time": 1.0})
     result, instance = simulate(scene), Instance(scene)
-    instance.trajectory(result.time, np.zeros(len(result.time), result.prepared.row))
+    instance.trajectory(result.time, np.zeros(len(result.time), result.prepared.output_layout))
     for name, word in result.prepared.output_indices.motion.items():
         assert result[name][-1] == instance.words[word]
     whole = instance.words.view(np.int64)

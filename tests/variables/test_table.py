@@ -241,14 +241,14 @@ def test_every_status_is_in_the_description():
 
 def test_columns_are_those_of_the_recorded_outputs():
     for scene in SCENES.values():
-        outputs = np.zeros(3, PreparedScene(scene).row)
+        outputs = np.zeros(3, PreparedScene(scene).output_layout)
         links, pairs = len(scene.chain.links), len(candidates(scene))
         rubbing = pairs + links + (scene.chain.slider is not None)
         rows = (
             rubbing if scene.has_friction else 0,
             links + len(scene.wall_names) if scene.outputs.loads else 0,
         )
-        given = PreparedScene(scene).sizes.channels, len(scene.chain.sites), len(driven_by(scene))
+        given = PreparedScene(scene).counts.channels, len(scene.chain.sites), len(driven_by(scene))
         assert outputs.dtype == output_dtype(links, pairs, *rows, *given)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)

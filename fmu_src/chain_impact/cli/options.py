@@ -28,7 +28,7 @@ else:
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and how inputs are interpolated between the rows of the table; None for the
 default of each input."""
-OF_TABLES = ("hold", "linear", "spline")  # the choices of --interpolation for a table of inputs
+TABLE_INTERPOLATIONS = ("hold", "linear", "spline")  # the choices of --interpolation for a table of inputs
 PICTURES = (".png", ".svg", ".pdf")  # the suffixes of files with pictures
 SETTING = "contact.stiffness=1e9"  # the example of a setting in errors
 MILLIMETRES = (51, 1500)  # the least and the largest width or height of a picture [mm]
@@ -97,7 +97,9 @@ def add_set(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] = OF_TABLES) -> None:
+def add_inputs(
+    command: argparse.ArgumentParser, interpolations: Sequence[str] = TABLE_INTERPOLATIONS
+) -> None:
     """Add ``--inputs``, a table of inputs, and ``--interpolation``, how inputs change between its rows.
 
     ``interpolations`` are the choices of ``--interpolation``.

@@ -27,7 +27,7 @@ from chain_impact.recording.summary import (
     energy_lines,
     impact_list,
     load_lines,
-    passing_lines,
+    through_walls_lines,
 )
 from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Box
@@ -134,7 +134,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     for part in tabulated(impact_list(recording, LISTED_IMPACTS)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
     yield from meanings(recording)
-    yield from passing_lines(recording)
+    yield from through_walls_lines(recording)
     yield from stick_slip_table(recording)
     yield from rest_lines(recording)
     yield from load_lines(recording)
@@ -159,7 +159,7 @@ def meanings(recording: Recording) -> Iterator[str]:
     If the recording of an FMU lacks the peak force of some impacts, but not of all, a further line tells
     the number of these impacts.
     """
-    hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
+    hits = [row for row in recording.impacts if recording.touching_part(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:
         last, has_points = recording.link_count, max(row["point"] for row in hits) > recording.link_count

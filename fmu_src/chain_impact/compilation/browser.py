@@ -56,7 +56,7 @@ def compile_kernel(module: str, compiled: Path) -> None:
         BuildError: when the compiler fails.
     """
     kernel = compiled.with_name("kernel.ll")
-    kernel.write_text(compilers.complete(module, compilers.GENERAL, compilers.NO_REGISTERS))
+    kernel.write_text(compilers.add_prelude(module, compilers.GENERAL, compilers.NO_REGISTERS))
     compilers.run_zig(["cc", "-c", *TARGET, *compilers.C_FLAGS, "-o", str(compiled), str(kernel)], compiled)
 
 
@@ -73,7 +73,7 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
         BuildError: when the compiler fails.
     """
     linker = ["-Wl,--no-entry", f"-Wl,-z,stack-size={STACK}", *(f"-Wl,--export={name}" for name in EXPORTS)]
-    inputs = [compiled, *compilers.write_beside(output, law), *([_write_imports(output)] if law else [])]
+    inputs = [compiled, *compilers.write_stubs(output, law), *([_write_imports(output)] if law else [])]
     arguments = ["cc", *TARGET, *compilers.C_FLAGS, "-o", str(output), *map(str, inputs), *linker]
     try:
         compilers.run_zig(arguments, output)

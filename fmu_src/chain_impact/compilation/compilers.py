@@ -1,6 +1,6 @@
 """The two programs that make a library: numba's front end, which writes LLVM code, and zig's C compiler.
 
-numba lowers the kernel once (lower.py), without sizes; ``complete`` adds a prelude, LLVM code with the sizes.
+numba lowers the kernel once (lower.py), without counts; ``add_prelude`` adds LLVM code with the counts.
 zig compiles the kernel, and links it with the C interface of native FMUs (c_interface/), which is the same
 for every scene, and with the functions that the kernel declares but does not define: the hooks
 (kernel/hooks.py), which carry derivatives or do nothing, and a user's contact law or a substitute.
@@ -66,7 +66,7 @@ order."""
 _FEW = _SIZES[COUNTS.index("channels") :]
 """The last names in _SIZES: those of the functions that return counts and flags of rare features. In kernels
 for a number of links, or for any number (None), these functions return 0."""
-Sizes = int | tuple[int, ...] | None
+KernelScope = int | tuple[int, ...] | None
 """The scenes that a kernel can run: a number of links, or None for any number, without rare features; GENERAL
 for all scenes; a tuple of all counts and flags at the start of a record for the scenes with exactly these."""
 # C code of a function that does nothing; the first braces stand for the name of the function
@@ -86,7 +86,7 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
 """
 OpenFunctions = dict[str, tuple[str, tuple[str, ...], int]]
 """Name of a C function that a kernel calls but does not contain → LLVM's types of the result and of the
-arguments, and the number that the function's substitute returns (``write_beside``). numba declares a function
+arguments, and the number that the function's substitute returns (``write_stubs``). numba declares a function
 without a result as one that returns a pointer ("ptr")."""
 LAW: OpenFunctions = {
     "user_law_present": ("i64", (), 0),
@@ -119,7 +119,7 @@ _LEFT_OPEN = re.compile(rf"^(declare|define) (?=[^\n]*@({'|'.join([*LAW, *HOOKS]
 _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
-def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
+def add_prelude(module: str, scope: KernelScope, registers: str = REGISTERS) -> str:
     """Return the text of a lowered part of a kernel, with functions that the part only declares.
 
     Added are the functions that return the counts and flags at the start of a record, each as a constant or
@@ -128,13 +128,13 @@ def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
 
     Args:
         module: the text of the part in LLVM's language, as lower.py writes it.
-        sizes: the scenes that the kernel can run; they decide which counts are constants.
+        scope: the scenes that the kernel can run; they decide which counts are constants.
         registers: LLVM code for the functions of registers.c: REGISTERS or NO_REGISTERS.
     """
-    if isinstance(sizes, tuple):
-        fixed = dict(zip(_SIZES, sizes, strict=True))
+    if isinstance(scope, tuple):
+        fixed = dict(zip(_SIZES, scope, strict=True))
     else:
-        fixed = dict.fromkeys(() if sizes == GENERAL else _FEW, 0) | ({"chain_links": sizes} if sizes else {})
+        fixed = dict.fromkeys(() if scope == GENERAL else _FEW, 0) | ({"chain_links": scope} if scope else {})
     prelude = "".join(
         CONSTANT.format(name=name, number=fixed[name])
         if name in fixed
@@ -146,13 +146,13 @@ def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
     return _DECLARED_ABOVE.sub("", hidden) + prelude + registers
 
 
-def lower(module: Path, what: str, law: Path | None = None) -> None:
+def lower(module: Path, part: str, law: Path | None = None) -> None:
     """Lower a part of a kernel to LLVM's language, in a process of its own.
 
     Args:
         module: the file to write.
-        what: KERNEL, DERIVATIVES, or "law".
-        law: the file of the user's law if ``what`` is "law", else None.
+        part: KERNEL, DERIVATIVES, or "law".
+        law: the file of the user's law if ``part`` is "law", else None.
 
     Raises:
         LawError: when the law cannot be compiled.
@@ -166,38 +166,38 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
         "PYTHONHASHSEED": "0",
     }
     given = [str(law)] if law else []
-    done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), what, *given, **settings)
+    done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), part, *given, **settings)
     if done.returncode == BAD_LAW:
         raise LawError(done.stderr.splitlines()[-1])
     _check(done)
 
 
-def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: Sizes) -> None:
+def compile_part(module: str, compiled: Path, platform: str, part: str, scope: KernelScope) -> None:
     """Compile a lowered part of a kernel to an object file.
 
     Args:
         module: the text of the part in LLVM's language, as lower.py writes it.
         compiled: the object file to write; temporary files are in the same folder.
         platform: a key of ``PLATFORMS``.
-        what: KERNEL or DERIVATIVES.
-        sizes: the scenes that the kernel can run; counts that are equal in all of them become constants.
+        part: KERNEL or DERIVATIVES.
+        scope: the scenes that the kernel can run; counts that are equal in all of them become constants.
 
     Raises:
         BuildError: when the compiler fails.
     """
     kernel = compiled.with_name("kernel.ll")
-    kernel.write_text(complete(module, sizes))
-    flags = ["-c", *_tuning(what, sizes)]
+    kernel.write_text(add_prelude(module, scope))
+    flags = ["-c", *_tuning(part, scope)]
     if "windows" not in PLATFORMS[platform].target:  # code for Windows does not need the flag -fPIC
         flags.append("-fPIC")
     _zig(platform, compiled, kernel, flags=flags)
 
 
-def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
-    """Return the compiler's flags for the speed of the part ``what`` of a kernel for ``sizes``."""
-    if what == DERIVATIVES:
+def _tuning(part: str, scope: KernelScope) -> tuple[str, ...]:
+    """Return the compiler's flags for the speed of ``part`` of a kernel for the scenes ``scope``."""
+    if part == DERIVATIVES:
         return ()
-    links = sizes[0] if isinstance(sizes, tuple) else sizes
+    links = scope[0] if isinstance(scope, tuple) else scope
     return (*INLINE_MORE, *SCALAR) if links == 1 else INLINE_MORE
 
 
@@ -217,7 +217,7 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
     """
     prepare_zig(platform)
     try:
-        beside = write_beside(library, law, derivatives=len(parts) > 1)
+        beside = write_stubs(library, law, derivatives=len(parts) > 1)
         _zig_library(platform, library, *parts, *interface_sources(), *beside)
     except BuildError as error:
         missing = _OF_NUMBA.search(str(error))
@@ -273,7 +273,7 @@ def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
     _zig(platform, library, *inputs, flags=options, libraries=libraries)
 
 
-def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
+def write_stubs(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
     """Write a C file with substitutes for functions that a kernel lacks; return the files to link with it.
 
     Without ``derivatives``, the C file has the functions of HOOKS. Without a ``law``, it has those of LAW;

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from chain_impact.compilation import browser, cache, compilers, ready
-from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, Sizes
+from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, KernelScope
 from chain_impact.compilation.errors import BuildError
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
@@ -23,16 +23,16 @@ PREPARING = {"win64": 3.0}
 
 
 def kernel_library(
-    links: Sizes,
+    scope: KernelScope,
     platform: str = HOST,
     law_file: str = "",
     *,
     derivatives: bool = False,
 ) -> Path:
-    """Return the path of a kernel for the scenes ``links``: ready, from the cache, or newly compiled.
+    """Return the path of a kernel for the scenes ``scope``: ready, from the cache, or newly compiled.
 
     Args:
-        links: a number of links; None for any number; compilers.GENERAL for a scene with rare features; or
+        scope: a number of links; None for any number; compilers.GENERAL for a scene with rare features; or
             all counts and flags of a scene. The kernel may also run other scenes.
         platform: a key of ``system.PLATFORMS``; "" if there is no kernel for this machine.
         law_file: the file of the user's law in the kernel; "" for none.
@@ -46,26 +46,26 @@ def kernel_library(
         raise BuildError(nowhere())
     law = _law(law_file) if law_file else None
     kind = DERIVATIVES if derivatives else KERNEL
-    exact = ready.exact_sizes(links, kind)
+    exact = ready.exact_scope(scope, kind)
     name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
-    existing = cache.find(name) if law else ready.best_kernel(links, platform, kind) or cache.find(name)
+    existing = cache.find(name) if law else ready.best_kernel(scope, platform, kind) or cache.find(name)
     if existing:
         return existing
     ready.require_compilers(_purpose(platform, law_file, derivatives))
     lowered_law = _lowered_law(law, law_file) if law else None
 
-    def part(what: str) -> Path:
+    def part_file(part: str) -> Path:
         def text() -> str:
-            module = _lowered_kernel(what)
+            module = _lowered_kernel(part)
             prepared = compilers.zig_is_prepared(platform)
-            seconds = LINKING[what] + (0.0 if prepared else PREPARING.get(platform, 0.0))
+            seconds = LINKING[part] + (0.0 if prepared else PREPARING.get(platform, 0.0))
             log_once(f"linking the kernel for {platform}", seconds)
             return module
 
-        return ready.compiled(exact, platform, what, text)
+        return ready.compiled(exact, platform, part, text)
 
     def link(file: Path) -> None:
-        parts = [part(what) for what in ready.PARTS[kind]]
+        parts = [part_file(part) for part in ready.PARTS[kind]]
         with _naming_law_file(law_file):
             compilers.link(parts, file, platform, lowered_law)
 
@@ -103,19 +103,19 @@ def browser_module(law_file: str = "") -> Path:
     return cache.get_or_make(name, link)
 
 
-def _lowered_kernel(what: str) -> str:
+def _lowered_kernel(part: str) -> str:
     """Return the text of a part of the kernel, KERNEL or DERIVATIVES, in LLVM's language.
 
     The text is that of ``ready.module``, if it exists, for KERNEL; else from the cache, or newly lowered.
-    The text fits all scenes: ``compilers.complete`` adds the sizes.
+    The text fits all scenes: ``compilers.add_prelude`` adds the counts.
     """
 
     def lower(module: Path) -> None:
-        log_once("compiling the kernel", LOWERING[what])
-        compilers.lower(module, what)
+        log_once("compiling the kernel", LOWERING[part])
+        compilers.lower(module, part)
 
-    packed = ready.module() if what == KERNEL else None
-    return packed or cache.get_or_make(f"{what}.ll", lower).read_text()
+    packed = ready.module() if part == KERNEL else None
+    return packed or cache.get_or_make(f"{part}.ll", lower).read_text()
 
 
 def _lowered_law(law: UserLaw, file: str) -> Path:

@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from chain_impact.compilation import browser, cache, compilers
-from chain_impact.compilation.compilers import DERIVATIVES, GENERAL, KERNEL, Sizes
+from chain_impact.compilation.compilers import DERIVATIVES, GENERAL, KERNEL, KernelScope
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
@@ -33,7 +33,7 @@ LARGEST_EXACT = 10
 share a kernel that reads the number of links from the record. With the shared kernel, runs of up to ten links
 would take 10 % to 30 % longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
 
-SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
+WHEEL_SCOPES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
 """The scenes of the kernels without derivatives in a wheel for release: None, any number of links; GENERAL,
 any number of links and all rare features; and each number of links from 1 to LARGEST_EXACT. In other wheels,
 and for kernels with derivatives, there are only None and GENERAL."""
@@ -57,41 +57,41 @@ def require_compilers(purpose: str) -> None:
         raise BuildError(f"{purpose} needs a compiler: {how} ({', '.join(missing)} missing)")
 
 
-def for_release() -> bool:
-    """Return whether a wheel for release is being built, which has the kernels of ``sizes``."""
+def is_release_build() -> bool:
+    """Return whether a wheel for release is being built, which has the kernels of ``wheel_scopes``."""
     return os.environ.get(RELEASE) == "1"
 
 
-def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the sizes for which to compile the kernel that runs scenes of the sizes ``wanted``.
+def exact_scope(scope: KernelScope, kind: str = KERNEL) -> KernelScope:
+    """Return the scenes for which to compile the kernel that runs the scenes ``scope``.
 
-    If ``wanted`` is a number of links, the result is this number while a wheel for release is built that gets
-    a kernel for this number, else None, for any number of links. If ``wanted`` is GENERAL, None, or a tuple
-    of all counts and flags of a scene, the result is ``wanted``. ``kind`` is KERNEL or DERIVATIVES.
+    If ``scope`` is a number of links, the result is this number while a wheel for release is built that gets
+    a kernel for this number, else None, for any number of links. If ``scope`` is GENERAL, None, or a tuple
+    of all counts and flags of a scene, the result is ``scope``. ``kind`` is KERNEL or DERIVATIVES.
     """
-    return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
+    return scope if isinstance(scope, tuple) or scope in wheel_scopes(kind, is_release_build()) else None
 
 
-def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
-    """Return the entries of SIZES for which a wheel has a kernel of the ``kind`` KERNEL or DERIVATIVES.
+def wheel_scopes(kind: str, release: bool) -> tuple[int | None, ...]:
+    """Return the entries of WHEEL_SCOPES for which a wheel has kernels of a ``kind``: KERNEL or DERIVATIVES.
 
     ``release``: whether the wheel is for release.
     """
     # with derivatives, a kernel for one number of links would be only 5 % faster, so no wheel has one
-    return SIZES if release and kind == KERNEL else (None, GENERAL)
+    return WHEEL_SCOPES if release and kind == KERNEL else (None, GENERAL)
 
 
-def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
-    """Return the file name of a kernel of the kind ``what`` for a platform; ``wanted``: the scenes (Sizes).
+def library_name(scope: KernelScope, platform: str, law: str = "", kind: str = KERNEL) -> str:
+    """Return the file name of a kernel of a ``kind`` for a platform; ``scope``: its scenes.
 
     ``law`` is the name of the user's law in the kernel, with a checksum of its text; "" without a law.
     """
     suffix = PLATFORMS[platform].suffix
-    if isinstance(wanted, tuple):
-        size = "_".join(map(str, wanted))
+    if isinstance(scope, tuple):
+        size = "_".join(map(str, scope))
     else:
-        size = {None: "any", GENERAL: "general"}.get(wanted, str(wanted))
-    return "-".join(filter(None, (what, size, law, platform))) + suffix
+        size = {None: "any", GENERAL: "general"}.get(scope, str(scope))
+    return "-".join(filter(None, (kind, size, law, platform))) + suffix
 
 
 def find(name: str) -> Path | None:
@@ -99,13 +99,13 @@ def find(name: str) -> Path | None:
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
-def best_kernel(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """Return the path of a ready kernel of the kind ``what`` that can run the scenes ``wanted``, or None.
+def best_kernel(scope: KernelScope, platform: str, kind: str) -> Path | None:
+    """Return the path of a ready kernel of a ``kind`` that can run the scenes ``scope``, or None.
 
     For a number of links, this is the kernel for any number if there is no ready kernel for this number.
     """
-    sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
-    return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
+    scopes = (scope,) if scope == GENERAL or isinstance(scope, tuple) else (scope, None)
+    return next(filter(None, (find(library_name(each, platform, kind=kind)) for each in scopes)), None)
 
 
 def module() -> str | None:
@@ -125,14 +125,14 @@ def _usable() -> bool:
     return mark.is_file() and mark.read_text() == fingerprint()
 
 
-def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -> Path:
-    """Return the object file of the part ``what`` of a kernel from the cache, or compile the part.
+def compiled(scope: KernelScope, platform: str, part: str, text: Callable[[], str]) -> Path:
+    """Return the object file of ``part`` of a kernel from the cache, or compile the part.
 
-    The part is for the scenes ``wanted``. ``text`` returns the lowered part; it is called only if the part is
+    The part is for the scenes ``scope``. ``text`` returns the lowered part; it is called only if the part is
     not in the cache.
     """
-    name = Path(library_name(wanted, platform, what=what)).with_suffix(".o").name
-    make = functools.partial(compilers.compile_part, platform=platform, what=what, sizes=wanted)
+    name = Path(library_name(scope, platform, kind=part)).with_suffix(".o").name
+    make = functools.partial(compilers.compile_part, platform=platform, part=part, scope=scope)
     return cache.get_or_make(name, lambda file: make(text(), file))
 
 

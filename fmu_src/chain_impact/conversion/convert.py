@@ -8,8 +8,8 @@ from pathlib import Path
 
 import tomlkit
 
-from chain_impact.conversion.carried import Carried, read_carried, with_carried
 from chain_impact.conversion.differences import DIFFERS, LEFT_OUT, WARNING
+from chain_impact.conversion.embedded_scene import EmbeddedScene, merge_embedded_scene, read_embedded_scene
 from chain_impact.conversion.mjcf import read_mjcf
 from chain_impact.conversion.planar import Choices, Converted
 from chain_impact.conversion.proposals import chain_of
@@ -24,7 +24,7 @@ from chain_impact.system import written_whole
 ALL = Choices()
 
 
-def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
+def scene_of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
     """Return the scene of a robot in URDF or MJCF, and its conversion with data and remarks.
 
     ``choices`` are the user's choices for the conversion.
@@ -41,13 +41,13 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
         robot = read_robot(path, choices.keyframe)
 
         @cache
-        def carried() -> Carried | None:
-            data = robot.carried
-            return None if data is None else read_carried(data, robot.name, str(path))
+        def embedded() -> EmbeddedScene | None:
+            data = robot.embedded
+            return None if data is None else read_embedded_scene(data, robot.name, str(path))
 
         def completed(found: Converted) -> Converted:
-            ours = carried()
-            return found if ours is None else with_carried(found, ours, choices)
+            ours = embedded()
+            return found if ours is None else merge_embedded_scene(found, ours, choices)
 
         done = completed(chain_of(robot, choices, str(path), lambda found: _scene(completed(found), path)))
         return _scene(done, path), done
@@ -56,7 +56,7 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
     """Return the robot of a file in URDF or MJCF; ``keyframe`` is the name of the start in MJCF (Choices).
 
-    The errors are those of ``of_robot``.
+    The errors are those of ``scene_of_robot``.
     """
     if path.name in model_names() or path.suffix == ".toml":
         raise SceneError(f"{path} is a scene; its MJCF is written to a file that ends in .xml")
@@ -79,14 +79,14 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
     """Write the scene ``source`` as MJCF if ``output`` ends in .xml, else the robot ``source`` as a scene.
 
     Return the conversion with its remarks; in a written scene, these are also comments at the beginning. The
-    errors are those of ``of_robot`` and ``load_scene``.
+    errors are those of ``scene_of_robot`` and ``load_scene``.
     """
     if output.suffix.lower() == ".xml":
         scene = scene_of(source)
         text, differs, left_out = mjcf_of(scene)
         done = Converted(scene_to_dict(scene), [], differs, left_out, [])
     else:
-        _, done = of_robot(Path(source), choices)
+        _, done = scene_of_robot(Path(source), choices)
         remarks = [f"From {Path(source).name}.", *(f"{title}: {line}" for title, line in remark_lines(done))]
         text = "".join(f"# {line}\n" for line in remarks) + f"\n{tomlkit.dumps(done.data)}"
     with written_whole(output) as fresh:

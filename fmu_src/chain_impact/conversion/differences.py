@@ -78,7 +78,7 @@ class Difference:
         return not self.bodies or len({link_of[b] for b in self.bodies}) > 1
 
 
-def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> Difference:
+def joint_difference(name: str, text: str, effect: Effect, *, differs: bool = False) -> Difference:
     """Return a difference of the joint ``name``, which is not reported if this joint is held."""
     about = frozenset([name])
     return Difference(kind="joint", name=name, text=text, effect=effect, differs=differs, joints=about)

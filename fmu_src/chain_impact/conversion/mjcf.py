@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, of_joint
+from chain_impact.conversion.differences import Difference, Effect, joint_difference
 from chain_impact.conversion.mjcf_contacts import Contacts
 from chain_impact.conversion.mjcf_couplings import couplings
 from chain_impact.conversion.mjcf_drives import Drives
@@ -23,7 +23,7 @@ from chain_impact.extras import require
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.text import plural
 
-CARRIED = "chain_impact"
+TEXT_NAME = "chain_impact"
 """The name of the text element that has the data of the scene as JSON, in files of this package."""
 # [rad] or [m] MJCF needs two limits of a joint. In a file that is written, NO_LIMIT or −NO_LIMIT stands for
 # a limit that the scene does not have; in a file that is read, a limit of at least this magnitude counts as
@@ -68,8 +68,8 @@ def read_mjcf_text(text: str) -> Robot:
     mujoco = require("mujoco", "convert")
     spec = mujoco.MjSpec.from_string(text)
     file = Compiled(spec, spec.compile(), set(), [])
-    start, note = _start(mujoco, file.model, None, CARRIED)
-    return _Reader(mujoco, file, start, CARRIED).robot(CARRIED, note)
+    start, note = _start(mujoco, file.model, None, TEXT_NAME)
+    return _Reader(mujoco, file, start, TEXT_NAME).robot(TEXT_NAME, note)
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
@@ -93,7 +93,7 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
     return Start(*map(np.array, state)), note
 
 
-def _carried(text: str, source: str) -> dict[str, Any]:
+def _embedded_data(text: str, source: str) -> dict[str, Any]:
     """Return the data of the scene from ``text``, the JSON in the text element of a file.
 
     Older versions of this package wrote the data in two parts, which are joined.
@@ -102,7 +102,7 @@ def _carried(text: str, source: str) -> dict[str, Any]:
         data = json.loads(text)
         return {**data["tables"], **data["numbers"]} if "numbers" in data else dict(data)
     except (ValueError, TypeError, KeyError):
-        raise SceneError(f"{source}: its text {CARRIED} is not the data of a scene") from None
+        raise SceneError(f"{source}: its text {TEXT_NAME} is not the data of a scene") from None
 
 
 class _Reader:
@@ -110,10 +110,10 @@ class _Reader:
 
     def __init__(self, mujoco: Any, file: Compiled, start: Start, source: str) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
-        texts = (text.data for text in self.spec.texts if text.name == CARRIED)
-        self.carried = next((_carried(text, source) for text in texts), None)
+        texts = (text.data for text in self.spec.texts if text.name == TEXT_NAME)
+        self.embedded = next((_embedded_data(text, source) for text in texts), None)
         self.drives = Drives(mujoco, self.model, start.control, start.activation)
-        self.contacts = Contacts(mujoco, self.model, file.stand_ins, self.carried is not None)
+        self.contacts = Contacts(mujoco, self.model, file.stand_ins, self.embedded is not None)
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
@@ -133,7 +133,7 @@ class _Reader:
             bodies=bodies,
             gravity=np.zeros(3) if weightless else np.array(model.opt.gravity),
             planes=[] if not self.contacts.works else list(self.contacts.planes()),
-            carried=self.carried,
+            embedded=self.embedded,
             notes=[*notes, *flag_notes(self.mujoco, model)],
             differences=self.differences,
         )
@@ -162,7 +162,7 @@ class _Reader:
             joints=[self.joint(j) for j in joints if model.body_jntnum[b] > 0],
             frames=[(model.site(s).name or f"site {s}", np.array(model.site_pos[s])) for s in sites],
             shapes=self.contacts.shapes(b),
-            borne=float(model.body_gravcomp[b]) if passive else 0.0,
+            gravity_compensation=float(model.body_gravcomp[b]) if passive else 0.0,
         )
 
     def _pose(self, b: int) -> tuple[np.ndarray, np.ndarray]:
@@ -222,7 +222,7 @@ class _Reader:
 
     def _tell_soft(self, joint: str, what: str, where: str) -> None:
         text = f"{what} soft in MuJoCo; a scene has its own, in {where}"
-        self.differences.append(of_joint(joint, text, Effect.CONTACT, differs=True))
+        self.differences.append(joint_difference(joint, text, Effect.CONTACT, differs=True))
 
     def _others(self) -> Iterator[Difference]:
         """Yield one difference that counts sensors, cameras, lights and skins; nothing if there are none."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.conversion.differences import NEGLIGIBLE, Difference, Effect, of_joint
+from chain_impact.conversion.differences import NEGLIGIBLE, Difference, Effect, joint_difference
 from chain_impact.conversion.robot import Joint
 
 # [rad/s] or [m/s] A speed that joints of robots hardly reach. If the limit of the drives acts on the damper
@@ -268,7 +268,7 @@ class Drives:
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:
             text = f"its drives act with {torque:.6g} at the start; in the scene this is an input"
-            yield of_joint(joint.name, text, Effect.MOTION)
+            yield joint_difference(joint.name, text, Effect.MOTION)
         for drive in drives:
             if drive.stiffness and abs(drive.gain / drive.stiffness - 1.0) > EQUAL_GAINS:
                 text = f"the target angle is {drive.gain / drive.stiffness:.6g} times its control"
@@ -281,7 +281,7 @@ class Drives:
                 yield _of_servo(self._name(a), text, about)
 
     def _tell_joint(self, joint: Joint, text: str, effect: Effect) -> None:
-        self.differences.append(of_joint(joint.name, text, effect, differs=True))
+        self.differences.append(joint_difference(joint.name, text, effect, differs=True))
 
     def _tell_limit(self, joint: Joint, limit: float, stiffness: float, damping: float) -> None:
         """Report that ``limit`` also limits the joint's own spring and damper in a scene, if it has any.

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, of_joint
+from chain_impact.conversion.differences import Difference, Effect, joint_difference
 
 USED_FIELDS = """
     body_gravcomp body_inertia body_ipos body_iquat body_jntadr body_jntnum body_mass body_mocapid
@@ -210,7 +210,7 @@ def _difference_of_field(model: Any, row: FieldRemark, i: int) -> Difference:
         return Difference(kind="option", name=row.field[4:], **common)
     if row.kind in ("joint", "dof"):
         j = i if row.kind == "joint" else int(model.dof_jntid[i])
-        return of_joint(model.joint(j).name or f"{j}", **common)
+        return joint_difference(model.joint(j).name or f"{j}", **common)
     element = {"body": model.body, "geom": model.geom, "pair": model.pair, "keyframe": model.key}[row.kind](i)
     bodies = frozenset[int]()
     if row.kind in ("body", "geom"):

@@ -191,17 +191,17 @@ class _Conversion:
             )
         moving = [*(self.carriage if self.chosen.base == "slider" else ()), *chain(*self.parts)]
         bodies = [self.robot.bodies[b] for b in moving if self.robot.bodies[b].mass > 0.0]
-        borne = {body.borne for body in bodies} if np.any(gravity) else {0.0}
-        if len(borne) == 1:
-            (share,) = borne
+        shares = {body.gravity_compensation for body in bodies} if np.any(gravity) else {0.0}
+        if len(shares) == 1:
+            (share,) = shares
             if share:
                 self.notes.append(
                     f"gravity: {share:.6g} of it is left out, because gravcomp bears this part of all weights"
                 )
             return gravity * (1.0 - share)
         for body in bodies:
-            if body.borne:
-                text = f"gravcomp bears {body.borne:.6g} of its weight; in the scene nothing does"
+            if share := body.gravity_compensation:
+                text = f"gravcomp bears {share:.6g} of its weight; in the scene nothing does"
                 self._tell("body", body.name, text, Effect.MOTION)
         return gravity
 

@@ -177,7 +177,8 @@ class Body:
         joints: the joints between the body and its parent, in the order in which they act.
         frames: named points in the body's axes [m], at one of which the last link may end.
         shapes: the shapes of the body.
-        borne: the part of the body's weight that gravcomp of MJCF compensates [1]; 1 for the whole weight.
+        gravity_compensation: the part of the body's weight that gravcomp of MJCF compensates [1]; 1 for the
+            whole weight.
     """
 
     name: str
@@ -190,7 +191,7 @@ class Body:
     joints: Sequence[Joint] = ()
     frames: Sequence[tuple[str, np.ndarray]] = ()
     shapes: Sequence[LinkShape] = ()
-    borne: float = 0.0
+    gravity_compensation: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -220,7 +221,7 @@ class Robot:
         bodies: the bodies.
         gravity: acceleration by gravity in the world's axes [m/s²].
         planes: the planes that are fixed to the world; empty if the file disables contacts.
-        carried: the data of the scene from which this package wrote the file; None for any other file.
+        embedded: the data of the scene from which this package wrote the file; None for any other file.
         notes: sentences on how the file was read.
         differences: the parts of the file that no scene has, or that scenes have in another form.
     """
@@ -229,6 +230,6 @@ class Robot:
     bodies: Sequence[Body]
     gravity: np.ndarray
     planes: Sequence[Plane] = ()
-    carried: dict[str, Any] | None = None
+    embedded: dict[str, Any] | None = None
     notes: Sequence[str] = ()
     differences: Sequence[Difference] = ()

@@ -9,7 +9,7 @@ from itertools import pairwise
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from chain_impact.conversion.mjcf import CARRIED, NO_LIMIT
+from chain_impact.conversion.mjcf import NO_LIMIT, TEXT_NAME
 from chain_impact.conversion.mjcf_contacts import point_name
 from chain_impact.conversion.robot import JOINT_KEYS
 from chain_impact.scene.keys.chain_tables import Link, Slider
@@ -43,10 +43,10 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
         timestep=repr(min(scene.simulation.step_size, LARGEST_STEP)),
     )
     free, links = scene.chain.base == "free", scene.chain.links
-    carried = scene_to_dict(scene)
-    for table, link in zip(carried["chain"]["links"], links, strict=True):
+    embedded = scene_to_dict(scene)
+    for table, link in zip(embedded["chain"]["links"], links, strict=True):
         table |= {"center_of_mass": link.center_of_mass, "inertia": link.inertia}
-    SubElement(SubElement(root, "custom"), "text", name=CARRIED, data=json.dumps(carried))
+    SubElement(SubElement(root, "custom"), "text", name=TEXT_NAME, data=json.dumps(embedded))
     world = SubElement(root, "worldbody")
     _add_walls(world, scene)
     _add_chain(world, scene)

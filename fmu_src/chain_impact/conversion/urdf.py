@@ -20,7 +20,7 @@ from chain_impact.conversion.differences import (
     Difference,
     Effect,
     collected_warnings,
-    of_joint,
+    joint_difference,
 )
 from chain_impact.conversion.robot import Body, Joint, LinkShape, Robot, identifier, outline
 from chain_impact.conversion.urdf_elements import GEOMETRIES, check_elements, other_elements
@@ -341,4 +341,4 @@ def _limits(joint: Any) -> Iterator[Difference]:
     }
     for texts in (left_out, differing):
         for text in (text for text, true in texts.items() if true):
-            yield of_joint(joint.name, text, Effect.NONE, differs=texts is differing)
+            yield joint_difference(joint.name, text, Effect.NONE, differs=texts is differing)

@@ -22,7 +22,7 @@ from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.system import HOST, PLATFORMS, nowhere, written_whole
-from chain_impact.variables.prepared import PreparedScene, kernel_size
+from chain_impact.variables.prepared import PreparedScene, kernel_scope
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -82,9 +82,9 @@ def build_fmu(
         raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(supported)}{other}")
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
-    links, law, varied = kernel_size(scene), scene.contact.law_file, bool(scene.outputs.sensitivities)
+    scope, law, varied = kernel_scope(scene), scene.contact.law_file, bool(scene.outputs.sensitivities)
     kernels = {
-        platform: kernel_library(links, platform, law_file=law, derivatives=varied) for platform in platforms
+        platform: kernel_library(scope, platform, law_file=law, derivatives=varied) for platform in platforms
     }
     fmu, prepared = directory / f"{scene.name}.fmu", PreparedScene(scene)
     with written_whole(fmu) as path:

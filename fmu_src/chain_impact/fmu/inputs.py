@@ -17,7 +17,7 @@ from chain_impact.scene.checks.signal_checks import check_table
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.files.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal
-from chain_impact.scene.signal_inputs import family
+from chain_impact.scene.signal_inputs import quantities_driven_by
 from chain_impact.scene.signal_polynomials import is_motion, table_of, values_of
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import AXES, input_key
@@ -82,7 +82,12 @@ def driven_rows(
     points = np.union1d(points, times[(times > 0.0) & (times < stop)])
     before, after = np.zeros((2, len(points)), [(TIME, float), *((name, float) for name in input_names)])
     before[TIME] = after[TIME] = points
-    driven = {member: family(name) for name in columns for member in family(name) if member in input_names}
+    driven = {
+        member: quantities_driven_by(name)
+        for name in columns
+        for member in quantities_driven_by(name)
+        if member in input_names
+    }
     jumps = np.zeros(len(points), bool)
     for name, members in driven.items():
         at, powers = _course(signal, members, members.index(name), stop)
@@ -105,8 +110,8 @@ def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tupl
     """Return member ``k`` of a family of inputs as polynomials of time: start times [s] and coefficients.
 
     Each row of the coefficients belongs to one polynomial, in ascending powers of the time since its start.
-    ``members`` are the names of a quantity and of the derivatives after it (``family``). If the table does
-    not have member ``k``, the result is computed from a member that the table has.
+    ``members`` are the names of a quantity and of the derivatives after it (``quantities_driven_by``). If the
+    table does not have member ``k``, the result is computed from a member that the table has.
     """
     given = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given if j <= k), default=given[0])

@@ -129,8 +129,8 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
 
     The results end where runs with two tolerances begin to differ.
     """
-    ends = {f"point[{k}].{axis}" for k in (0, prepared.sizes.links) for axis in "xy"}
-    ends |= {f"link[{i}].angle" for i in (1, prepared.sizes.links)}
+    ends = {f"point[{k}].{axis}" for k in (0, prepared.counts.links) for axis in "xy"}
+    ends |= {f"link[{i}].angle" for i in (1, prepared.counts.links)}
     # outputs of the whole chain: the energies, the number of impacts, and the data of the last impact
     whole_chain = [v for v in prepared.outputs if v.kind.owner_kind == "one"]
     ends |= {v.name for v in whole_chain if v.kind.parts.owner in ("energy", "impact")}
@@ -207,7 +207,7 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     rate = turn[1] / times[1]
     # The amplitude of a torque is divided by the number of links, so that all torques together move chains of
     # few and of many links about equally.
-    torque = SWING * nominal["inertial_moment"] / prepared.sizes.links
+    torque = SWING * nominal["inertial_moment"] / prepared.counts.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, variable in enumerate(prepared.inputs):

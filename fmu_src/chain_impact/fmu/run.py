@@ -187,7 +187,7 @@ def _recording(
         point_names=data.point_names,
         inputs=tuple(v.name for v in description.modelVariables if v.causality == "input"),
     )
-    return replace(recorded, stick_slip=phases_from(recorded.time, recorded.touches, names))
+    return replace(recorded, stick_slip=phases_from(recorded.time, recorded.interactions, names))
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:

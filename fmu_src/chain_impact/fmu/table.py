@@ -152,7 +152,7 @@ def _words(prepared: PreparedScene) -> dict[str, int]:
         "contradiction_word": ("channel", "contradiction"),
         "position_word": (MOTION, "position", 0),
     }
-    moves = prepared.sizes.channels > 0
+    moves = prepared.counts.channels > 0
     words = {name: word_index(prepared.start.dtype, path) for name, path in paths.items()}
     return words | {
         name: word_index(prepared.start.dtype, path) if moves else 0 for name, path in moving.items()

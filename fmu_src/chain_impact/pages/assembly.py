@@ -20,9 +20,9 @@ IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 # pattern of what a script does not need: comments, // or /** … */, that take whole lines, empty lines, and
 # spaces at the start of a line; no module may have a template literal of several lines
-OF_PROGRAMMERS = re.compile(r"^(?:\s+|//.*\n|/\*\*[\s\S]*?\*/\n)+", re.MULTILINE)
+STRIPPED_FROM_SCRIPTS = re.compile(r"^(?:\s+|//.*\n|/\*\*[\s\S]*?\*/\n)+", re.MULTILINE)
 # pattern of what a style sheet does not need: comments, except of licences, and spaces at the start of a line
-OF_READERS = re.compile(r"/\*(?!!).*?\*/\n?|^ +", re.MULTILINE | re.DOTALL)
+STRIPPED_FROM_STYLES = re.compile(r"/\*(?!!).*?\*/\n?|^ +", re.MULTILINE | re.DOTALL)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 
 
@@ -37,7 +37,10 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
         parts: name → text for the other parts of the template.
     """
     scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
-    parts |= {"title": html.escape(title, quote=False), "style": OF_READERS.sub("", "\n".join(styles))}
+    parts |= {
+        "title": html.escape(title, quote=False),
+        "style": STRIPPED_FROM_STYLES.sub("", "\n".join(styles)),
+    }
     parts |= {"libraries": scripts, "program": modules}
     parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
     # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which is not to be
@@ -61,11 +64,11 @@ def program(*names: str) -> str:
 def joined(*names: str) -> str:
     """Return modules and all modules that they import, joined to one script.
 
-    The script has no imports, and nothing that matches OF_PROGRAMMERS. No two of the modules may declare the
-    same name at their top level.
+    The script has no imports, and nothing that matches STRIPPED_FROM_SCRIPTS. No two of the modules may
+    declare the same name at their top level.
     """
     texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
-    return OF_PROGRAMMERS.sub("", "\n".join(texts))
+    return STRIPPED_FROM_SCRIPTS.sub("", "\n".join(texts))
 
 
 def modules(*names: str) -> list[str]:

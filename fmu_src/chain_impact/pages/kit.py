@@ -32,7 +32,7 @@ from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules.key_rules import Derived, allowed, keys, without_none
 from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import driven_alone, family
+from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
 from chain_impact.scene.words.names import AT, DataPath
 from chain_impact.variables.indices import PEAKS, layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
@@ -200,7 +200,7 @@ def _name_and_condition(kind: Kind) -> dict[str, Any]:
 
 def _driven_row(kind: Kind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
-    drives = {"family": family(kind.name), "alone": driven_alone(kind.name)}
+    drives = {"family": quantities_driven_by(kind.name), "alone": driven_alone(kind.name)}
     displaces = kind.owner_kind == "moving wall" and "position" in kind.record_path
     of_row = {"unit": kind.unit, "acts": input_at(kind.record_path), "displaces": displaces}
     return _name_and_condition(kind) | drives | of_row

@@ -53,7 +53,7 @@ def thinned(recording: Recording, impact_time: float) -> Recording:
     shown = np.concatenate([frames, impacts["onset"], impacts["end"]])
     after = np.searchsorted(time, shown[np.isfinite(shown)])
     even = np.linspace(0, len(time) - 1, MOST_PAGE_ROWS).astype(int)
-    return recording.at(np.unique(np.concatenate([even, after - 1, after]).clip(0, len(time) - 1)))
+    return recording.with_rows(np.unique(np.concatenate([even, after - 1, after]).clip(0, len(time) - 1)))
 
 
 def data(recording: Recording) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "stops": [_range(joint, limits) for joint, limits in recording.stops.items()],
         "radius": radius_of(recording),
         "ball": ball_of(recording),
-        "touching": [*recording.touching.items()],
+        "touching": [*recording.touching_radii.items()],
         "pointNames": [*recording.point_names.items()],
         "bodies": [[link, corners.tolist()] for link, corners in recording.outlines.items()],
         "rail": _rail(recording),
@@ -89,12 +89,15 @@ def data(recording: Recording) -> dict[str, Any]:
 def impacts(recording: Recording) -> list[dict[str, Any]]:
     """Return the impacts of a recording in the form of the page; unknown values are None."""
     at = zip(
-        recording.impacts, recording.linear_impact_speeds.tolist(), recording.at_stops.tolist(), strict=True
+        recording.impacts,
+        recording.linear_impact_speeds.tolist(),
+        recording.is_at_joint_stop.tolist(),
+        strict=True,
     )
     return [
         {
             "point": int(impact["point"]),
-            "what": recording.toucher(impact),
+            "what": recording.touching_part(impact),
             "wall": recording.wall_names[impact["wall"]],
             "onset": float(impact["onset"]),
             "end": _known(impact["end"]),

@@ -29,7 +29,7 @@ def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
     for peak in peaks(recording):
         impact = recording.impacts[peak.row]
         point, wall = impact["point"], recording.wall_names[impact["wall"]]
-        is_stop = recording.is_stop(impact["wall"])
+        is_stop = recording.is_joint_stop(impact["wall"])
         name = f"joint[{point}].stop_moment" if is_stop else f"contact[{point}].{wall}.force"
         if peak.words.startswith("peak") and name in curves.values:
             found.append(peak)

@@ -163,7 +163,7 @@ def lacks_impulses(recording: Recording, curves: Curves) -> bool:
     """Return whether a curve is the force of a contact that acts by impulses, with an impact in the view."""
     parts = [name_parts(name) for names in curves.panels for name in names]
     is_force = any(part.owner == "contact" and part.quantity in CONTACT_FORCES for part in parts)
-    onsets = recording.impacts["onset"][~recording.at_stops]
+    onsets = recording.impacts["onset"][~recording.is_at_joint_stop]
     is_seen = (onsets >= curves.time[0]) & (onsets <= curves.time[-1])
     return is_force and bool(is_seen.any()) and has_impulses(recording.parameters.get("contact.model", ""))
 

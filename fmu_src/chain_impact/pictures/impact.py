@@ -50,7 +50,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     text; force over penetration is at the right or, in a narrow figure, at the foot.
     """
     impact = recording.impacts[number - 1]
-    stop = recording.is_stop(impact["wall"])
+    stop = recording.is_joint_stop(impact["wall"])
     title = f"{recording.name}: {hit_words(recording, impact)}, impact {number}"
     headline(figure, title, conditions(impact, course, stop))
     if not is_narrow(figure):

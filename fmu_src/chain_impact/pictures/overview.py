@@ -94,7 +94,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     late = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown else ""
     notes = (
         full_names(recording),
-        SEPARATOR.join(recording.passing),
+        SEPARATOR.join(recording.points_through_walls),
         f"lines below marks: {late}" if late else "",
     )
     for foot_text in filter(None, notes):

@@ -236,7 +236,7 @@ def _change_in_run(
     If the run cannot be repeated, or if the other run lacks the output, the result is None.
     """
     value = sensitivities.parameters[parameter] + sensitivities.step(parameter)
-    other = recording.in_other_run({parameter: value}, float(recording.time[row]))
+    other = recording.row_of_other_run({parameter: value}, float(recording.time[row]))
     if other is None or output not in other.columns:
         return None
     return float(other.columns[output][0] - recording.columns[output][row])

@@ -89,7 +89,7 @@ def draw_impact_changes(
     for label, k in zip(axes.get_yticklabels(), rows, strict=True):
         label.set_color(looks[k]["color"] if looks[k]["color"] != GREY else INK)
     axes.set_xlabel("impact")
-    title = f"change of {quantity_words(quantity, recording.at_stops)} [%]"
+    title = f"change of {quantity_words(quantity, recording.is_at_joint_stop)} [%]"
     axes.set_title(title, fontsize="medium", loc="left")
 
 

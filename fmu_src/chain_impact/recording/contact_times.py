@@ -49,12 +49,14 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
     """
     impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * np.ptp(recording.time)
     law = recording.parameters.get("contact.model", "")
-    forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
+    forces = {
+        (interaction.point, interaction.wall): interaction.force for interaction in recording.interactions
+    }
     ends = contact_ends(recording)
     for impact, end in zip(impacts, ends, strict=True):
         force = forces.get((int(impact["point"]), recording.wall_names[impact["wall"]]))
         first, last = np.searchsorted(time, [impact["onset"], end])
-        of_impact = (recording.is_stop(impact["wall"]) and recording.stop_law) or law
+        of_impact = (recording.is_joint_stop(impact["wall"]) and recording.stop_law) or law
         is_short = end - impact["onset"] <= least or first == last
         if force is None or is_short or has_impulses(of_impact):
             continue

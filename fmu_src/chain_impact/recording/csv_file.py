@@ -60,23 +60,23 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         stops=ranges_of(values),
         point_names=scene.point_names if scene else {},
     )
-    for touch in bare.touches:
+    for contact in bare.interactions:
         # without a scene, a wall with the name of a slider's stop counts as the stop
-        if touch.kind != WALL or (scene is None and touch.wall in SLIDER_STOPS):
+        if contact.kind != WALL or (scene is None and contact.wall in SLIDER_STOPS):
             continue
         if scene is None:
             raise NeedsSceneError(
-                f"{path}: it has contact[{touch.point}].{touch.wall}.force, but a CSV file has no positions "
-                "of walls: give its scene"
+                f"{path}: it has contact[{contact.point}].{contact.wall}.force, but a CSV file has no "
+                "positions of walls: give its scene"
             )
-        if touch.wall not in walls:
+        if contact.wall not in walls:
             raise SceneError(
-                f"{path}: contact[{touch.point}].{touch.wall}.force: the scene has no wall {touch.wall}; "
-                f"it has {', '.join(walls) or 'none'}"
+                f"{path}: contact[{contact.point}].{contact.wall}.force: the scene has no wall "
+                f"{contact.wall}; it has {', '.join(walls) or 'none'}"
             )
     listed = "impact.count" in columns and scene is not None
     impacts = impacts_shown({"time": time, **columns}, names) if listed else NO_IMPACTS
-    return replace(bare, impacts=impacts, stick_slip=phases_from(time, bare.touches, names))
+    return replace(bare, impacts=impacts, stick_slip=phases_from(time, bare.interactions, names))
 
 
 def _columns(path: Path) -> dict[str, np.ndarray]:

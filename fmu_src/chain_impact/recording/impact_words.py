@@ -8,7 +8,7 @@ from chain_impact.scene.words.names import SLIDER_STOPS, point_label
 from chain_impact.variables.impact_units import unit_at
 
 
-def toucher_name(number: int, stop: str, names: Mapping[int, str]) -> str:
+def touching_part_name(number: int, stop: str, names: Mapping[int, str]) -> str:
     """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider".
 
     Args:

@@ -16,8 +16,8 @@ from chain_impact.scene.words.names import SLIDER_STOPS, STOPS, name_parts
 
 _LOG = contact_log_dtype(0)
 # fields of the kernel's log of contacts that are not columns of the table of impacts
-_OF_RING = ("count", "collected", "impact_number")
-LOG_DTYPE = np.dtype([(name, _LOG[name].base) for name in _LOG.names or () if name not in _OF_RING])
+_LOG_BOOKKEEPING = ("count", "collected", "impact_number")
+LOG_DTYPE = np.dtype([(name, _LOG[name].base) for name in _LOG.names or () if name not in _LOG_BOOKKEEPING])
 """The columns of ``IMPACT_DTYPE`` that the kernel's log of contacts has, too: all but the name of the wall
 and the duration."""
 IMPACT_DTYPE = np.dtype(

@@ -12,14 +12,14 @@ from typing import Any, Self
 
 import numpy as np
 
-from chain_impact.deprecated import OlderName
 from chain_impact.recording.bodies import site_radii
 from chain_impact.recording.equality import same
-from chain_impact.recording.impact_words import toucher_name
+from chain_impact.recording.impact_words import touching_part_name
 from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.joint_stops import JointRange, is_joint_stop
+from chain_impact.recording.older_names import OlderNames
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.stick_slip import FRICTION, NO_PHASES, SLIDER_STOP, WALL, Touch
+from chain_impact.recording.stick_slip import FRICTION, NO_PHASES, SLIDER_STOP, WALL, Interaction
 from chain_impact.recording.tables import save_impacts
 from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.errors import names_matching
@@ -32,7 +32,7 @@ from chain_impact.variables.hints import output_hint
 ROWS_AT_ONCE = 10_000  # number of rows that ``save_csv`` converts to text at a time
 
 
-class Recording:
+class Recording(OlderNames):
     """A simulation over time, of a scene or of an FMU: a ``Result``, or stored data.
 
     The call ``Recording(name, time, columns, …)`` makes a recording that stores its arguments: the attributes
@@ -132,12 +132,12 @@ class Recording:
         """Return a hint if ``name``, which no column has, is an input or a parameter; else None."""
         return output_hint(name, self.inputs, self.parameters)
 
-    def in_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:  # noqa: ARG002
+    def row_of_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:  # noqa: ARG002
         """Return the row at a time [s] of a run with other values of parameters; None if that is unknown."""
         return None
 
     @property
-    def passing(self) -> list[str]:
+    def points_through_walls(self) -> list[str]:
         """Sentences on points that pass through walls without touching them; empty if this is unknown."""
         return []
 
@@ -183,13 +183,13 @@ class Recording:
         Points are those other than the link's ends. The dict is empty if the parameters do not tell their
         positions.
         """
-        return outlines_from(self.parameters, self.touching)
+        return outlines_from(self.parameters, self.touching_radii)
 
     @cached_property
-    def touching(self) -> dict[int, float]:
+    def touching_radii(self) -> dict[int, float]:
         """Number of each point that can touch a wall → its radius [m], 0 if unknown."""
         radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
-        points = sorted({touch.point for touch in self.touches if touch.kind == WALL})
+        points = sorted({interaction.point for interaction in self.interactions if interaction.kind == WALL})
         radius_of = dict(enumerate(radii, self.link_count + 1))
         return {point: radius_of.get(point, radius) for point in points}
 
@@ -223,10 +223,10 @@ class Recording:
         return bool(np.isfinite(self.impacts["joint_force"]).any())
 
     @cached_property
-    def touches(self) -> list[Touch]:
+    def interactions(self) -> list[Interaction]:
         """The known contacts at walls and stops, and joints and sliders with dry friction, over time."""
-        touches = [
-            Touch(
+        interactions = [
+            Interaction(
                 *(point, wall, values["force"]),
                 *(values.get("penetration"), values.get("penetration_rate")),
                 *(values.get("friction_force"), values.get("sticking")),
@@ -237,16 +237,18 @@ class Recording:
         ]
         for (joint, _), values in self.columns_of("joint").items():
             if "stop_moment" in values:
-                touches += Touch.of_stops(joint, values["stop_moment"])
+                interactions += Interaction.contacts_of_stops(joint, values["stop_moment"])
             if "sticking" in values:
                 moment = values.get("friction_moment")
                 sticking = values["sticking"]
-                touches.append(Touch(joint, "", None, friction=moment, sticking=sticking, kind=FRICTION))
+                interactions.append(
+                    Interaction(joint, "", None, friction=moment, sticking=sticking, kind=FRICTION)
+                )
         slider = self.columns_of("slider").get((0, ""), {})
         if "sticking" in slider:
             force, sticking = slider.get("friction_force"), slider["sticking"]
-            touches.append(Touch(0, "", None, friction=force, sticking=sticking, kind=FRICTION))
-        return touches
+            interactions.append(Interaction(0, "", None, friction=force, sticking=sticking, kind=FRICTION))
+        return interactions
 
     def __repr__(self) -> str:
         """Return the name, the end time [s], and the numbers of impacts, rows and columns."""
@@ -262,15 +264,15 @@ class Recording:
         counted = self.columns.get("impact.count", np.zeros(1))
         return max(len(self.impacts), int(counted[-1]))
 
-    def is_stop(self, wall: int) -> bool:
+    def is_joint_stop(self, wall: int) -> bool:
         """Return whether ``wall_names[wall]`` is a stop of joints: joint_min or joint_max."""
         return is_joint_stop(wall, self.wall_names, bool(self.stops))
 
-    def toucher(self, impact: np.void) -> str:
+    def touching_part(self, impact: np.void) -> str:
         """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider"."""
         wall = self.wall_names[impact["wall"]]
-        stop = wall if self._is_slider_stop(wall) or self.is_stop(impact["wall"]) else ""
-        return toucher_name(int(impact["point"]), stop, self.point_names)
+        stop = wall if self._is_slider_stop(wall) or self.is_joint_stop(impact["wall"]) else ""
+        return touching_part_name(int(impact["point"]), stop, self.point_names)
 
     def _is_slider_stop(self, wall: str) -> bool:
         """Return whether ``wall`` is a stop of a slider; without a slider, a wall may have such a name."""
@@ -278,23 +280,21 @@ class Recording:
         return has_slider and wall in SLIDER_STOPS
 
     @cached_property
-    def at_stops(self) -> np.ndarray:
+    def is_at_joint_stop(self) -> np.ndarray:
         """Whether each impact is at a stop of a joint, shape (I,)."""
-        return np.array([self.is_stop(wall) for wall in self.impacts["wall"]], bool)
+        return np.array([self.is_joint_stop(wall) for wall in self.impacts["wall"]], bool)
 
     @cached_property
     def linear_impact_speeds(self) -> np.ndarray:
         """The impact speeds, shape (I,) [m/s]; at a joint's stop the angular speed times the link length."""
         arms = [
             self.stops[point].length if stopped else 1.0
-            for point, stopped in zip(self.impacts["point"].tolist(), self.at_stops, strict=True)
+            for point, stopped in zip(self.impacts["point"].tolist(), self.is_at_joint_stop, strict=True)
         ]
         speeds: np.ndarray = self.impacts["impact_speed"] * np.array(arms)
         return speeds
 
-    end_speeds = OlderName("linear_impact_speeds")
-
-    def at(self, rows: np.ndarray) -> Recording:
+    def with_rows(self, rows: np.ndarray) -> Recording:
         """Return the recording with the rows of the given indices only, without derivatives.
 
         All impacts stay.
@@ -320,13 +320,13 @@ class Recording:
         """Return the index of the row that is nearest to a time [s]."""
         return int(np.abs(self.time - time).argmin())
 
-    def spot(self, impact: np.void) -> np.ndarray:
+    def impact_position(self, impact: np.void) -> np.ndarray:
         """Return the position [m] at which an impact is drawn.
 
         At a wall, the position is that of the impact's point, projected onto the wall; at a stop of a joint,
         that of the joint; at a stop of a slider, that of the drawn stop, half a carriage beyond the base.
         """
-        if self.is_stop(impact["wall"]):
+        if self.is_joint_stop(impact["wall"]):
             return np.asarray(self.pose_at(impact["onset"])[impact["point"] - 1])
         position, wall = self.point_at(impact["point"], impact["onset"]), self.wall_of(impact)
         return np.asarray(position - wall.clearance(*position) * np.array(wall.normal))

@@ -97,7 +97,7 @@ class Sensitivities:
     def columns(self) -> dict[str, int]:
         """Name of an output → its index on the second axis of ``slopes``."""
         if self.chosen is None:
-            return self.prepared.columns
+            return self.prepared.output_index
         return {name: column for column, name in enumerate(self.chosen)}
 
     def __repr__(self) -> str:

@@ -86,11 +86,11 @@ def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) 
 
 
 WALL, SLIDER_STOP, JOINT_STOP, FRICTION = "wall", "stop of a slider", "stop of a joint", "friction"
-"""The kinds of ``Touch``; FRICTION is dry friction in a joint or on a slider."""
+"""The kinds of ``Interaction``; FRICTION is dry friction in a joint or on a slider."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Touch:
+class Interaction:
     """A contact with a wall or with a stop of a joint or slider; or dry friction in a joint or on a slider.
 
     Attributes:
@@ -121,7 +121,7 @@ class Touch:
     kind: str = WALL
 
     @classmethod
-    def of_stops(cls, joint: int, moment: np.ndarray) -> Iterator[Touch]:
+    def contacts_of_stops(cls, joint: int, moment: np.ndarray) -> Iterator[Interaction]:
         """Yield the contact of a joint's link with joint_min and the contact with joint_max.
 
         ``moment`` is the output that both share: the moment of the stops on the link, shape (T,) [N·m]. It is
@@ -131,18 +131,22 @@ class Touch:
             yield cls(joint, stop, np.maximum(sign * moment, 0.0), kind=JOINT_STOP)
 
 
-def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
+def phases_from(time: np.ndarray, interactions: Iterable[Interaction], walls: Sequence[str]) -> np.ndarray:
     """Return the table of phases of dry friction from values in rows, see ``STICK_SLIP_DTYPE``.
 
     The start and the end of a phase are times of rows, so each is late by at most the time between two rows.
     """
     changes: list[tuple[float, int, int, int]] = []
-    for touch in touches:
-        if touch.sticking is None or touch.friction is None or touch.wall not in ("", *walls):
+    for interaction in interactions:
+        if (
+            interaction.sticking is None
+            or interaction.friction is None
+            or interaction.wall not in ("", *walls)
+        ):
             continue
-        wall = walls.index(touch.wall) if touch.wall else NO_WALL
-        sliding = np.where(touch.friction == 0.0, NO_FRICTION, -np.sign(touch.friction))
-        mode = np.where(touch.sticking > 0.0, STICKS, sliding).astype(int)
+        wall = walls.index(interaction.wall) if interaction.wall else NO_WALL
+        sliding = np.where(interaction.friction == 0.0, NO_FRICTION, -np.sign(interaction.friction))
+        mode = np.where(interaction.sticking > 0.0, STICKS, sliding).astype(int)
         starts = np.flatnonzero(np.append([True], np.diff(mode) != 0)[: len(mode)])
-        changes.extend((float(time[row]), touch.point, wall, int(mode[row])) for row in starts)
+        changes.extend((float(time[row]), interaction.point, wall, int(mode[row])) for row in starts)
     return phases_of(np.array(changes, CHANGE_DTYPE))

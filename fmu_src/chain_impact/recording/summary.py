@@ -76,7 +76,7 @@ def summary_lines(result: Recording, outputs: int, facts: list[str], most: int) 
     """
     yield _headline(result, outputs)
     yield from impact_list(result, most)
-    yield from passing_lines(result)
+    yield from through_walls_lines(result)
     yield from _friction_lines(result)
     yield from rest_lines(result)
     yield from load_lines(result)
@@ -93,9 +93,9 @@ def impact_list(result: Recording, most: int) -> Iterator[str | TextTable]:
         yield f"… and {plural(more, 'more impact')}"
 
 
-def passing_lines(result: Recording) -> Iterator[str]:
+def through_walls_lines(result: Recording) -> Iterator[str]:
     """Yield a line for each wall that points pass through without touching it."""
-    yield from (f"note     {sentence}" for sentence in result.passing)
+    yield from (f"note     {sentence}" for sentence in result.points_through_walls)
 
 
 def _headline(result: Recording, outputs: int) -> str:
@@ -110,7 +110,7 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
     Impacts at stops of joints have other units. If the list has impacts with both kinds of units, or has the
     two columns of loads, the heads have several lines, so that a row fits into 80 characters.
     """
-    stopped = result.at_stops
+    stopped = result.is_at_joint_stop
     at_walls, at_stops = not stopped.all(), bool(stopped.any())
     kinds = [COLUMN_UNITS] * at_walls + [STOP_COLUMN_UNITS] * at_stops
     units = [" or ".join(dict.fromkeys(several)) for several in zip(*(kinds or [COLUMN_UNITS]), strict=True)]
@@ -130,7 +130,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
     If forces in joints are known, two more cells have the largest force in any joint, and this joint.
     """
-    point = result.toucher(impact).removeprefix("point ")
+    point = result.touching_part(impact).removeprefix("point ")
     speed, lasting = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
     lasting = LASTS if lasts(impact) else lasting
     values = (speed, lasting, _peak_text(impact["peak_force"]), digits(impact["impulse"]))

@@ -158,7 +158,7 @@ def radius_of(recording: Recording) -> float:
 
     The result is 0 if no point can touch, or if the radius is too small to be seen (ALONE).
     """
-    radius = max(recording.touching.values(), default=0.0)
+    radius = max(recording.touching_radii.values(), default=0.0)
     return radius if radius > ALONE * size_of(recording) else 0.0
 
 
@@ -205,9 +205,9 @@ def ball_of(recording: Recording) -> int | None:
     """
     if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
         return None
-    if len(recording.touching) != 1:
+    if len(recording.touching_radii) != 1:
         return None
-    ((end, radius),) = recording.touching.items()
+    ((end, radius),) = recording.touching_radii.items()
     length = float(np.hypot(*(recording.points[0, 1] - recording.points[0, 0])))
     centre = float(recording.parameters.get("link[1].center_of_mass", np.nan))
     offset = float(recording.parameters.get("link[1].center_of_mass_offset", 0.0))

@@ -21,7 +21,7 @@ from chain_impact.variables.impact_units import impact_units
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
-OF_FMU = {"time": "onset", "speed": "impact_speed"}
+FMU_NAMES = {"time": "onset", "speed": "impact_speed"}
 """Name of a quantity in the FMU's ``impact[j]`` → its column in ``Result.impacts``, if the names differ."""
 
 
@@ -59,7 +59,7 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
         return _joint_force(recording, sensitivities)
     owner, number, _, quantity = name_parts(name)
     if owner == "impact" and "[" in name:
-        return _of_impact(recording, sensitivities, number, OF_FMU.get(quantity, quantity))
+        return _of_impact(recording, sensitivities, number, FMU_NAMES.get(quantity, quantity))
     if name not in sensitivities.columns:
         quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
         of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)
@@ -96,7 +96,7 @@ def _values_of(recording: Recording, field: str, *, at_stops: bool) -> np.ndarra
 
     With ``at_stops`` the impacts at stops of joints count; otherwise all others do.
     """
-    return np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
+    return np.where(recording.is_at_joint_stop == at_stops, recording.impacts[field], np.nan)
 
 
 def _largest_in(recording: Recording, field: str, *, at_stops: bool) -> float:
@@ -114,9 +114,9 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
         raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
     impact = impacts[number - 1]
     value, slope = impact[field], slopes_of_impacts(sensitivities, field)
-    units = impact_units(stop=recording.is_stop(impact["wall"]))
+    units = impact_units(stop=recording.is_joint_stop(impact["wall"]))
     wall = recording.wall_names[impact["wall"]]
-    where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
+    where = f"impact {number}, {recording.touching_part(impact)} at {wall}, t = {impact['onset']:.6g} s"
     again = partial(_impact_in, number=number, field=field)
     # a coordinate on a wall through the origin is 0 up to round-off, so its size counts as at least the
     # length of the chain

@@ -19,8 +19,8 @@ from chain_impact.recording.course import Repeatable
 from chain_impact.recording.joint_stops import JointRange, ranges_of
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
-from chain_impact.results.pictured import Pictured
 from chain_impact.results.ranking import Ranking, ranking_of
+from chain_impact.results.scene_recording import SceneRecording
 from chain_impact.scene.errors import UnknownNameError, names_matching
 from chain_impact.scene.facts import FACTS
 from chain_impact.scene.half_planes import HalfPlane
@@ -41,7 +41,7 @@ ENERGIES = {
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Result(Pictured):
+class Result(SceneRecording):
     """The result of a simulation: a recording with its scene.
 
     Two results are equal if all their attributes except ``stepwise`` and ``rerun`` are equal.

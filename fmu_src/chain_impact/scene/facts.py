@@ -267,19 +267,19 @@ def _walls(facts: SceneFacts) -> list[dict[str, Any]]:
 
 def _signals(facts: SceneFacts) -> list[dict[str, Any]]:
     return [
-        {"name": signal.signal, "input": signal.input, "knot_count": signal.knots}
+        {"name": signal.signal, "input": signal.input, "knot_count": signal.knot_count}
         for signal in driven_by(facts.scene)
     ]
 
 
 def _steps(facts: SceneFacts) -> list[dict[str, Any]]:
     signals = driven_by(facts.scene)
-    first = accumulate((signal.knots for signal in signals), initial=0)
+    first = accumulate((signal.knot_count for signal in signals), initial=0)
     return [
         {"name": signal.signal, "input": signal.input, "entry": k, "knot": knot + k}
         for signal, knot in zip(signals, first, strict=False)
         if signal.is_steps
-        for k in range(signal.knots)
+        for k in range(signal.knot_count)
     ]
 
 

@@ -30,16 +30,16 @@ class Driven(NamedTuple):
     Attributes:
         signal: the name of the signal.
         input: the name of the input.
-        outputs: the names of the quantities that the signal determines (``family``): integrals of the input
-            over time, the input, and derivatives of the input, in this order.
-        knots: the number of polynomials for the input in the record.
+        outputs: the names of the quantities that the signal determines (``quantities_driven_by``): integrals
+            of the input over time, the input, and derivatives of the input, in this order.
+        knot_count: the number of polynomials for the input in the record.
         is_steps: whether the form of the signal is "steps", with lists of times and values.
     """
 
     signal: str
     input: str
     outputs: tuple[str, ...]
-    knots: int
+    knot_count: int
     is_steps: bool
 
     @property
@@ -56,14 +56,20 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
     if not scene.signals:
         return ()
     driven = [
-        Driven(name, input_name, family(input_name), knots_of(signal, input_name), signal.form == "steps")
+        Driven(
+            name,
+            input_name,
+            quantities_driven_by(input_name),
+            knots_of(signal, input_name),
+            signal.form == "steps",
+        )
         for name, signal in scene.signals.items()
         for input_name in signal.input
     ]
     return tuple(sorted(driven, key=lambda each: each.input.endswith(TARGET_RATE)))
 
 
-def family(name: str) -> tuple[str, ...]:
+def quantities_driven_by(name: str) -> tuple[str, ...]:
     """Return the names of the quantities that a signal determines if it drives the input ``name``.
 
     These are integrals of the input over time, the input, and derivatives of the input, in this order. All
@@ -88,7 +94,7 @@ def driven_alone(name: str) -> tuple[str, ...]:
     For a position, velocity or acceleration of the base along an axis, or of a wall, these are all three,
     because each determines the others; for any other input, only the input itself.
     """
-    return family(name) if is_motion(name) else (name,)
+    return quantities_driven_by(name) if is_motion(name) else (name,)
 
 
 def with_signals(scene: AnyScene, folder: Path) -> AnyScene:

@@ -19,7 +19,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.recording.equality import same
-from chain_impact.recording.impact_words import toucher_name
+from chain_impact.recording.impact_words import touching_part_name
 from chain_impact.recording.impacts import LOG_DTYPE, POSITION, in_order
 from chain_impact.recording.joint_stops import at_joint_stop
 from chain_impact.scene.errors import SceneError
@@ -227,7 +227,7 @@ class DifferentiatedInstance(Instance):
             where = f", the {cause} of joint {trust['point']}"
         elif trust["point"] != NO_IMPACT:
             scene, wall = self.prepared.scene, trust["wall"]
-            touching = toucher_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
+            touching = touching_part_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
             where = f", the {cause} of {touching} at {scene.wall_names[wall]}"
             reasons = REASONS_AT_STOPS if at_joint_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]

@@ -55,11 +55,11 @@ class Instance:
         self.prepared = prepared_scene(source)
         varied = self.prepared.varied if varied is None else varied
         self._use(self.prepared.new_instance(varied))
-        self._log_at = log_words(self.prepared.sizes)
+        self._log_at = log_words(self.prepared.counts)
         if schedule:
             schedule.set(self.record, 0)
-        size = self.prepared.kernel_size
-        self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied), sizes=size)
+        scope = self.prepared.kernel_scope
+        self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied), scope=scope)
         self.initialize()
 
     def _use(self, memory: np.ndarray) -> None:
@@ -211,7 +211,7 @@ class Instance:
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
         if not self._integers.item(at.integrates):
             rows["impulse"] = np.nan
-        if not self.prepared.sizes.loads:
+        if not self.prepared.counts.loads:
             rows["joint_force"] = np.nan
         return rows
 

@@ -9,40 +9,40 @@ from pathlib import Path
 import numpy as np
 
 from chain_impact.compilation import signatures
-from chain_impact.compilation.compilers import Sizes
+from chain_impact.compilation.compilers import KernelScope
 from chain_impact.compilation.library import kernel_library
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.indices import HEAD
-from chain_impact.variables.prepared import kernel_size
+from chain_impact.variables.prepared import kernel_scope
 
-_loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
-"""Loaded kernels without a user's law: (sizes, with derivatives, ``CHAIN_IMPACT_CACHE`` or None) → kernel."""
+_loaded: dict[tuple[KernelScope, bool, str | None], ctypes.CDLL] = {}
+"""Loaded kernels without a user's law: (scope, with derivatives, ``CHAIN_IMPACT_CACHE`` or None) → kernel."""
 
 
-def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctypes.CDLL:
+def kernel_for(scene: Scene, *, derivatives: bool, scope: KernelScope = None) -> ctypes.CDLL:
     """Return the kernel for a scene, and keep it for later calls if the scene has no user's law.
 
     Args:
         scene: the scene.
         derivatives: whether the kernel carries derivatives.
-        sizes: which scenes the kernel can run: those of ``PreparedScene.kernel_size``, the default, or only
-            those with the counts of a tuple (``sizes_of``).
+        scope: which scenes the kernel can run: those of ``PreparedScene.kernel_scope``, the default, or only
+            those with the counts of a tuple (``counts_and_flags``).
 
     Raises:
         BuildError: when the kernel cannot be compiled.
     """
-    size, law = kernel_size(scene) if sizes is None else sizes, scene.contact.law_file
+    scope, law = kernel_scope(scene) if scope is None else scope, scene.contact.law_file
     # a change of the cache folder makes another key, so that the kernel is loaded from that folder
-    key = (size, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
+    key = (scope, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and key in _loaded:
         return _loaded[key]
-    kernel = load_kernel(kernel_library(size, law_file=law, derivatives=derivatives))
+    kernel = load_kernel(kernel_library(scope, law_file=law, derivatives=derivatives))
     if not law:
         _loaded[key] = kernel
     return kernel
 
 
-def sizes_of(memory: np.ndarray) -> tuple[int, ...]:
+def counts_and_flags(memory: np.ndarray) -> tuple[int, ...]:
     """Return the counts and flags at the start of a record, for a kernel that runs only scenes with these.
 
     The number of tangent instances, the last word of this start, is left out.

@@ -81,7 +81,7 @@ def channels_of(prepared: PreparedScene) -> list[Channel]:
     """Return the channels of a moving base, of moving walls and of belts, in the order of the record."""
     names = {variable.record_path: variable.name for variable in prepared.inputs}
     scene, channels = prepared.scene, []
-    for j in range(prepared.sizes.channels):
+    for j in range(prepared.counts.channels):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
         base = scene.inputs.base_motion and j < len(AXES)
         start = scene.initial.position[j] if base else 0.0

@@ -194,7 +194,7 @@ def _warn(instance: Instance, result: Result) -> None:
     # ``hints`` takes long, and returns nothing unless a point is deeper in a wall than ``Body.deep``
     if instance.record["peaks"]["penetration"] > smallest_body(scene).deep:
         warn(scene.name, hints(scene, result.impacts))
-    if result.prepared.sizes.channels and instance.record["channel"]["contradiction"]:
+    if result.prepared.counts.channels and instance.record["channel"]["contradiction"]:
         warn(scene.name, instance.contradictions)
 
 
@@ -255,10 +255,12 @@ class Rerun:
         try:
             instance = Instance(self.prepared, schedule, ())
         except SimulationError:
-            return np.zeros(0, self.prepared.row)
+            return np.zeros(0, self.prepared.output_layout)
         rows = WordRows(len(schedule.times), self.prepared.output_words)
         done, _ = instance.run(schedule, rows)
-        outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.row)[schedule.asked[:done]]
+        outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.output_layout)[
+            schedule.asked[:done]
+        ]
         return outputs
 
     def changed(self, values: Mapping[str, Any]) -> Rerun:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from chain_impact.scene.signal_inputs import TARGET_RATE, family
+from chain_impact.scene.signal_inputs import TARGET_RATE, quantities_driven_by
 from chain_impact.scene.words.names import name_parts
 from chain_impact.simulation.pieces import Pieces
 from chain_impact.variables.prepared import PreparedScene
@@ -29,7 +29,7 @@ def still_dampers(prepared: PreparedScene, names: Sequence[str], pieces: Pieces)
     """
     texts = []
     for m, name in enumerate(names):
-        target, *rate = family(name)
+        target, *rate = quantities_driven_by(name)
         if target != name or not rate or not rate[0].endswith(TARGET_RATE):
             continue
         known = rate[0] in names or rate[0] in prepared.signals_by_input

@@ -123,7 +123,7 @@ def record_slowly(
     return Result(
         result.prepared,
         schedule.times[:done],
-        structured(rows.numbers[:done], result.prepared.row),
+        structured(rows.numbers[:done], result.prepared.output_layout),
         result.impacts,
         statistics=instance.statistics,
         stick_slip=result.stick_slip,

@@ -1,9 +1,9 @@
 """A cache of the data that scenes share if they differ only in numbers.
 
-Scenes that differ only in numbers use the same entry of the cache (``Common``). An entry has the values of
-those properties of ``PreparedScene`` that do not depend on numbers; ``in_common`` marks these properties. An
-entry also has the record of one of its scenes; the record of any other scene of the entry is a copy, in which
-only the tables with changed numbers are written again (filling.py).
+Scenes that differ only in numbers use the same entry of the cache (``SharedData``). An entry has the values
+of those properties of ``PreparedScene`` that do not depend on numbers; ``shared_by_structure`` marks these
+properties. An entry also has the record of one of its scenes; the record of any other scene of the entry is a
+copy, in which only the tables with changed numbers are written again (filling.py).
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ Part = TypeVar("Part")
 
 
 @dataclass
-class Common:
+class SharedData:
     """The data that scenes share if they differ only in numbers.
 
     Attributes:
         scene: the scene for which the entry was made.
-        parts: name of a property of ``PreparedScene`` with ``in_common`` → its value.
+        parts: name of a property of ``PreparedScene`` with ``shared_by_structure`` → its value.
         record: one of these scenes, and the words (8 bytes each) of the scene's record, which nothing may
             change; None before the first record is made.
     """
@@ -42,7 +42,7 @@ class Common:
     record: tuple[Scene, np.ndarray] | None = None
 
 
-_cache: list[Common] = []
+_cache: list[SharedData] = []
 """The entries of the cache; the one that was added last comes first."""
 MOST_CACHED = 16  # largest number of entries
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
@@ -82,32 +82,32 @@ _of_slider = attrgetter(*_decisive(Slider, ("chain", "slider")), "angle")
 points can reach."""
 
 
-def common_of(scene: Scene) -> Common:
+def shared_data_of(scene: Scene) -> SharedData:
     """Return the entry of the cache for a scene; add an entry if the cache has none for this scene."""
-    for common in tuple(_cache):
-        if changed_numbers(common.scene, scene) is not None:
-            return common
+    for shared in tuple(_cache):
+        if changed_numbers(shared.scene, scene) is not None:
+            return shared
     # if another thread adds an entry for this scene at the same time, the cache has both, which does no harm
-    new = Common(scene)
+    new = SharedData(scene)
     _cache.insert(0, new)
     del _cache[MOST_CACHED:]
     return new
 
 
-def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
+def shared_by_structure(part: Callable[[Any], Part]) -> cached_property[Part]:
     """Return the cached property for a method of ``PreparedScene`` whose result does not depend on numbers.
 
-    All scenes with the same ``common`` share the result, which is in ``Common.parts`` under the name of the
-    method.
+    All scenes with the same ``shared`` share the result, which is in ``SharedData.parts`` under the name of
+    the method.
     """
 
     @wraps(part)
     def found(prepared: Any) -> Part:
-        parts = prepared.common.parts
+        parts = prepared.shared.parts
         if part.__name__ not in parts:
             parts[part.__name__] = part(prepared)
-        common: Part = parts[part.__name__]
-        return common
+        shared: Part = parts[part.__name__]
+        return shared
 
     return cached_property(found)
 

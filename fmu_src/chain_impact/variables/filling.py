@@ -25,7 +25,7 @@ from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.rules.rule_language import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import AT, ENTRY_AT, DataPath
-from chain_impact.variables.cache import MOST_CACHED, Common, changed_numbers
+from chain_impact.variables.cache import MOST_CACHED, SharedData, changed_numbers
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
@@ -45,16 +45,16 @@ scene does, the record has two fields for a parameter with this condition: one f
 the given value."""
 
 
-def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray:
+def new_record(scene: Scene, structure: Structure, shared: SharedData) -> np.ndarray:
     """Return an array with one record: an instance with the parameters of a scene, before initialization.
 
     Args:
         scene: the scene.
         structure: the structure of the scene.
-        common: the entry of the cache for the scene; it gets a copy of each record that is written as a
+        shared: the entry of the cache for the scene; it gets a copy of each record that is written as a
             whole.
     """
-    sizes, last = structure.counts, common.record
+    sizes, last = structure.counts, shared.record
     layout, changed = layout_of(*sizes), changed_numbers(last[0], scene) if last else None
     if last is None or changed is None:
         words = np.zeros(layout.itemsize // WORD)
@@ -63,7 +63,7 @@ def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray
         _fill(memory[0], scene, structure)
         for table in _tables():
             _write(table, words, scene, sizes)
-        common.record = scene, words.copy()
+        shared.record = scene, words.copy()
     else:
         words = last[1].copy()
         memory = np.ndarray(1, layout, words)

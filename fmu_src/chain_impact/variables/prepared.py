@@ -19,7 +19,7 @@ from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.scene.words.names import DataPath
-from chain_impact.variables.cache import common_of, in_common
+from chain_impact.variables.cache import shared_by_structure, shared_data_of
 from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (
     OutputIndices,
@@ -45,8 +45,8 @@ class PreparedScene:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, self.common = scene, common_of(scene)
-        vars(self).update(self.common.parts)
+        self.scene, self.shared = scene, shared_data_of(scene)
+        vars(self).update(self.shared.parts)
 
     def __eq__(self, other: object) -> bool:
         """Return whether ``other`` is a prepared scene with an equal scene."""
@@ -58,12 +58,12 @@ class PreparedScene:
         """Pickle the scene only, because another process can compute the other data from it."""
         return type(self), (self.scene,)
 
-    @in_common
+    @shared_by_structure
     def structure(self) -> Structure:
         """The structure of the scene, which decides which variables exist."""
         return structure_of(self.scene)
 
-    @in_common
+    @shared_by_structure
     def candidates(self) -> list[tuple[int, int]]:
         """The candidates: pairs (number of a point or joint, index of a wall or stop in ``wall_names``).
 
@@ -71,32 +71,32 @@ class PreparedScene:
         """
         return [(candidate["n"], candidate["wall"]) for candidate in self.structure.lists["candidates"]]
 
-    @in_common
+    @shared_by_structure
     def wall_names(self) -> tuple[str, ...]:
         """The names of walls and stops by their indices in the record (``Contents.wall_names``)."""
         return self.scene.wall_names
 
-    @in_common
-    def sizes(self) -> Counts:
+    @shared_by_structure
+    def counts(self) -> Counts:
         """The counts that decide the layout of the record, such as the number of links."""
         return self.structure.counts
 
-    @in_common
+    @shared_by_structure
     def layout(self) -> np.dtype:
         """The NumPy type of an instance's record without tangent instances."""
-        return layout_of(*self.sizes)
+        return layout_of(*self.counts)
 
-    @in_common
-    def row(self) -> np.dtype:
+    @shared_by_structure
+    def output_layout(self) -> np.dtype:
         """The NumPy type of a row of ``Result.outputs`` with all outputs that change continuously."""
         return self.layout["output"]
 
-    @in_common
+    @shared_by_structure
     def parameters(self) -> list[Variable]:
         """The parameters of the FMU, in the order of their value references."""
         return list(parameters(self.scene, self.structure))
 
-    @in_common
+    @shared_by_structure
     def inputs(self) -> list[Variable]:
         """The inputs of the FMU, in the order of their value references."""
         return list(inputs(self.structure))
@@ -106,13 +106,13 @@ class PreparedScene:
         """Name of a quantity that a signal determines (``Driven.outputs``) → name of this signal."""
         return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
 
-    @in_common
+    @shared_by_structure
     def outputs(self) -> list[Variable]:
         """The outputs of the FMU, without derivatives, in the order of their value references."""
-        return list(self.own_outputs.values())
+        return list(self.outputs_without_derivatives.values())
 
-    @in_common
-    def own_outputs(self) -> dict[str, Variable]:
+    @shared_by_structure
+    def outputs_without_derivatives(self) -> dict[str, Variable]:
         """Name → output of the FMU, without derivatives."""
         return outputs_of(self.structure)
 
@@ -126,7 +126,7 @@ class PreparedScene:
         """Name of a variable of the FMU → its unit."""
         return {variable.name: variable.unit for variable in self.variables}
 
-    @in_common
+    @shared_by_structure
     def motion(self) -> list[Variable]:
         """The outputs that change continuously, in the order of their value references."""
         return [variable for variable in self.outputs if variable.record_path[0] == "output"]
@@ -146,7 +146,7 @@ class PreparedScene:
         """All variables of the FMU, in the order of their value references; outputs come last."""
         return [*self.parameters, *self.inputs, *self.outputs, *derivatives(self.motion, self.varied)]
 
-    @in_common
+    @shared_by_structure
     def parameter_paths(self) -> dict[str, DataPath]:
         """Name of a parameter → the path of its value in the scene, which ``scene.with_values`` accepts.
 
@@ -155,7 +155,7 @@ class PreparedScene:
         """
         return {v.name: v.scene_path for v in self.parameters if v.scene_path is not None}
 
-    @in_common
+    @shared_by_structure
     def differentiable(self) -> dict[str, Variable]:
         """Name → parameter or input with respect to which there can be derivatives."""
         return {
@@ -169,7 +169,7 @@ class PreparedScene:
         start.flags.writeable = False
         return start
 
-    def word(self, variable: Variable) -> int:
+    def word_of(self, variable: Variable) -> int:
         """Return the index, in words of 8 bytes of the FMU's record, of a variable's value in use."""
         return word_index(self.start.dtype, variable.record_path)
 
@@ -181,28 +181,31 @@ class PreparedScene:
     def start_text(self, variable: Variable) -> str:
         """Return the start value of a variable as the shortest text that is read back as the same number."""
         words = self.start.view(np.float64 if variable.type == "real" else np.int64)
-        return repr(words[self.word(variable)].item())
+        return repr(words[self.word_of(variable)].item())
 
-    @in_common
-    def columns(self) -> dict[str, int]:
+    @shared_by_structure
+    def output_index(self) -> dict[str, int]:
         """Name of an output that changes continuously → its index in a row of ``Result.outputs``."""
-        return {variable.name: word_index(self.row, variable.record_path[1:]) for variable in self.motion}
+        return {
+            variable.name: word_index(self.output_layout, variable.record_path[1:])
+            for variable in self.motion
+        }
 
-    @in_common
-    def kernel_size(self) -> int:
-        """The result of the function ``kernel_size`` for the scene."""
-        return kernel_size(self.scene)
+    @shared_by_structure
+    def kernel_scope(self) -> int:
+        """The result of the function ``kernel_scope`` for the scene."""
+        return kernel_scope(self.scene)
 
-    @in_common
+    @shared_by_structure
     def output_words(self) -> np.ndarray:
         """The indices in the record of the numbers of a row of ``Result.outputs``, shape (W,)."""
         first = first_word(self.layout, "output")
-        return np.arange(first, first + self.row.itemsize // WORD)
+        return np.arange(first, first + self.output_layout.itemsize // WORD)
 
-    @in_common
+    @shared_by_structure
     def output_indices(self) -> OutputIndices:
         """The indices in the record of all outputs of the scene, without derivatives."""
-        return output_indices(self.structure, self.sizes)
+        return output_indices(self.structure, self.counts)
 
     def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
         """Return the record's indices of the outputs with the names or patterns ``wanted``, in this order.
@@ -221,21 +224,22 @@ class PreparedScene:
             kept[wanted] = by_names(*(variable.name for variable in outputs_named(self, wanted)))
         return kept[wanted]
 
-    @in_common
+    @shared_by_structure
     def _indices_by_text(self) -> dict[str, OutputIndices]:
         """Name or pattern → the indices of its outputs, from earlier calls of ``indices_named``."""
         return {}
 
-    @in_common
+    @shared_by_structure
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
         """The function from names of outputs to their indices, which keeps the results of its last calls."""
-        outputs, every = self.own_outputs, self.output_indices
+        outputs, every = self.outputs_without_derivatives, self.output_indices
         return lru_cache(KEPT_SELECTIONS)(lambda *names: indices_of([outputs[name] for name in names], every))
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
         """Return name of an output → its values over time, shape (T,).
 
-        ``outputs`` are rows with all outputs that change continuously (``row``), as in ``Result.outputs``.
+        ``outputs`` are rows with all outputs that change continuously (``output_layout``), as in
+        ``Result.outputs``.
         """
         return {
             variable.name: field_at(outputs, variable.record_path)[(..., *variable.index)]
@@ -252,7 +256,7 @@ class PreparedScene:
                 default those with respect to which the FMU has derivatives.
         """
         varied = self.varied if varied is None else varied
-        memory = new_record(self.scene, self.structure, self.common)
+        memory = new_record(self.scene, self.structure, self.shared)
         return with_tangents(memory, [variable.set_path for variable in varied]) if varied else memory
 
 
@@ -267,8 +271,8 @@ def field_at(outputs: Any, path: DataPath) -> Any:
     return outputs
 
 
-def kernel_size(scene: Scene) -> int:
-    """Return the argument ``links`` of ``kernel_library`` for a scene: the number of links, or ``GENERAL``.
+def kernel_scope(scene: Scene) -> int:
+    """Return the argument ``scope`` of ``kernel_library`` for a scene: the number of links, or ``GENERAL``.
 
     It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or the fact "body" holds
     (scene/facts.py): other kernels have no code for these.

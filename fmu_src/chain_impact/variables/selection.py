@@ -27,7 +27,7 @@ class Available(Protocol):
     def inputs(self) -> list[Variable]: ...  # noqa: D102
 
     @property
-    def own_outputs(self) -> dict[str, Variable]: ...  # noqa: D102
+    def outputs_without_derivatives(self) -> dict[str, Variable]: ...  # noqa: D102
 
     @property
     def parameter_paths(self) -> dict[str, DataPath]: ...  # noqa: D102
@@ -36,7 +36,7 @@ class Available(Protocol):
     def differentiable(self) -> dict[str, Variable]: ...  # noqa: D102
 
     @property
-    def columns(self) -> dict[str, int]: ...  # noqa: D102
+    def output_index(self) -> dict[str, int]: ...  # noqa: D102
 
 
 def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]:
@@ -51,7 +51,7 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
     scene = prepared.scene
 
     def hint(name: str) -> str | None:
-        if name in prepared.columns:
+        if name in prepared.output_index:
             return "it is an output: derivatives of it are with respect to parameters and inputs"
         if name in prepared.parameter_paths:
             return "it is a choice, or a setting of the solver, of which the motion is not a smooth function"
@@ -76,24 +76,24 @@ def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Vari
     """
     if not wanted:
         return []
-    outputs, hint = prepared.own_outputs, _hint_on_outputs(prepared)
+    outputs, hint = prepared.outputs_without_derivatives, _hint_on_outputs(prepared)
     return [outputs[name] for name in _named(prepared.scene.name, wanted, outputs, "not an output", hint)]
 
 
 def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str, int]:
-    """Return the entries of ``PreparedScene.columns`` for the names or patterns ``wanted``, in this order.
+    """Return the entries of ``PreparedScene.output_index`` for ``wanted``, names or patterns, in this order.
 
     Raises:
         UnknownNameError: when a name is not that of a column, or a pattern matches no column.
     """
-    columns, hint = prepared.columns, series_hint(_hint_on_outputs(prepared))
+    columns, hint = prepared.output_index, series_hint(_hint_on_outputs(prepared))
     names = _named(prepared.scene.name, wanted, columns, "not an output", hint)
     return {name: columns[name] for name in names}
 
 
 def missing_output_hint(prepared: Available, name: str) -> str | None:
     """Return a hint why ``name`` matches no wanted output; None without a hint."""
-    inputs, outputs = [variable.name for variable in prepared.inputs], prepared.own_outputs
+    inputs, outputs = [variable.name for variable in prepared.inputs], prepared.outputs_without_derivatives
     how = "a signal in the scene, or --inputs FILE on the command line,"
     if hint := output_hint(name, inputs, prepared.parameter_paths, how):
         return hint

@@ -30,7 +30,7 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
         fields["source"][j] = first.setdefault(signal.signal, j)
         fields["order"][j], fields["first_knot"][j] = signal.order, knot
         write_signal(d, j, scene.signals[signal.signal], signal.input, stop)
-        knot += signal.knots
+        knot += signal.knot_count
 
 
 def input_at(path: DataPath) -> tuple[int, str | int]:

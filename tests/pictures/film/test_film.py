@@ -101,9 +101,9 @@ def test_walls_may_have_the_names_of_stops_that_the_chain_does_not_have():
         'name = "stop"', 'name = "slider_min"'
     )
     usual, other = (simulate(parse_scene(each, "ramp"), 1.5, output_step=1e-3) for each in (text, renamed))
-    assert {touch.wall for touch in other.touches} == {"joint_min", "slider_min"}
+    assert {interaction.wall for interaction in other.interactions} == {"joint_min", "slider_min"}
     np.testing.assert_array_equal(largest_forces(other)["wall"], largest_forces(usual)["wall"])
-    assert other.touching == usual.touching != {}
+    assert other.touching_radii == usual.touching_radii != {}
 
 
 def test_a_film_is_dark_in_a_dark_style(tmp_path):
@@ -207,8 +207,8 @@ def test_an_mp4_is_a_film_that_a_decoder_reads(recording, tmp_path):
 
 
 def test_an_arrow_is_there_while_there_is_a_force(recording):
-    (touch,) = (one for one in recording.touches if (one.point, one.wall) == (2, "y_min"))
-    peak = recording.time[touch.force.argmax()]
+    (interaction,) = (one for one in recording.interactions if (one.point, one.wall) == (2, "y_min"))
+    peak = recording.time[interaction.force.argmax()]
     red = [coloured(picture[SIZE[1] // 4 :], FORCE) for picture in pictures(recording, 0.0, peak, 0.52)]
     assert red[0] == 0
     assert red[1] > 10
@@ -308,5 +308,5 @@ def test_a_ring_stays_where_an_impact_happened():
         drawn = list(page.show(frame, 1.0))
         assert page.rings in drawn
         seen.append(page.rings.get_xydata().tolist())
-    spots = [recording.spot(impact).tolist() for impact in recording.impacts]
+    spots = [recording.impact_position(impact).tolist() for impact in recording.impacts]
     assert seen == [[], spots[:1], spots]

@@ -51,7 +51,7 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
         impact = recording.impacts[recording.impacts["onset"] == time][0]
         place = recording.all_points[recording.row_at(time)][impact["point"]]
         # the point touches the wall within its radius and its motion between two communication points
-        gap = recording.wall_of(impact).clearance(*place) - recording.touching[impact["point"]]
+        gap = recording.wall_of(impact).clearance(*place) - recording.touching_radii[impact["point"]]
         assert abs(gap) < 1.1e-3 * impact["impact_speed"]
     if len(recording.impacts) > MOST_STRONG_POSES:
         assert times == [recording.impacts["onset"][marked_peaks(recording)[0].row]]
@@ -144,7 +144,7 @@ def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
     (ring,) = (line for line in motion.lines if line.get_color() == PEAK_COLOUR)
     assert ring.get_label() == most.words
     assert most.words in [text.get_text() for text in motion.get_legend().get_texts()]
-    spot = recording.spot(recording.impacts[most.row])
+    spot = recording.impact_position(recording.impacts[most.row])
     if model != "bouncing_ball":
         assert np.hypot(*(ring.get_xydata()[0] - spot)) < RING_DISTANCE * np.ptp(motion.get_xlim())
     (mark,) = (line for line in speeds.lines if line.get_color() == PEAK_COLOUR)

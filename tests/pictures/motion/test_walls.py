@@ -26,7 +26,7 @@ def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     assert np.all(recording.points < high)
     assert motion.get_aspect() == ("auto" if model == "steel_bar" else 1.0)
     ends = [recording.all_points]
-    for point, radius in recording.touching.items():
+    for point, radius in recording.touching_radii.items():
         ends += [recording.all_points[:, [point]] + side * radius for side in (-1.0, 1.0)]
     spans = np.ptp(np.concatenate(ends, axis=1), axis=(0, 1))
     axis = int(np.argmax(spans))
@@ -122,7 +122,7 @@ def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():
 def test_a_disc_at_a_point_is_in_view_as_a_whole(model):
     recording = recorded(model)
     motion = motion_of(recording)
-    ((point, radius),) = recording.touching.items()
+    ((point, radius),) = recording.touching_radii.items()
     places, (low, high) = recording.all_points[:, point], np.transpose([motion.get_xlim(), motion.get_ylim()])
     assert (places - radius > low).all()
     assert (places + radius < high).all()

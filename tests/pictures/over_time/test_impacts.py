@@ -33,7 +33,7 @@ def strengths(recording):
     All impacts are at walls, or all at stops.
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model")
-    if recording.at_stops.all():
+    if recording.is_at_joint_stop.all():
         law = recording.stop_law or law
     impulses = np.where(np.isnan(impacts["end"]), 0.0, impacts["impulse"])
     if law == "newton_impact" and not impulses.any():

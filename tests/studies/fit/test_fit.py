@@ -75,7 +75,7 @@ def test_a_fit_tells_its_statistics(found):
     assert np.diag(found.correlation) == pytest.approx(1.0)
     assert (np.abs(found.correlation) <= 1.0 + 1e-12).all()
     assert found.estimated == ()
-    assert found.runs > 5
+    assert found.evaluations > 5
     assert found.residuals[found.columns[TIP[0]]].std() == pytest.approx(NOISE, rel=0.2)
 
 

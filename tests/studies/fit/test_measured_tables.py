@@ -25,7 +25,9 @@ def test_samples_with_gaps():
     found = read(MOTION)
     assert found.outputs == ("point[4].x", "point[4].y")
     assert found.times.tolist() == [0.1, 0.2, 0.3]
-    assert list(zip(found.quantity, found.value, found.order, found.row, found.column, strict=True)) == [
+    assert list(
+        zip(found.quantity, found.value, found.value_times, found.row, found.column, strict=True)
+    ) == [
         ("point[4].x", 1.0, 0.1, 0, 0),
         ("point[4].y", 4.0, 0.1, 0, 1),
         ("point[4].y", 5.0, 0.2, 1, 1),
@@ -47,7 +49,7 @@ def test_rows_of_impacts_beside_samples():
     found = read(table)
     assert found.quantity == ("point[4].x", "onset", "peak_force", "point[4].x", "peak_force")
     assert found.of_impact.tolist() == [False, True, True, False, True]
-    np.testing.assert_array_equal(found.order, [0.1, 0.15, 0.15, 0.2, np.nan])
+    np.testing.assert_array_equal(found.value_times, [0.1, 0.15, 0.15, 0.2, np.nan])
     second, third = found.impacts
     assert (second.number, second.wall, second.alike) == (2, SCENE.wall_names.index("y_min"), False)
     assert (third.number, third.wall) == (3, None)
@@ -57,7 +59,7 @@ def test_rows_of_impacts_beside_samples():
 def test_tables_of_one_run():
     found = read([MOTION, {"time": [0.15], "link[1].angle": [0.5]}])
     assert found.times.tolist() == [0.1, 0.15, 0.2, 0.3]
-    assert found.order[-1] == 0.15
+    assert found.value_times[-1] == 0.15
     assert found.row[-1] == 1
 
 
@@ -109,7 +111,7 @@ def test_a_contact_that_ends_late_is_simulated_to_its_measured_end():
     assert end > 1.5 * onset
     table = {"onset": [onset], "end": [end]}
     data = read_measurements(table, ball, {"onset": 1e-4, "end": 1e-4})
-    assert data.order.tolist() == [onset, end]
+    assert data.value_times.tolist() == [onset, end]
     assert data.end(3.0) > end
     found = fit(
         ball.with_values({"contact.stiffness": 1300.0}),

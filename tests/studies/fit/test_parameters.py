@@ -44,7 +44,7 @@ def test_given_bounds_stay_within_the_range_of_the_key():
 def test_parameters_of_each_data_set():
     other = SCENE.with_values({"initial.vx": 1.0})
     shared, first, second = make(["contact.stiffness"], ["initial.vx"], scenes=(SCENE, other))
-    assert (shared.run, first.run, second.run) == (None, 0, 1)
+    assert (shared.data_set, first.data_set, second.data_set) == (None, 0, 1)
     assert (first.start, second.start) == (1.5, 1.0)
     assert second.label == "initial.vx of data set 2"
 

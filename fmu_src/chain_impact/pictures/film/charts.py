@@ -90,7 +90,9 @@ def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
     Stops of a slider count as walls, stops of joints do not. An entry whose forces are unknown or always 0 is
     left out.
     """
-    at_walls = [touch.force for touch in recording.touches if touch.kind in (WALL, SLIDER_STOP)]
+    at_walls = [
+        interaction.force for interaction in recording.interactions if interaction.kind in (WALL, SLIDER_STOP)
+    ]
     known = {
         "wall": [force for force in at_walls if force is not None],
         "joint": [np.hypot(*force.T) for force in recording.loads.values()],

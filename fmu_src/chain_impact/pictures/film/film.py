@@ -74,7 +74,7 @@ class Film:
         )
         self.loads = {joint: self._over_frames(force) for joint, force in recording.loads.items()}
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
-        self.touches, self.moving = recording.touches, list[Any]()
+        self.interactions, self.moving = recording.interactions, list[Any]()
         self.numbers, self.arrows = list[Number](), list[np.ndarray]()
         wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
         scene, clock, rate = (SCENE, CLOCK, RATE) if wide else (SMALL_SCENE, SMALL_CLOCK, SMALL_RATE)
@@ -102,7 +102,7 @@ class Film:
         for lines in (self.tail, self.ranges):
             self.scene.add_collection(lines, autolim=False)
         disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
-        touching = recording.touching if radius > 0.0 else {}
+        touching = recording.touching_radii if radius > 0.0 else {}
         self.discs = {point: Circle((0, 0), own, **disc) for point, own in touching.items()}
         body: dict[str, Any] = {**body_look(CHAIN), "animated": True}
         self.bodies = {link: Polygon(corners, **body) for link, corners in recording.outlines.items()}
@@ -117,7 +117,7 @@ class Film:
             self.scene.plot([], [], color=colour, markeredgecolor=edge, markersize=size, **mark)[0]
             for colour, edge, size in ((CHAIN, CHAIN, 4), ("white", CHAIN, 5), (TIP, "white", 7))
         )
-        peaks = recording.impacts["peak_force"][~recording.at_stops]
+        peaks = recording.impacts["peak_force"][~recording.is_at_joint_stop]
         seen = [force.max() for force in largest_forces(recording).values()]
         peak = max([np.nanmax(peaks, initial=0.0), *seen])
         self.scale = ArrowScale(peak, self.side)
@@ -141,7 +141,9 @@ class Film:
         """Return an empty line of rings, and the places of all impacts, shape (I, 2) [m], for ``show``."""
         look: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markersize": 6.5, "animated": True}
         (rings,) = self.scene.plot([], [], linestyle="", markeredgecolor=INK, **look)
-        return rings, np.reshape([self.recording.spot(impact) for impact in self.recording.impacts], (-1, 2))
+        return rings, np.reshape(
+            [self.recording.impact_position(impact) for impact in self.recording.impacts], (-1, 2)
+        )
 
     def _draw_key(self, figure: Figure, right: float) -> None:
         """Draw the legend of the arrows; its right end is at the part ``right`` of the figure's width."""
@@ -249,18 +251,23 @@ class Film:
         self.numbers.clear()
         self.arrows.clear()
         self.plane = self.recording.sides_at(float(self.times[frame]))
-        for touch in self.touches:
-            force = 0.0 if touch.force is None else self._value_at(touch.force, frame)
-            sticks = touch.sticking is not None and touch.sticking[self.rows[frame]] > 0.0
-            if touch.wall in self.plane and force > 0.0:
-                along = 0.0 if touch.friction is None else self._value_at(touch.friction, frame)
-                self._add_contact(self.points[frame, touch.point], touch.wall, (force, along), sticks)
-            elif touch.kind == FRICTION and sticks:
-                self._add_line(
-                    self.points[frame, max(touch.point - 1, 0)], "o", markeredgecolor=CHAIN, markersize=7
+        for interaction in self.interactions:
+            force = 0.0 if interaction.force is None else self._value_at(interaction.force, frame)
+            sticks = interaction.sticking is not None and interaction.sticking[self.rows[frame]] > 0.0
+            if interaction.wall in self.plane and force > 0.0:
+                along = 0.0 if interaction.friction is None else self._value_at(interaction.friction, frame)
+                self._add_contact(
+                    self.points[frame, interaction.point], interaction.wall, (force, along), sticks
                 )
-            elif touch.kind == JOINT_STOP and force > 0.0:
-                mark, (dx, dy) = touching_place(self.points[frame], touch.point)
+            elif interaction.kind == FRICTION and sticks:
+                self._add_line(
+                    self.points[frame, max(interaction.point - 1, 0)],
+                    "o",
+                    markeredgecolor=CHAIN,
+                    markersize=7,
+                )
+            elif interaction.kind == JOINT_STOP and force > 0.0:
+                mark, (dx, dy) = touching_place(self.points[frame], interaction.point)
                 self._add_line(mark, "o", markersize=9)
                 across = np.array([dy, -dx])
                 self.numbers.append(Number(force, force_text(force, "N·m"), mark, across, FORCE))

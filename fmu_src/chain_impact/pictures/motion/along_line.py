@@ -37,7 +37,7 @@ def line_of_motion(recording: Recording) -> int | None:
         return None
     ways = np.ptp(recording.points[:, ball], axis=0)
     along = int(ways.argmax())
-    if not ways[along] > recording.touching[ball] or ways[1 - along] > BENT * ways[along]:
+    if not ways[along] > recording.touching_radii[ball] or ways[1 - along] > BENT * ways[along]:
         return None
     normals = [recording.walls[name].normal for name in view_of(recording).walls]
     return along if all(abs(normal[along]) > STRAIGHT for normal in normals) else None
@@ -50,7 +50,7 @@ def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
     """
     ball = ball_of(recording)
     assert ball is not None
-    time, place, radius = recording.time, recording.points[:, ball, along], recording.touching[ball]
+    time, place, radius = recording.time, recording.points[:, ball, along], recording.touching_radii[ball]
     surfaces = wall_surfaces(recording, along)
     every = [place - radius, place + radius, *surfaces.values()]
     low, high = min(map(np.min, every)), max(map(np.max, every))

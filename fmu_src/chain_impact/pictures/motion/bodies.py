@@ -28,7 +28,7 @@ def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, line
     style = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
     for link, corners in recording.outlines.items():
         axes.add_patch(Polygon(placed(corners, points[link - 1], points[link]), **style))
-    for end, radius in recording.touching.items():
+    for end, radius in recording.touching_radii.items():
         if radius > 0.0 and end < len(points) and not {end, end + 1} & recording.outlines.keys():
             axes.add_patch(Circle(points[end], radius, **style))
     if len(sites):

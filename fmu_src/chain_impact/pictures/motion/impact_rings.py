@@ -106,11 +106,11 @@ def _label_place(
     a joint, to the right of the link's direction from the base to the tip. At a stop of a slider, the
     position is an end of the stop's mark, and the vector points along the mark, away from it.
     """
-    if recording.is_stop(impact["wall"]):
+    if recording.is_joint_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
         return spot, (float(y), float(-x))
     nx, ny = recording.wall_of(impact).normal
-    if recording.toucher(impact) != "slider":
+    if recording.touching_part(impact) != "slider":
         return spot, (-nx, -ny)
     across = (-ny, nx) if nx >= 0.0 else (ny, -nx)
     assert recording.rail is not None
@@ -129,7 +129,7 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
     hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
     for row in by_speed(recording).tolist():
-        x, y = recording.spot(recording.impacts[row]).tolist()
+        x, y = recording.impact_position(recording.impacts[row]).tolist()
         near = (
             spot
             for spot, hits in hits_at.items()

@@ -75,7 +75,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
     if recording.stops:
-        hit = next((row for row in by_speed(recording).tolist() if recording.at_stops[row]), None)
+        hit = next((row for row in by_speed(recording).tolist() if recording.is_at_joint_stop[row]), None)
         pose = recording.points[-1] if hit is None else recording.pose_at(recording.impacts["onset"][hit])
         lines = list(range_lines(pose, recording.stops))
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))

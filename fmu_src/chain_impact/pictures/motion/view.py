@@ -122,7 +122,7 @@ def drawn_places(recording: Recording) -> np.ndarray:
     places, points = places_of(recording), recording.all_points
     rims = [
         points[:, [point]] + radius * DISC_ENDS
-        for point, radius in recording.touching.items()
+        for point, radius in recording.touching_radii.items()
         if radius > 0.0 and point < points.shape[1]
     ]
     return np.concatenate([places, *rims], axis=1)

@@ -72,7 +72,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     contacts has a row of these lines, and the axis of time is below all rows. If there are impacts both at
     walls and at stops of joints, the values at stops of joints have an axis on the right.
     """
-    stopped, onsets, scale = recording.at_stops, recording.impacts["onset"], stop_scale(recording)
+    stopped, onsets, scale = recording.is_at_joint_stop, recording.impacts["onset"], stop_scale(recording)
     times, tops = marks_of(recording)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     groups, lanes = point_groups(recording, tops), 0
@@ -127,7 +127,7 @@ def place_of_late_peaks(recording: Recording) -> str:
     The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
     """
     late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
-    words, *_ = measure(recording, is_stop=bool(recording.at_stops[late].all()))
+    words, *_ = measure(recording, is_stop=bool(recording.is_at_joint_stop[late].all()))
     return f"impacts, at the time of their {words}" if late.any() else ""
 
 
@@ -160,7 +160,7 @@ def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarra
     """
     words, unit, values = strengths(recording, is_stop=is_stop)
     if not values.any():
-        speeds = recording.impacts["impact_speed"] * (recording.at_stops == is_stop)
+        speeds = recording.impacts["impact_speed"] * (recording.is_at_joint_stop == is_stop)
         words, unit, values = "impact speed", speed_unit(is_stop), speeds
     return words, unit, values
 
@@ -244,7 +244,7 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
     """
     impacts = recording.impacts
     names = [short_names(recording, what_touches(recording, row)) for row in impacts]
-    members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
+    members = list(zip(recording.is_at_joint_stop.tolist(), impacts["point"].tolist(), names, strict=True))
     hit = list(dict.fromkeys(members[row] for row in hardest(tops)))
     marked = sorted(hit if len(hit) <= MOST_OWN_MARKS else hit[: MOST_OWN_MARKS - 1])
     marks = {is_stop: iter(known) for is_stop, known in ((False, POINT_MARKS), (True, STOP_MARKS))}

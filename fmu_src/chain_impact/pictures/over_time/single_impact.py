@@ -68,7 +68,11 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     end = recording.time[-1] if lasts(impact) else impact["end"]
     inside = (recording.time >= impact["onset"]) & (recording.time <= end)
     place = int(impact["point"]), recording.wall_names[impact["wall"]]
-    forces = (touch.force for touch in recording.touches if (touch.point, touch.wall) == place)
+    forces = (
+        interaction.force
+        for interaction in recording.interactions
+        if (interaction.point, interaction.wall) == place
+    )
     force = next(forces, None)
     if force is None or np.count_nonzero(inside) < LEAST_CONTACT_ROWS:
         return None
@@ -96,7 +100,7 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
     duration = float(impact["end"] - impact["onset"])
     lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
     axes.set_xlabel(f"impact {row + 1}: time after the onset [{unit}]; {lasting}")
-    axes.set_ylabel(f"{'moment' if recording.is_stop(impact['wall']) else 'force'} [{force_unit}]")
+    axes.set_ylabel(f"{'moment' if recording.is_joint_stop(impact['wall']) else 'force'} [{force_unit}]")
     give_ticks(axes)
 
 
@@ -110,7 +114,9 @@ def curve_of(
     row, time, force = course
     impact = recording.impacts[row]
     factor, _ = prefixed(shown_contact(impact, time, force), "s")
-    scale, unit = load_unit(float(force.max()), unit_at("peak_force", stop=recording.is_stop(impact["wall"])))
+    scale, unit = load_unit(
+        float(force.max()), unit_at("peak_force", stop=recording.is_joint_stop(impact["wall"]))
+    )
     return factor * (time - impact["onset"]), scale * force, unit
 
 
@@ -122,7 +128,7 @@ def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> str:
     if found := course_of_hardest(recording):
         along, up, _ = curve_of(recording, found)
         top, peak = int(up.argmax()), recording.impacts["peak_force"][found[0]]
-        unit = unit_at("peak_force", stop=recording.is_stop(recording.impacts["wall"][found[0]]))
+        unit = unit_at("peak_force", stop=recording.is_joint_stop(recording.impacts["wall"][found[0]]))
         place = float(along[top]), float(up[top])
         label = Label(force_text(float(peak), unit), place, look={"color": PEAK_COLOUR})
         place_labels(axes, [label], ink, lines=True, fontsize="small")

@@ -187,7 +187,7 @@ def marked_peaks(recording: Recording) -> list[Peak]:
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:
     """Return a list with the ``Peak`` of the impact in a row; [] if the peak is 0 or not known."""
-    words, unit, values = strengths(recording, is_stop=bool(recording.at_stops[row]))
+    words, unit, values = strengths(recording, is_stop=bool(recording.is_at_joint_stop[row]))
     return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
 
 
@@ -203,7 +203,7 @@ def hardness(recording: Recording, row: int) -> str:
 def speed_text(recording: Recording, row: int) -> str:
     """Return the impact speed of the impact in a row, with its unit: "2.92 m/s"."""
     impact = recording.impacts[row]
-    return f"{impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
+    return f"{impact['impact_speed']:.3g} {speed_unit(recording.is_joint_stop(impact['wall']))}"
 
 
 def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
@@ -219,7 +219,7 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     ends before, the values are hit impulses (``impulses_of_hits``).
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
-    is_own = recording.at_stops == is_stop
+    is_own = recording.is_at_joint_stop == is_stop
     forces, impulses = (np.nan_to_num(impacts[name]) * is_own for name in ("peak_force", "impulse"))
     # under an impulsive law, a rod that lies on a rigid wall after its bounces has a force, too, but this
     # force says nothing on the bounces
@@ -239,7 +239,9 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
     run; the result is then 0 if this force is not known. An unknown impulse counts as 0.
     """
     impacts, time, found = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
-    forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
+    forces = {
+        (interaction.point, interaction.wall): interaction.force for interaction in recording.interactions
+    }
     for row in np.flatnonzero(lasts(impacts)):
         onset, wall = impacts["onset"][row], recording.wall_names[impacts["wall"][row]]
         force, first = forces.get((int(impacts["point"][row]), wall)), np.searchsorted(time, onset)
@@ -284,7 +286,9 @@ def load_text(recording: Recording) -> str:
     bears a force, or if the forces remain unknown.
     """
     known = joint_peaks(recording)
-    if not known and (again := recording.in_other_run({"outputs.loads": True}, float(recording.time[-1]))):
+    if not known and (
+        again := recording.row_of_other_run({"outputs.loads": True}, float(recording.time[-1]))
+    ):
         known = joint_peaks(again)
     largest = next(iter(known), None)
     if largest is None or not largest.force > 0.0:
@@ -298,7 +302,7 @@ def load_text(recording: Recording) -> str:
 
 def has_contact(recording: Recording) -> bool:
     """Return whether something touches a wall or a stop during the run."""
-    forces = (touch.force for touch in recording.touches)
+    forces = (interaction.force for interaction in recording.interactions)
     return recording.impact_count > 0 or any(force is not None and np.any(force) for force in forces)
 
 

@@ -27,8 +27,8 @@ def short(name: str) -> str:
 
 def what_touches(recording: Recording, impact: np.void) -> str:
     """Return words for what touches in an impact: "ball" for a ball at a wall, else ``recording.toucher``."""
-    is_ball = ball_of(recording) == impact["point"] and not recording.is_stop(impact["wall"])
-    return "ball" if is_ball else recording.toucher(impact)
+    is_ball = ball_of(recording) == impact["point"] and not recording.is_joint_stop(impact["wall"])
+    return "ball" if is_ball else recording.touching_part(impact)
 
 
 def brief_hit(recording: Recording, impact: np.void) -> str:
@@ -45,7 +45,7 @@ def full_names(recording: Recording) -> str:
     The panels name the points with impacts at walls or with phases of dry friction at walls, and shorten a
     name that is longer than LONGEST_NAME.
     """
-    shown = {*recording.impacts["point"][~recording.at_stops].tolist()}
+    shown = {*recording.impacts["point"][~recording.is_at_joint_stop].tolist()}
     shown |= {int(phase["point"]) for phase in recording.stick_slip if phase["wall"] >= 0}
     names = recording.point_names
     return SEPARATOR.join(

@@ -11,7 +11,7 @@ from chain_impact.scene.errors import SceneError, refusal, refused, value_text
 from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import holds
-from chain_impact.scene.signal_inputs import driven_alone, family
+from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
 from chain_impact.scene.signal_polynomials import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.words.names import DataPath
 from chain_impact.scene.words.unit_text import unit_text
@@ -136,7 +136,7 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
     A periodic table of accelerations is refused, too (``check_table``), and so is a sine whose frequency is 0
     and stays 0 if the input is integrated over time: the integral of the sine would divide by zero.
     """
-    order, moves = family(driven).index(driven), is_motion(driven)
+    order, moves = quantities_driven_by(driven).index(driven), is_motion(driven)
     speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))
     facts = {
         "order": order,

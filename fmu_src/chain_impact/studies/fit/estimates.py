@@ -46,13 +46,13 @@ class Estimates:
     estimated: tuple[str, ...]
     deviance: float
     converged: bool
-    runs: int
+    evaluations: int
     horizons: tuple[float, ...]
     interpolation: Interpolation = "follow"
     unknown: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     ranking: tuple[LawEstimates, ...] = ()
-    models: tuple[Differentiated, ...] = field(default=())
+    model_runs: tuple[Differentiated, ...] = field(default=())
     at_bounds: dict[str, str] = field(default_factory=dict)
 
     @property

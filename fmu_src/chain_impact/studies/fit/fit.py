@@ -34,7 +34,7 @@ ROUGH_BELOW = 10
 # Data that last MOST_STOP_TIMES times the scene's stop time, or longer, are refused unless the user gives a
 # stop time: the times are probably in ms instead of s.
 MOST_STOP_TIMES = 100.0
-OF_FORCE = ("peak_force", "max_penetration")
+FORCE_QUANTITIES = ("peak_force", "max_penetration")
 """Quantities of an impact that an impulse of a rigid wall does not have."""
 
 
@@ -166,24 +166,24 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         estimated=problem.estimated,
         deviance=_deviance(problem, at, rows),
         converged=search_result.search.converged,
-        runs=problem.evaluations,
+        evaluations=problem.evaluations,
         horizons=search_result.horizons,
         at_bounds={labels[p]: which for p, which in reached.items()},
         interpolation=problem.interpolation,
         unknown=tuple(unknown(problem, at, fisher_information, reached)),
-        models=at.runs,
+        model_runs=at.runs,
     )
     return replace(result, notes=tuple(_notes(problem, result, at, search_result)))
 
 
 def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
-    """Refuse a column of OF_FORCE of which no value can be fitted (``usable``), if walls are rigid."""
+    """Refuse a column of FORCE_QUANTITIES if none of it can be fitted (``usable``) and walls are rigid."""
     scene = problem.scenes[0]
     law = CONTACT_LAWS.get(scene.contact.model)
     if not (law and law.impulsive):
         return
     for group, name in enumerate(problem.names):
-        if name in OF_FORCE and not usable[problem.group == group].any():
+        if name in FORCE_QUANTITIES and not usable[problem.group == group].any():
             raise SceneError(
                 f"{scene.name}: a rigid impact, contact.model = {law.id}, has no {name}: leave the column "
                 "out, or choose a law with a force"
@@ -238,7 +238,7 @@ def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
 
     ``stop_time`` is the stop time of the scene [s]. The times of such data are probably in ms.
     """
-    lasting = [(data_set.source, float(np.nanmax(data_set.order, initial=0.0))) for data_set in data]
+    lasting = [(data_set.source, float(np.nanmax(data_set.value_times, initial=0.0))) for data_set in data]
     return [
         f"{source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, {stop_time:g} s: "
         "its time must be in s, not in ms"
@@ -261,7 +261,7 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
     """Refuse a free parameter that is an input, if a data set for which it is free has this input."""
     for parameter in parameters:
         for k, data_set in enumerate(measured):
-            if parameter.run in (None, k) and parameter.name in data_set.inputs:
+            if parameter.data_set in (None, k) and parameter.name in data_set.inputs:
                 reason = f"is free, and is a column of {data_set.source}; must be only one of the two"
                 raise SceneError(f"{scene.name}: {parameter.name} {reason}")
 
@@ -289,7 +289,7 @@ def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.nd
         {
             parameter.name: at
             for parameter, at in mine
-            if parameter.run in (None, k) and parameter.name in known
+            if parameter.data_set in (None, k) and parameter.name in known
         }
     )
 

@@ -95,7 +95,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
     ``start`` is the model at the start values; for ``far`` and each next horizon see ``_next_horizon``.
     """
     whole, sigma = start, _first_sigma(problem)
-    last = float(np.nanmax(problem.order, initial=0.0))
+    last = float(np.nanmax(problem.value_times, initial=0.0))
     horizons = [_first_horizon(problem, whole, far)]
     best = math.inf
     while horizons[-1] < math.inf:
@@ -216,7 +216,7 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
     no value has a time later than the horizon. ``whole`` is the model at the start values; for ``far`` see
     ``_next_horizon``.
     """
-    times = np.sort(problem.order[np.isfinite(problem.order)])
+    times = np.sort(problem.value_times[np.isfinite(problem.value_times)])
     least = len(problem.parameters)
     rows = max(least, min(VALUES_PER_PARAMETER * least, len(times) // VALUES_PER_PARAMETER))
     return (
@@ -234,10 +234,10 @@ def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: floa
     is such. If ``horizon`` and both times are 0, the next horizon is the first time > 0 of a value.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
-    order = problem.order
-    last = float(np.nanmax(order))
-    reached = float(np.min(order[away], initial=math.inf, where=np.isfinite(order[away])))
+    times = problem.value_times
+    last = float(np.nanmax(times))
+    reached = float(np.min(times[away], initial=math.inf, where=np.isfinite(times[away])))
     next_horizon = max(GROWTH * horizon, reached)
     if next_horizon == horizon:  # only if ``horizon`` is 0
-        next_horizon = float(np.min(order, initial=math.inf, where=order > horizon))
+        next_horizon = float(np.min(times, initial=math.inf, where=times > horizon))
     return next_horizon if next_horizon < last else math.inf

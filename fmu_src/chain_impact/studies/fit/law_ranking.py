@@ -76,7 +76,7 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     stiffness (``law_values``), for the first impact under ``contact.model`` in the first data set of the fit
     ``first``. Without ``first``, or if the data set has no impact of this kind, exponent and stiffness stay.
     """
-    impacts = first.models[0].impacts if first else None
+    impacts = first.model_runs[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)
     impact = None if impacts is None or number is None else impacts[number]
     return scene.with_values(law_values(scene, law, impact))

@@ -80,7 +80,10 @@ class _Book:
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
         prepared = PreparedScene(scene)
-        self._outputs, self._inputs = list(prepared.columns), [variable.name for variable in prepared.inputs]
+        self._outputs, self._inputs = (
+            list(prepared.output_index),
+            [variable.name for variable in prepared.inputs],
+        )
         self._signals: dict[str, list[tuple[float, float]]] = {}
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []

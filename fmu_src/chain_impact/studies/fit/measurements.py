@@ -30,14 +30,14 @@ class ImpactRow:
         point: number of the point, or of the joint at a stop; None if the row gives no point.
         wall: index in ``scene.wall_names``; None if the row gives no wall.
         alike: whether the row gives no number, so that ``number`` counts impacts with its point and wall.
-        order: the measured onset, or else the measured end [s]; NaN if neither is measured.
+        time: the measured onset, or else the measured end [s]; NaN if neither is measured.
     """
 
     number: int
     point: int | None
     wall: int | None
     alike: bool
-    order: float
+    time: float
 
     def find(self, impacts: np.ndarray) -> int | None:
         """Return the index of this impact in ``impacts``, the rows of a model's ``Result.impacts``.
@@ -89,19 +89,19 @@ class Measurements:
         return len(self.value)
 
     @property
-    def order(self) -> np.ndarray:
+    def value_times(self) -> np.ndarray:
         """The time of each value, shape (M,) [s]: for an output, the time at which it was measured.
 
         The time of an impact's measured end is this end. The time of its other quantities is the measured
         onset or, without a measured onset, the measured end; NaN if neither was measured.
         """
-        onsets = np.array([impact.order for impact in self.impacts])
-        order = np.zeros(len(self))
-        order[~self.of_impact] = self.times[self.row[~self.of_impact]]
-        order[self.of_impact] = onsets[self.row[self.of_impact]]
+        onsets = np.array([impact.time for impact in self.impacts])
+        times = np.zeros(len(self))
+        times[~self.of_impact] = self.times[self.row[~self.of_impact]]
+        times[self.of_impact] = onsets[self.row[self.of_impact]]
         ends = self.of_impact & (np.array(self.quantity) == "end")
-        order[ends] = self.value[ends]
-        return order
+        times[ends] = self.value[ends]
+        return times
 
     def end(self, stop_time: float) -> float:
         """Return the time [s] up to which a model must run to have all measured outputs and impacts.
@@ -110,22 +110,22 @@ class Measurements:
         ``stop_time``, the scene's stop time [s]. If an impact was measured, the result is LATE_FACTOR × this
         time.
         """
-        last = float(np.nanmax(self.order, initial=0.0))
-        if np.isnan(self.order).any():
+        last = float(np.nanmax(self.value_times, initial=0.0))
+        if np.isnan(self.value_times).any():
             last = max(last, stop_time)
         return LATE_FACTOR * last if self.of_impact.any() else last
 
     def until(self, stop: float) -> Measurements:
-        """Return the measurements whose ``order`` is at most ``stop`` [s] or NaN.
+        """Return the measurements whose time is at most ``stop`` [s] or NaN.
 
         Raises:
             SceneError: when no value is left.
         """
-        kept = ~(self.order > stop)
+        kept = ~(self.value_times > stop)
         if not kept.any():
             raise SceneError(
                 f"{self.source}: no value was measured until the stop time, {stop:g} s; the first is at "
-                f"{self.order.min():g} s"
+                f"{self.value_times.min():g} s"
             )
         times = self.times[: np.searchsorted(self.times, stop, side="right")]
         arrays = ("value", "sigma", "row", "column", "of_impact")

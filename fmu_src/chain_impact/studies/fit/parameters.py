@@ -36,7 +36,7 @@ class Parameter:
         low: lower bound of the value; −infinity without a bound.
         high: upper bound of the value; infinity without a bound.
         logarithmic: whether the coordinate is the logarithm, as for every parameter that must be > 0.
-        run: index of the data set to which the value belongs; None if all data sets share the value.
+        data_set: index of the data set to which the value belongs; None if all data sets share the value.
     """
 
     name: str
@@ -45,12 +45,12 @@ class Parameter:
     low: float
     high: float
     logarithmic: bool
-    run: int | None = None
+    data_set: int | None = None
 
     @property
     def label(self) -> str:
         """The parameter's name and, if it belongs to one data set, the number of this data set, from 1."""
-        return self.name if self.run is None else f"{self.name} of data set {self.run + 1}"
+        return self.name if self.data_set is None else f"{self.name} of data set {self.data_set + 1}"
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -128,7 +128,10 @@ def parameters_of(
 
 
 def _parameter(
-    variable: Variable, scene: Scene, bounds: str | tuple[float | None, float | None] | None, run: int | None
+    variable: Variable,
+    scene: Scene,
+    bounds: str | tuple[float | None, float | None] | None,
+    data_set: int | None,
 ) -> Parameter:
     start = value_at_start(scene.values, variable.name)
     logarithmic = variable.above == 0.0
@@ -144,7 +147,7 @@ def _parameter(
                 f"{scene.name}: {variable.name} = {start:g}, where the search starts, must be within its "
                 f"bounds, {low:g} to {high:g}"
             )
-    return Parameter(variable.name, variable.unit, start, low, high, logarithmic, run)
+    return Parameter(variable.name, variable.unit, start, low, high, logarithmic, data_set)
 
 
 def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -> tuple[float, float]:

@@ -86,13 +86,13 @@ class Column:
     """The K values of a measured column in one data set.
 
     Attributes:
-        run: index of the data set.
+        data_set: index of the data set.
         rows: indices of these values among the values of all data sets, shape (K,).
         at: position of each value on the horizontal axis, shape (K,): for an output the time [s]; for a
             quantity of an impact the number of the model's impact, NaN if the model lacks the impact.
     """
 
-    run: int
+    data_set: int
     rows: np.ndarray
     at: np.ndarray
 
@@ -220,7 +220,7 @@ def _model(fit: Estimates, k: int) -> Result:
     inputs = dict(data.inputs) | {
         parameter.name: fit.values[parameter.label]
         for parameter in fit.parameters
-        if parameter.name not in scene.values and parameter.run in (None, k)
+        if parameter.name not in scene.values and parameter.data_set in (None, k)
     }
     rows: dict[str, Any] = {"stop_time": stop, "output_step": stop / CURVE_POINTS, "output": data.outputs}
     return simulate(scene, inputs=inputs, interpolation=fit.interpolation, **rows)
@@ -243,7 +243,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     spread = f"± {USUAL:g} σ; σ = {sigma_of(fit, name)}"
     band = residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0, label=spread)
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
-        dots_label = f"data set {part.run + 1}" if several else "measured"
+        dots_label = f"data set {part.data_set + 1}" if several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": ".", "color": colour}
         mark_style |= {"markersize": 4 if over_impacts else 8, "markeredgewidth": 0}
         if over_impacts:
@@ -254,7 +254,9 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             values.plot(part.at, model, "o", color=MODEL, markerfacecolor="none", markersize=9, label=label)
         else:
             look = {"color": colour} if several else {"color": MODEL, "label": "model"}
-            has_lines |= _curve(axes, results[part.run], scale * results[part.run][name], part.at.max(), look)
+            has_lines |= _curve(
+                axes, results[part.data_set], scale * results[part.data_set][name], part.at.max(), look
+            )
             step = math.ceil(len(part.rows) / MOST_DOTS)
             mark_style |= {"alpha": DOT_OPACITY, "markevery": step}
             mark_style |= {"label": dots_label if step == 1 else f"{dots_label} (1 of {step})"}

@@ -72,7 +72,7 @@ class Problem:
         interpolation: the interpolation of inputs, as for ``simulate``.
         value, sigma: the measured values of all data sets, and their standard deviations, shape (M,); NaN for
             a standard deviation that must be estimated.
-        order: time of each value, shape (M,) [s] (``Measurements.order``).
+        value_times: time of each value, shape (M,) [s] (``Measurements.value_times``).
         low, high: the lowest and the highest coordinate of each parameter, shape (P,).
         size: size of the column to which each value belongs, shape (M,): the larger of its range and its
             largest absolute value, but at least EMPTY_COLUMN_SIZE.
@@ -102,12 +102,12 @@ class Problem:
         quantities = [name for data_set in data for name in data_set.quantity]
         self.names = tuple(dict.fromkeys(quantities))
         self.group = np.array([self.names.index(name) for name in quantities])
-        self.order = np.concatenate([data_set.order for data_set in data])
+        self.value_times = np.concatenate([data_set.value_times for data_set in data])
         self.low, self.high = np.array([parameter.ends for parameter in self.parameters]).T
         self.size = self._sizes()
         self.evaluations = 0
         self.used = [
-            [p for p, parameter in enumerate(self.parameters) if parameter.run in (None, k)]
+            [p for p, parameter in enumerate(self.parameters) if parameter.data_set in (None, k)]
             for k in range(len(self.data))
         ]
         try:
@@ -138,11 +138,11 @@ class Problem:
         return np.array([parameter.coordinate(parameter.start) for parameter in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """Return ``evaluation`` with NaN for the residuals of values whose ``order`` exceeds ``horizon`` [s].
+        """Return ``evaluation`` with NaN for the residuals of values with a time later than ``horizon`` [s].
 
         The residuals of an impact without a measured time stay.
         """
-        beyond = self.order > horizon
+        beyond = self.value_times > horizon
         return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
 
     @property
@@ -172,7 +172,7 @@ class Problem:
         """Run the scenes of all data sets with some values of the parameters, and compare them with the data.
 
         ``coordinates``: the coordinates of these values, shape (P,). The residuals of values whose
-        ``order`` exceeds ``horizon`` [s] are NaN.
+        time exceeds ``horizon`` [s] are NaN.
         """
         values = self.values(coordinates)
         scale = self.scale(values)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from chain_impact.deprecated import OlderName
 from chain_impact.extras import require
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.report import report
@@ -56,16 +57,19 @@ class Fit(Estimates):
         estimated: columns whose standard deviation was estimated.
         deviance: −2 log of the likelihood, up to a constant that depends only on the data.
         converged: whether the last search of the fit converged (``Search`` in least_squares.py).
-        runs: how often the model was evaluated, each time with a run, with derivatives, of every data set.
+        evaluations: how often the model was evaluated, each time with a run, with derivatives, of every data
+            set.
         horizons: the successive times [s] up to which data were used; the last is that of all data.
         at_bounds: name of a parameter at a bound of its range → "lower" or "upper".
         unknown: sentences on parameters that the data do not determine.
         notes: further remarks, such as values that were left out and bounds that were reached.
         ranking: the contact laws, the best first, if they were compared.
-        models: the run of each data set with the fitted values.
+        model_runs: the run of each data set with the fitted values.
     """
 
     ranking: tuple[LawFit, ...] = ()
+    runs = OlderName("evaluations")
+    models = OlderName("model_runs")
 
     def __repr__(self) -> str:
         """Return the whole report as text of several lines."""

@@ -19,7 +19,7 @@ from chain_impact.scene.candidates import candidates, stop_pairs
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import SENSITIVITY, DataPath
-from chain_impact.simulation.kernels import kernel_for, sizes_of
+from chain_impact.simulation.kernels import counts_and_flags, kernel_for
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS, word_index
 from chain_impact.variables.listing import BEHIND
@@ -146,10 +146,10 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
 
 
 def has_own_kernel(job: Job) -> bool:
-    """Return whether there is a kernel for exactly the sizes of the scene, which is compiled if necessary.
+    """Return whether there is a kernel for exactly the counts of the scene, which is compiled if necessary.
 
     Runs do not need this kernel, so a failure of the compiler only causes a warning. With derivatives the
-    result is False, because runs with derivatives have one kernel for all sizes.
+    result is False, because runs with derivatives have one kernel for all scenes.
     """
     if job.differentiated:
         return False
@@ -157,7 +157,7 @@ def has_own_kernel(job: Job) -> bool:
         Runner(job, own_kernel=True)
     except BuildError as error:
         name = job.scene.name
-        log.warning("%s: no kernel for its sizes, so the sweep takes longer: %s", name, error)
+        log.warning("%s: no kernel for its counts, so the sweep takes longer: %s", name, error)
         return False
     return True
 
@@ -170,16 +170,16 @@ class Runner:
 
         Args:
             job: the job of the runs.
-            own_kernel: whether the kernel is for exactly the sizes of the scene, which gives the same bits in
-                less time; not used for runs with derivatives.
+            own_kernel: whether the kernel is for exactly the counts of the scene, which gives the same bits
+                in less time; not used for runs with derivatives.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
         varied = job.differentiated
         self._instance = job.prepared.new_instance(varied)
-        sizes = sizes_of(self._instance) if own_kernel and not varied else None
-        self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
+        scope = counts_and_flags(self._instance) if own_kernel and not varied else None
+        self._kernel = kernel_for(job.scene, derivatives=bool(varied), scope=scope)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
         # lists of impacts, and integrals over time such as the impulse at a wall, take time: if no column

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SceneError
-from chain_impact.conversion.convert import of_robot
+from chain_impact.conversion.convert import scene_of_robot
 from chain_impact.conversion.planar import Choices
 from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.scene.scene import parse_scene, scene_of
@@ -27,7 +27,7 @@ HOPPER = [(0.296, -0.02, 0.005, "heel"), (0.226, 0.102, 0.005, "toe")]
 
 def converted(tmp_path, model, change=lambda text: text, **choices):
     (tmp_path / "model.xml").write_text(change(mjcf_of(scene_of(model))[0]), encoding="utf-8")
-    return of_robot(tmp_path / "model.xml", Choices(**choices))
+    return scene_of_robot(tmp_path / "model.xml", Choices(**choices))
 
 
 def element(text, name):
@@ -197,8 +197,8 @@ def test_files_of_older_versions_are_read_and_other_texts_are_refused(tmp_path):
     del data["name"]
     parts = json.dumps({"tables": data, "numbers": numbers, "bodies": [], "first_link": {}})
     (tmp_path / "old.xml").write_text(text.replace(old, parts.replace('"', "&quot;")), encoding="utf-8")
-    assert of_robot(tmp_path / "old.xml")[0].values == scene.values
+    assert scene_of_robot(tmp_path / "old.xml")[0].values == scene.values
     for wrong in ("nothing", "[]", "{}"):
         (tmp_path / "wrong.xml").write_text(text.replace(old, wrong), encoding="utf-8")
         with pytest.raises(SceneError):
-            of_robot(tmp_path / "wrong.xml")
+            scene_of_robot(tmp_path / "wrong.xml")

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 MOST_EVALUATIONS = 300_000
 
 
-class Pictured(Recording):
+class SceneRecording(Recording):
     """A result with methods for pictures and an animation; ``Result`` describes its attributes."""
 
     prepared: PreparedScene
@@ -47,7 +47,7 @@ class Pictured(Recording):
         return self.prepared.scene
 
     @cached_property
-    def passing(self) -> list[str]:
+    def points_through_walls(self) -> list[str]:
         """Sentences on points that pass through walls without touching them.
 
         The list is empty if ``simulate(output=…)`` left out positions of points.
@@ -130,7 +130,7 @@ class Pictured(Recording):
         pictures.fill_axes(ax, self, shown or ["motion"])
         return ax
 
-    def in_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:
+    def row_of_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:
         """Return the row at a time [s] of a run with the same inputs and other values of parameters.
 
         The result is None if the run cannot be repeated, or took more than MOST_EVALUATIONS; if the scene
@@ -229,7 +229,7 @@ class Pictured(Recording):
             fill = partial(pictures.fill_impact, recording=self, number=number, course=course)
             return pictures.draw_figure(fill, path, size, pictures.IMPACT_SIZE)
         pictures.check_alone(path, size)
-        pictures.fill_loop_axes(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
+        pictures.fill_loop_axes(ax, impact, course, at_stop=self.is_joint_stop(impact["wall"]))
         return ax
 
     def course_of_impact(self, number: int) -> Course:

@@ -32,7 +32,7 @@ BODY = ("shape", "height", "points")
 """The keys of a link for its shape and its points."""
 
 
-class Carried(NamedTuple):
+class EmbeddedScene(NamedTuple):
     """The scene in a file of this package, and the conversion of this scene to MJCF and back.
 
     Attributes:
@@ -44,7 +44,7 @@ class Carried(NamedTuple):
     written: Converted
 
 
-def read_carried(data: Mapping[str, Any], name: str, source: str) -> Carried:
+def read_embedded_scene(data: Mapping[str, Any], name: str, source: str) -> EmbeddedScene:
     """Return the scene of ``data`` with the name ``name``, and its conversion to MJCF and back.
 
     ``source`` is the file's name for messages.
@@ -54,15 +54,15 @@ def read_carried(data: Mapping[str, Any], name: str, source: str) -> Carried:
         MissingExtraError: when mujoco is not installed.
     """
     scene = scene_from_dict({**data, "name": identifier(name, "model")}, source)
-    return Carried(scene, planar_chain(read_mjcf_text(mjcf_of(scene)[0]), Choices(), source))
+    return EmbeddedScene(scene, planar_chain(read_mjcf_text(mjcf_of(scene)[0]), Choices(), source))
 
 
-def with_carried(found: Converted, carried: Carried, choices: Choices) -> Converted:
+def merge_embedded_scene(found: Converted, embedded: EmbeddedScene, choices: Choices) -> Converted:
     """Return the conversion ``found`` of a file's elements, merged with the scene in the file.
 
     The docstring of this module tells which values hold. ``choices`` are the user's choices for ``found``.
     """
-    scene, written = carried
+    scene, written = embedded
     merger = _Merger(scene, written.data, found.data, choices)
     data = merger.data()
     warnings, differs, left_out, notes = (
