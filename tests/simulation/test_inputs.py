@@ -139,6 +139,42 @@ def test_a_rows_forces_are_those_before_an_input_changes():
     assert abs(acceleration[3] - expected[3]) > 10.0
 
 
+# --- columns of the result ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("interpolation", ["follow", "hold", "linear", "spline"])
+def test_given_inputs_are_columns_of_the_result(interpolation, tmp_path):
+    """A row at a jump has the value before it, as the output of the same signal in the scene."""
+    times, values = [0.0, 0.2, 0.25], [1.0, -2.0, 4.0]
+    inputs = {SHOULDER: (times, values), ELBOW: lambda time: 3.0 * time}
+    (tmp_path / "torque.csv").write_text(f"time,{SHOULDER}\n0,1\n0.2,-2\n0.25,4\n")
+    joined = "hold" if interpolation == "follow" else interpolation
+    file = str(tmp_path / "torque.csv")
+    table = {"input": [SHOULDER], "form": "table", "file": file, "interpolation": joined}
+    result = simulate(arm(), 0.4, 0.1, inputs=inputs, interpolation=interpolation)
+    driven = simulate(with_values(arm(), {("signals", "push"): table}), 0.4, 0.1)
+    np.testing.assert_allclose(result[SHOULDER], driven[SHOULDER], rtol=0, atol=1e-12)
+    called = np.array([0.0, 0.0, 0.1, 0.25, 0.3]) if interpolation == "hold" else result.time
+    np.testing.assert_allclose(result[ELBOW], 3.0 * called, rtol=0, atol=1e-12)
+    assert result.names[-2:] == (SHOULDER, ELBOW)
+    chosen = simulate(arm(), 0.4, 0.1, inputs=inputs, output=["*.torque", "energy.total"])
+    assert chosen.names == ("energy.total", SHOULDER, ELBOW)
+    curves = chosen.curves([SHOULDER])
+    assert (max(np.diff(curves.time)), curves.units) == (pytest.approx(0.1), {SHOULDER: "N.m"})
+    chosen.plot(tmp_path / "torques.svg", curves=["*.torque"])
+
+
+def test_a_given_motion_has_columns_of_its_derivatives():
+    base = with_values(arm(), {"inputs.base_motion": True})
+    result = simulate(base, 0.4, 0.01, inputs={"base.vy": lambda time: math.sin(5.0 * time)})
+    exact_motion = [(1.0 - np.cos(5.0 * result.time)) / 5.0, np.sin(5.0 * result.time)]
+    exact_motion.append(5.0 * np.cos(5.0 * result.time))
+    for name, values in zip(("base.y", "base.vy", "base.ay"), exact_motion, strict=True):
+        np.testing.assert_allclose(result[name], values, rtol=0, atol=1e-9)
+    other = result.in_other_run({"link[1].mass": 2.0}, 0.2)
+    assert other["base.vy"] == pytest.approx(math.sin(1.0))
+
+
 # --- refused -----------------------------------------------------------------------------------------------
 
 

@@ -36,6 +36,15 @@ class Repeatable(Protocol):
         The result is a structured array with one row for each time, or fewer rows if the run ends early.
         """
 
+    def inputs(self, times: np.ndarray) -> dict[str, np.ndarray]:
+        """Return name of each input that the caller gives over time → values at increasing times [s]."""
+
+    def series(self, times: np.ndarray) -> dict[str, np.ndarray]:
+        """Return name → values, at increasing times [s], of inputs and of outputs that change continuously.
+
+        There are fewer values than times if the run ends early.
+        """
+
     def changed(self, values: Mapping[str, Any]) -> Self:
         """Return the run with the same inputs over time and with other values of parameters.
 

@@ -12,7 +12,6 @@ from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.errors import names_matching
 from chain_impact.variables.hints import series_hint
-from chain_impact.variables.prepared import PreparedScene
 
 # WITHIN: number of additional times within an impact; FOLLOWED: largest number of impacts that get them
 WITHIN, FOLLOWED = 50, 400
@@ -71,7 +70,6 @@ def curves_of(
     units: Mapping[str, str],
     *,
     around: int | None = None,
-    prepared: PreparedScene | None = None,
     rerun: Repeatable | None = None,
 ) -> Curves:
     """Return the curves of some outputs, for the whole run or for a close view of one impact.
@@ -82,9 +80,7 @@ def curves_of(
         units: name of an output → its unit.
         around: the number of an impact, from 1; the curves show the impact and a short time around it. None
             for the whole run.
-        prepared: the prepared scene; None if it is unknown.
-        rerun: function that repeats the run: times → outputs at these times. If ``rerun`` or ``prepared`` is
-            None, the curves have values only in the rows of the recording.
+        rerun: repeats the run; if it is None, the curves have values only in the rows of the recording.
 
     Raises:
         UnknownNameError: when no output matches one of the names.
@@ -97,10 +93,10 @@ def curves_of(
     chosen = list(dict.fromkeys(name for matches in like for name in matches))
     onset, low, high = window(recording, around)
     time = recording.time
-    if rerun and prepared:
+    if rerun:
         seen = time[(time >= low) & (time <= high)]
         time = np.unique(np.concatenate([seen, between(recording, low, high, close=around is not None)]))
-        time, moving = refined(time, lambda at: prepared.series(rerun(at)), chosen)
+        time, moving = refined(time, rerun.series, chosen)
     else:
         rows = (time >= low) & (time <= high)
         time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}

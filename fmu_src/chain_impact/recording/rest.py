@@ -42,8 +42,11 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
     """Return start and end [s] of each rest: no point or wall moves noticeably, and no impact begins.
 
     Both speeds and mean accelerations must be small. So a chain that only turns back, as a pendulum at its
-    highest position, is not at rest. A rest shorter than SHORTEST_REST × the run is left out.
+    highest position, is not at rest. A rest shorter than SHORTEST_REST × the run is left out. There is none
+    if the positions of points are unknown.
     """
+    if not recording.knows_points:
+        return []
     time, positions = recording.time, recording.all_points
     span = time[-1] - time[0]
     if len(time) < FEWEST_REST_ROWS or not span > 0.0:

@@ -64,6 +64,8 @@ class Result(SceneRecording):
             steps: name → shape (T,).
         stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
             ``STICK_SLIP_DTYPE``.
+        input_values: the inputs that the caller gives over time: name → shape (T,). Where an input jumps, the
+            row has the value before the jump, as forces and accelerations do.
         rerun: function that repeats the run: times → outputs at these times; None if the run cannot be
             repeated.
     """
@@ -78,6 +80,7 @@ class Result(SceneRecording):
     stepwise: Mapping[str, np.ndarray] = field(default_factory=dict, compare=False)
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
     rerun: Repeatable | None = field(default=None, compare=False)
+    input_values: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @overload
     def __getitem__(self, name: str) -> np.ndarray: ...
@@ -86,7 +89,7 @@ class Result(SceneRecording):
     def __getitem__(self, name: list[str]) -> dict[str, np.ndarray]: ...
 
     def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
-        """Return an output over time by its name, shape (T,), or a dict: name → output over time.
+        """Return an output or given input over time by its name, shape (T,), or a dict: name → values.
 
         A name without ``*`` gives the array. A pattern, which is a name with ``*``, gives a dict, and so does
         a list of names and patterns. Type checkers assume that a single text gives an array; for them, write
@@ -106,15 +109,15 @@ class Result(SceneRecording):
         if name in self.motion:
             return self.motion[name]
         if name in self.names:
-            return self.stepwise[name]
+            return (self.stepwise if name in self.stepwise else self.input_values)[name]
         hint = series_hint(self.output_hint)
         like = names_matching(self.scene.name, name, self.names, "not an output of this result", hint)
         return {item: self[item] for item in like}
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the outputs in this result: first the continuous ones, then ``stepwise``."""
-        return *self.motion, *self.stepwise
+        """The names of the outputs: first the continuous ones, then ``stepwise``; given inputs come last."""
+        return *self.motion, *self.stepwise, *self.input_values
 
     def output_hint(self, name: str) -> str | None:
         """Return a hint for a name that no output of this result has; None if no hint is known."""
@@ -134,8 +137,8 @@ class Result(SceneRecording):
 
     @cached_property
     def columns(self) -> Mapping[str, np.ndarray]:
-        """Name of an output → its values over time, shape (T,)."""
-        return {**self.motion, **self.stepwise}
+        """Name of an output or given input → its values over time, shape (T,)."""
+        return {**self.motion, **self.stepwise, **self.input_values}
 
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:

@@ -153,6 +153,7 @@ class SceneRecording(Recording):
             "time": np.array([time]),
             "outputs": outputs,
             "rerun": other,
+            "input_values": other.inputs(np.array([time])),
         }
         parts |= {"impacts": NO_IMPACTS, "sensitivities": None, "stepwise": {}, "stick_slip": NO_PHASES}
         # this object is a Result, a dataclass
@@ -178,8 +179,7 @@ class SceneRecording(Recording):
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
         """Return the curves of outputs for ``plot(curves=…)``, with more times if the run can be repeated."""
-        units = {variable.name: variable.unit for variable in self.prepared.outputs}
-        return curves_of(self, names, units, around=around, prepared=self.prepared, rerun=self.rerun)
+        return curves_of(self, names, self.prepared.units, around=around, rerun=self.rerun)
 
     @cached_property
     def detailed_energies(self) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:

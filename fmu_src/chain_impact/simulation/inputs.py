@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal, cast
 
@@ -72,6 +72,9 @@ class InputSchedule:
             ``times[k]``, row 0 those at the start.
         restarts: whether the solver re-initializes at the start of each piece, shape (P,).
         slips: whether the speed of a belt jumps at the start of each piece, shape (P,).
+        columns: name of an input → the index of a signal of ``pieces``, and the order of the derivative of
+            this signal that the input is. They are the given inputs and, of a motion that the solver follows,
+            also its position, velocity and acceleration that are not given.
     """
 
     times: np.ndarray
@@ -81,6 +84,14 @@ class InputSchedule:
     first: np.ndarray
     restarts: np.ndarray
     slips: np.ndarray
+    columns: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+    def values(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        """Return name of an input → its values in some ``rows``; at a jump, the value before the jump."""
+        which, times = self.first.searchsorted(rows, side="right") - 1, self.times[rows]
+        orders = {order for _, order in self.columns.values()}
+        signals = {order: self.pieces.derivatives_at(times, which, order) for order in orders}
+        return {name: signals[order][:, column] for name, (column, order) in self.columns.items()}
 
     def at(self, times: np.ndarray) -> InputSchedule:
         """Return the same inputs with other communication points: ``times`` [s], and the starts of pieces.
@@ -188,6 +199,13 @@ def input_schedule(
         first=np.append(0, np.searchsorted(together, begin) + 1),
         restarts=pieces.jumps | slips | bends,
         slips=slips,
+        columns={name: (m, 0) for m, name in enumerate(signals)}
+        | {
+            name: (len(signals) + j, order)
+            for j, (channel, motion) in enumerate(zip(channels, motions, strict=True))
+            for name, order in channel.orders.items()
+            if motion.name
+        },
     )
 
 

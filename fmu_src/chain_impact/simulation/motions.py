@@ -74,7 +74,12 @@ class Channel:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of all inputs of the channel."""
-        return tuple(name for name in (self.position, self.velocity, self.acceleration) if name)
+        return tuple(self.orders)
+
+    @property
+    def orders(self) -> dict[str, int]:
+        """Name of each input of the channel → order of the derivative of the motion that the input is."""
+        return {name: k for k, name in enumerate((self.position, self.velocity, self.acceleration)) if name}
 
 
 def channels_of(prepared: PreparedScene) -> list[Channel]:
@@ -115,7 +120,7 @@ def motion_of(
     belt = not channel.position
     joined = interpolation if interpolation in ("linear", "spline") else "held" if belt else "spline"
     value, breaks = as_function(given, signals[given], called, joined=joined, stop=stop)
-    for _ in range(channel.names.index(given) + belt):
+    for _ in range(channel.orders[given]):
         value, breaks = _integrated(value, breaks, stop)
     if given == channel.position or belt:
         return Motion(given, value, breaks)
@@ -186,12 +191,7 @@ def _integrated(
 
 def derivatives(pieces: Pieces, order: int) -> np.ndarray:
     """Return the derivatives of one ``order`` of M signals at start and end of P pieces, shape (2, P, M)."""
-    powers, ends = pieces.powers, np.stack([pieces.start, pieces.end])
-    x = (ends - pieces.middle) * pieces.scale
-    total = np.zeros((*x.shape, powers.shape[2]))
-    for p in range(powers.shape[1] - 1, order - 1, -1):
-        total = total * x[..., np.newaxis] + math.perm(p, order) * powers[:, p]
-    return np.asarray(total * pieces.scale[:, np.newaxis] ** order)
+    return np.stack([pieces.derivatives_at(at, slice(None), order) for at in (pieces.start, pieces.end)])
 
 
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -77,6 +78,18 @@ class Pieces:
         x = (times - self.middle[which]) * self.scale[which]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])
         return np.asarray(np.einsum("pkm,pk->pm", self.powers[which], powers_of_x))
+
+    def derivatives_at(self, times: np.ndarray, which: Any, order: int = 0) -> np.ndarray:
+        """Return the derivatives of one ``order`` of the signals, shape (P, M).
+
+        There is one of the ``times`` [s] for each of the P pieces ``which``.
+        """
+        x, powers = ((times - self.middle[which]) * self.scale[which])[:, np.newaxis], self.powers[which]
+        last = powers.shape[1] - 1
+        total = math.perm(last, order) * powers[:, last]
+        for p in range(last - 1, order - 1, -1):
+            total = total * x + math.perm(p, order) * powers[:, p]
+        return np.asarray(total * self.scale[which][:, np.newaxis] ** order)
 
     @cached_property
     def _largest(self) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,14 +22,17 @@ from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
+from chain_impact.scene.reading import find_names
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
+from chain_impact.scene.signal_inputs import family
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import Given, InputSchedule, Interpolation, input_schedule
+from chain_impact.simulation.inputs import Given, InputSchedule, Interpolation, by_name, input_schedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows, structured
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
+from chain_impact.variables.indices import OutputIndices
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
 
@@ -87,7 +90,8 @@ def simulate(
         tolerance: relative tolerance instead of the scene's.
         output: the outputs of the result, by their names in the FMU, in which ``*`` stands for any text:
             ``["point[4].x", "energy.*"]``; all outputs by default, none for an empty list. All rows together
-            take at most ``MOST_BYTES``. The result always has all impacts.
+            take at most ``MOST_BYTES``. The result always has all impacts. Inputs that ``inputs`` gives are
+            chosen in the same way.
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] → a
             number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
             increasing. Of the inputs that are not named, a target is the spring's rest angle or position, a
@@ -124,10 +128,11 @@ def simulate(
     changes = {name: value for name, value in settings.items() if value is not None}
     prepared = PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
     varied = prepared.varied if sensitivities is None else varied_by(prepared, sensitivities)
-    indices = prepared.output_indices if output is None else prepared.indices_named(output)
+    given = {} if inputs is None else by_name(inputs, prepared.scene.simulation.stop_time)
+    indices, input_names = _outputs_and_inputs(prepared, output, given)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
-    schedule = _inputs_of_run(prepared, {} if inputs is None else inputs, interpolation, whole, columns)
+    schedule = _inputs_of_run(prepared, given, interpolation, whole, columns)
     differentiated = DifferentiatedInstance(prepared, varied, schedule) if varied else None
     instance = differentiated or Instance(prepared, schedule, ())
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
@@ -136,7 +141,7 @@ def simulate(
     order, sorted_impacts = in_order([*impacts, instance.open_contacts()], prepared.wall_names)
     every = not schedule.paths or schedule.asked.all()
     asked = slice(done) if every else np.flatnonzero(schedule.asked[:done])
-    numbers = rows.numbers[asked]
+    numbers, over_time = rows.numbers[asked], schedule.values(np.arange(done))
     sensitive = None
     if differentiated:
         sensitive = Sensitivities(
@@ -159,11 +164,32 @@ def simulate(
         stepwise=_Stepwise(numbers[:, width:], words[width:], indices.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(prepared, schedule),
+        input_values={name: values[asked] for name, values in over_time.items() if name in input_names},
     )
     _warn(instance, result)
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result, instance.part, prepared.scene.name)
     return result
+
+
+def _outputs_and_inputs(
+    prepared: PreparedScene, output: str | Iterable[str] | None, given: Mapping[str, Any]
+) -> tuple[OutputIndices, Collection[str]]:
+    """Return the record's indices of the outputs of a result, and the names of inputs that the result has.
+
+    ``output``, as for ``simulate``, chooses them from all outputs and from the inputs ``given`` over time.
+    """
+    known = {variable.name for variable in prepared.inputs} if given else {}
+    # the velocity and the acceleration of a motion follow from its position, so the result has these, too
+    possible = [member for name in given if name in known for member in family(name)]
+    if output is None:
+        return prepared.output_indices, possible
+    if not possible:
+        return prepared.indices_named(output), ()
+    wanted = [output] if isinstance(output, str) else [*output]
+    chosen = {name: find_names(name, possible) for name in wanted if isinstance(name, str)}
+    others = [name for name in wanted if not chosen.get(name) or find_names(name, prepared.own_outputs)]
+    return prepared.indices_named(others), {name for names in chosen.values() for name in names}
 
 
 def _inputs_of_run(
@@ -262,6 +288,20 @@ class Rerun:
             schedule.asked[:done]
         ]
         return outputs
+
+    def inputs(self, times: np.ndarray) -> dict[str, np.ndarray]:
+        """Return name of each input that the caller gives over time → values at increasing ``times`` [s]."""
+        schedule = self.schedule.at(times)
+        return schedule.values(np.flatnonzero(schedule.asked))
+
+    def series(self, times: np.ndarray) -> dict[str, np.ndarray]:
+        """Return name → values of ``inputs`` and of each output that changes continuously at ``times`` [s].
+
+        There are fewer values than times if the solver cannot continue.
+        """
+        outputs = self(times)
+        given = {name: values[: len(outputs)] for name, values in self.inputs(times).items()}
+        return given | self.prepared.series(outputs)
 
     def changed(self, values: Mapping[str, Any]) -> Rerun:
         """Return the run with the same inputs over time and with other values of parameters.

@@ -128,4 +128,5 @@ def record_slowly(
         statistics=instance.statistics,
         stick_slip=result.stick_slip,
         rerun=result.rerun,
+        input_values=schedule.values(np.arange(done)),
     )

@@ -94,7 +94,7 @@ def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str,
 def missing_output_hint(prepared: Available, name: str) -> str | None:
     """Return a hint why ``name`` matches no wanted output; None without a hint."""
     inputs, outputs = [variable.name for variable in prepared.inputs], prepared.outputs_without_derivatives
-    how = "a signal in the scene, or --inputs FILE on the command line,"
+    how = "a signal in the scene, inputs={…} in Python or --inputs FILE on the command line"
     if hint := output_hint(name, inputs, prepared.parameter_paths, how):
         return hint
     if input_key(name):

@@ -313,7 +313,7 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
     laws, are told only if something ``touches`` a wall or a stop.
     """
     known = recording.parameters
-    parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
+    parts = [*filter(None, first), plural(recording.link_count, "link")]
     parts += of_joints(recording)
     parts += of_contacts(recording) if touches else []
     if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
