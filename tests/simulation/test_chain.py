@@ -2,7 +2,9 @@
 
 # Tests: simulation/instance.py
 
+import itertools
 import math
+import pickle
 import zlib
 
 import numpy as np
@@ -66,6 +68,53 @@ def test_held_inputs_give_the_bits_of_simulate(arm):
     assert rows.tobytes() == np.stack([result[name] for name in names], -1).tobytes()
     assert chain.impacts.tobytes() == result.impacts.tobytes()
     assert len(result.impacts) > 0
+
+
+def test_a_recorded_run_is_the_result_of_simulate(arm, tmp_path):
+    result = simulate(arm, inputs={TORQUE: signal}, interpolation="hold")
+    chain = Chain(arm, record=True)
+    chain.set(TORQUE, signal(0.0))
+    for before, time in itertools.pairwise(result.time.tolist()):
+        chain.set(TORQUE, signal(before))
+        chain.step_to(time)
+    recorded = chain.result()
+    others = {FORCE: 0.0, "joint[1].torque": 0.0, "tip.force.y": 0.0}
+    assert {*recorded.names} == {*result.names, *others}
+    for name in ("time", *result.names):
+        assert recorded[name].tobytes() == result[name].tobytes(), name
+    assert recorded.impacts.tobytes() == result.impacts.tobytes()
+    assert (recorded.statistics, recorded.scene) == (result.statistics, result.scene)
+    recorded.plot(tmp_path / "run.svg")
+    assert pickle.loads(pickle.dumps(chain)).result() == recorded
+    some = Chain(arm, record=["joint[*].torque", "energy.total"])
+    some.step(0.1)
+    assert some.result().names == ("energy.total", "joint[1].torque", TORQUE)
+    assert "create Chain(…, record=True)" in refusal(Chain(arm).result)
+    with pytest.raises(KeyError, match=r"energy.totl is not an output; the nearest is energy.total"):
+        Chain(arm, record="energy.totl")
+
+
+def test_rows_follow_restored_states_and_set_values(arm):
+    chain = Chain(arm, record="point[2].x")
+    chain.step(0.1)
+    state = chain.save()
+    for torque in (-1.0, 1.0):
+        chain.restore(state)
+        chain.set(TORQUE, torque)
+        chain.step(0.2)
+        chain.step_to(chain.time)
+        assert chain.result().time.tolist() == [0.0, 0.1, pytest.approx(0.3)]
+    chain.set(TORQUE, -1.0)
+    branch = Chain(arm, record="point[2].x")
+    branch.set(TORQUE, 2.0)
+    branch.step(0.1)
+    chain.restore(branch.save())
+    chain.step(0.1)
+    assert chain.result().time.tolist() == [0.1, 0.2]
+    chain.reset()
+    chain.set({"link[1].mass": 3.0, "contact.model": "flores"})
+    changed = chain.result().scene
+    assert changed == arm.with_values({"link[1].mass": 3.0, "contact.model": "flores"})
 
 
 def test_many_impacts_in_one_step_are_all_collected():

@@ -7,9 +7,9 @@ import math
 import struct
 import zlib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,12 +17,15 @@ from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.status import OK
 from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
+from chain_impact.results.result import Result
 from chain_impact.scene.asked_inputs import how_asked
 from chain_impact.scene.errors import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.angles import in_radians, or_degrees
 from chain_impact.scene.words.names import input_key
+from chain_impact.simulation.chain_access import Access, Selection, access_to, with_present_values
+from chain_impact.simulation.chain_rows import ChainRows
 from chain_impact.simulation.errors import SimulationError, fault_text
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import spans_of
@@ -30,39 +33,12 @@ from chain_impact.text import plural
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.variable import TableRow, Variable
 
 # the head of a saved state: magic number, CRC-32 of all bytes from CHECKED_FROM on, digest of the scene,
 # whether the chain has made a step, number of contacts that have ended, number of changes of friction modes
 STATE = struct.Struct("<8sQ16sqqq")
 CHECKED_FROM = 16
 MAGIC = b"chainsv2"
-
-
-class _Access(NamedTuple):
-    """Access to a variable: its row of the FMU's table, the names of its choices, and its unit.
-
-    ``whole`` says whether the value is stored as an integer, as are whole numbers, choices and truth values.
-    """
-
-    row: TableRow
-    whole: bool
-    choices: tuple[str, ...]
-    unit: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Selection:
-    """Several variables that a program reads together.
-
-    ``words`` are the indices of their values in use, in words of the record, and ``whole`` the positions, in
-    ``words``, of the integers. ``observed`` says whether outputs must be computed before reading: this is so
-    if a variable is an output, or its value in use and its given value have two places in the record.
-    """
-
-    words: np.ndarray
-    whole: np.ndarray
-    observed: bool
 
 
 class Chain:
@@ -78,12 +54,14 @@ class Chain:
         scene: the scene.
     """
 
-    def __init__(self, scene: SceneSource) -> None:
+    def __init__(self, scene: SceneSource, *, record: bool | str | Iterable[str] = False) -> None:
         """Begin at the start of the scene, t = 0.
 
         Args:
             scene: a scene, or an argument of ``load_scene``. The chain has the inputs that the scene asks for
                 in its table ``inputs``.
+            record: True keeps a row of all outputs and inputs at the start and after each step, for
+                ``result``; names, in which ``*`` stands for any text, choose outputs and inputs.
 
         Raises:
             SceneError: when the scene is invalid.
@@ -92,12 +70,14 @@ class Chain:
         """
         self.scene: Scene = scene_of(scene)
         prepared = PreparedScene(self.scene)
+        self._prepared, self._record = prepared, record
+        self._rows = ChainRows(prepared, record) if record is not False else None
         self._instance = Instance(prepared)
         self._reals = self._instance.words
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
-        self._accesses = {v.name: _access(v, prepared.table_row(v)) for v in prepared.variables}
+        self._accesses = {v.name: access_to(v, prepared.table_row(v)) for v in prepared.variables}
         self._signal_of = prepared.signals_by_input
         self._time_word = word_index(dtype, ("step", "communication_point"))
         self._changed_word = word_index(dtype, ("given", "changed"))
@@ -106,7 +86,7 @@ class Chain:
         self._contradiction_word = word_index(dtype, ("channel", "contradiction"))
         self._warned = False
         self._changes_word = word_index(dtype, ("changes", "count"))
-        self._selections: dict[str | tuple[str, ...], _Selection] = {}
+        self._selections: dict[str | tuple[str, ...], Selection] = {}
         self._instant = np.zeros(1)
         self._no_words = spans_of(np.zeros(0, int))
         self._stepped, self._initialized, self._observed = False, True, False
@@ -145,6 +125,22 @@ class Chain:
         self._collect()
         return phases_of(self._instance.all_changes)
 
+    def result(self) -> Result:
+        """Return what has been run up to the present time, with a row at the start and after each step.
+
+        A chain keeps rows only with ``record``. After ``restore`` there are the rows up to the restored
+        state; if this has no row here, as a state of another chain, the rows begin with it.
+
+        Raises:
+            SceneError: when the chain keeps no rows.
+        """
+        if self._rows is None:
+            raise SceneError(f"{self.scene.name}: result() needs rows: create Chain(…, record=True)")
+        self._begin_rows(self._rows)
+        prepared = with_present_values(self._prepared, self._accesses, self._start, self._reals)
+        statistics = self._instance.statistics
+        return self._rows.result(prepared, self.impacts, self.stick_slip, statistics)
+
     def step(self, duration: float) -> None:
         """Advance by a duration > 0 [s].
 
@@ -171,17 +167,24 @@ class Chain:
             needed = f"a finite number >= {self.time!r} [s], the present time"
             raise SceneError(f"{self.scene.name}: step_to({value_text(time)}) must be {needed}")
         self._ensure_initialized()
+        row, spans = self._instant, self._no_words
+        if self._rows is not None:
+            self._begin_rows(self._rows)
+            row, spans = self._rows.new_row(), self._rows.spans
         self._stepped, self._observed = True, False
         self._instant[0] = time
-        while not self._instance.trajectory(self._instant, self._instant, self._no_words):
+        while not self._instance.trajectory(self._instant, row, spans):
             # the kernel also returns when a fault occurs, when the log of contacts is full, and from time to
             # time so that Python notices Ctrl-C
             self._collect()
             if self._instance.status != OK:
                 status, part = self._instance.status, self._instance.part
-                raise SimulationError(status, self.time, None, part, self.scene.name)
+                known = self.result() if self._rows else None
+                raise SimulationError(status, self.time, known, part, self.scene.name)
         self._collect()
         self._observed = True
+        if self._rows is not None:
+            self._rows.add(self._instance, row[0])
         if not self._warned and self._integers[self._contradiction_word]:
             self._warned = True
             warn(self.scene.name, self._instance.contradictions)
@@ -236,6 +239,7 @@ class Chain:
                     self._integers[self._changed_word] = REINITIALIZE
                 else:
                     self._initialized = False
+                    self._clear_rows()
 
     def save(self) -> bytes:
         """Return the whole present state; any chain of the same scene continues from this state bit by bit.
@@ -278,16 +282,19 @@ class Chain:
         self._impacts = [np.frombuffer(state, LOG_DTYPE, counts[0], STATE.size).copy()]
         self._instance.changes = [np.frombuffer(state, CHANGE_DTYPE, counts[1], changes_at).copy()]
         self._stepped, self._initialized, self._observed = bool(stepped), True, False
+        if self._rows is not None:
+            self._rows.restore(self._instance)
 
     def reset(self) -> None:
         """Return to the start of the scene, with all values as the scene gives them."""
         self._reals[:] = self._start
         self._impacts, self._instance.changes, self._warned = [], [], False
+        self._clear_rows()
         self._stepped, self._initialized, self._observed = False, True, False
 
-    def __reduce__(self) -> tuple[Callable[[Scene, bytes], Chain], tuple[Scene, bytes]]:
-        """Pickle the scene and the state, so that the chain can be copied or sent to another process."""
-        return _restored, (self.scene, self.save())
+    def __reduce__(self) -> tuple[Callable[..., Chain], tuple[Any, ...]]:
+        """Pickle scene, state and rows, so that the chain can be copied or sent to another process."""
+        return _restored, (self.scene, self.save(), self._record, self._rows and self._rows.kept)
 
     def __repr__(self) -> str:
         """Return a text with the name of the scene, its number of links and the present time."""
@@ -299,6 +306,17 @@ class Chain:
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False
+
+    def _begin_rows(self, rows: ChainRows) -> None:
+        """Add a row at the present time if there is none yet."""
+        if not rows.times:
+            self._ensure_initialized()
+            self._observe()
+            rows.add(self._instance)
+
+    def _clear_rows(self) -> None:
+        if self._rows is not None:
+            self._rows.clear()
 
     def _observe(self) -> None:
         """Compute the outputs.
@@ -316,24 +334,17 @@ class Chain:
         if ended or self._integers[self._changes_word]:
             self._impacts.append(self._instance.collect())
 
-    def _select(self, key: str | tuple[str, ...]) -> _Selection:
+    def _select(self, key: str | tuple[str, ...]) -> Selection:
         names = (key,) if isinstance(key, str) else key
         selected = [
             match
             for name in names
             for match in names_matching(self.scene.name, name, self._accesses, "not a variable", self._hint)
         ]
-        accesses = [self._accesses[name] for name in selected]
-        rows = [access.row for access in accesses]
-        selection = _Selection(
-            words=np.array([row.word for row in rows], int),
-            whole=np.flatnonzero([access.whole for access in accesses]),
-            observed=any(row.kind == "output" or row.word != row.set_word for row in rows),
-        )
-        self._selections[key] = selection
+        selection = self._selections[key] = Selection.of([self._accesses[name] for name in selected])
         return selection
 
-    def _checked_value(self, name: str, value: Any) -> tuple[_Access, float]:
+    def _checked_value(self, name: str, value: Any) -> tuple[Access, float]:
         """Return the access to a variable, and its new value as a number in SI units, after checks.
 
         Refused are an unknown name, a variable that cannot be set now, and a value that is not allowed.
@@ -373,13 +384,10 @@ class Chain:
         return hashlib.sha256(repr(astuple(self.scene)).encode()).digest()[:16]
 
 
-def _restored(scene: Scene, state: bytes) -> Chain:
+def _restored(scene: Scene, state: bytes, record: Any, rows: Any) -> Chain:
     """Return a chain of a scene in the ``state`` that ``save`` returned; used to unpickle a chain."""
-    chain = Chain(scene)
+    chain = Chain(scene, record=record)
     chain.restore(state)
+    if chain._rows is not None:
+        chain._rows.kept = rows
     return chain
-
-
-def _access(variable: Variable, row: TableRow) -> _Access:
-    choices = tuple(item.name for item in variable.items)
-    return _Access(row, variable.type != "real", choices, variable.unit)

@@ -29,7 +29,8 @@ class SimulationError(RunError):
         status: the code, see ``chain_impact.kernel.status``.
         time: the time at which the solver stopped [s].
         part: the part of the scene that is the reason, such as a point and a wall; "" if no single part is.
-        result: the ``Result`` up to this time; None if the scene cannot start, and for a ``Chain``.
+        result: the ``Result`` up to this time; None if the scene cannot start, and for a
+            ``Chain`` that keeps no rows.
         source: the name of the scene, with which the message begins; "" for none.
         fault: the rest of the message.
     """

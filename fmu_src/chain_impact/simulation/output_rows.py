@@ -1,12 +1,16 @@
-"""The rows of outputs that a run fills, and the numbers of a record in them."""
+"""The rows of outputs that a run fills: their columns, and the numbers of a record in them."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
+
+from chain_impact.scene.errors import find_names
+from chain_impact.variables.indices import OutputIndices
+from chain_impact.variables.prepared import PreparedScene
 
 # largest number of rows, and of bytes in these rows, that the kernel fills in one call; but at least one row
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
@@ -76,3 +80,46 @@ def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
     if not layout.itemsize:
         return np.zeros(len(numbers), layout)
     return np.ndarray(len(numbers), layout, numbers, strides=numbers.strides[:1])
+
+
+def chosen_columns(
+    prepared: PreparedScene, wanted: str | Iterable[str] | None, inputs: Sequence[str]
+) -> tuple[OutputIndices, Collection[str]]:
+    """Return the record's indices of the outputs, and the names of the ``inputs``, that a result has.
+
+    ``wanted`` has their names or patterns; None stands for all.
+
+    Raises:
+        UnknownNameError: when a name is not that of an output or of one of the ``inputs``.
+    """
+    if wanted is None:
+        return prepared.output_indices, inputs
+    if not inputs:
+        return prepared.indices_named(wanted), ()
+    names = [wanted] if isinstance(wanted, str) else [*wanted]
+    chosen = {name: find_names(name, inputs) for name in names if isinstance(name, str)}
+    others = [name for name in names if not chosen.get(name) or find_names(name, prepared.own_outputs)]
+    return prepared.indices_named(others), {match for matches in chosen.values() for match in matches}
+
+
+class StepwiseColumns(Mapping[str, np.ndarray]):
+    """Name → column for the outputs that change only at events and steps.
+
+    A column is taken from the rows of the run only when a caller reads it.
+    """
+
+    def __init__(
+        self, numbers: np.ndarray, words: np.ndarray, indices: Mapping[str, tuple[int, bool]]
+    ) -> None:
+        self._numbers, self._words, self._indices = numbers, words, indices
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        word, is_real = self._indices[name]
+        columns: np.ndarray = self._numbers[:, np.searchsorted(self._words, word)]
+        return columns if is_real else columns.copy().view(np.int64)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._indices)
+
+    def __len__(self) -> int:
+        return len(self._indices)

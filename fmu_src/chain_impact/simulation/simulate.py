@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,6 @@ from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
-from chain_impact.scene.reading import find_names
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.signal_inputs import family
 from chain_impact.scene.warning import warn
@@ -30,9 +29,8 @@ from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import Given, InputSchedule, Interpolation, by_name, input_schedule
 from chain_impact.simulation.instance import Instance
-from chain_impact.simulation.output_rows import WordRows, structured
+from chain_impact.simulation.output_rows import StepwiseColumns, WordRows, chosen_columns, structured
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
-from chain_impact.variables.indices import OutputIndices
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
 
@@ -129,7 +127,10 @@ def simulate(
     prepared = PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
     varied = prepared.varied if sensitivities is None else varied_by(prepared, sensitivities)
     given = {} if inputs is None else by_name(inputs, prepared.scene.simulation.stop_time)
-    indices, input_names = _outputs_and_inputs(prepared, output, given)
+    known = {variable.name for variable in prepared.inputs} if given else {}
+    # the velocity and the acceleration of a motion follow from its position, so the result has these, too
+    possible = [member for name in given if name in known for member in family(name)]
+    indices, input_names = chosen_columns(prepared, output, possible)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
     schedule = _inputs_of_run(prepared, given, interpolation, whole, columns)
@@ -161,7 +162,7 @@ def simulate(
         impacts=sorted_impacts,
         statistics=instance.statistics,
         sensitivities=sensitive,
-        stepwise=_Stepwise(numbers[:, width:], words[width:], indices.stepwise),
+        stepwise=StepwiseColumns(numbers[:, width:], words[width:], indices.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(prepared, schedule),
         input_values={name: values[asked] for name, values in over_time.items() if name in input_names},
@@ -170,26 +171,6 @@ def simulate(
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result, instance.part, prepared.scene.name)
     return result
-
-
-def _outputs_and_inputs(
-    prepared: PreparedScene, output: str | Iterable[str] | None, given: Mapping[str, Any]
-) -> tuple[OutputIndices, Collection[str]]:
-    """Return the record's indices of the outputs of a result, and the names of inputs that the result has.
-
-    ``output``, as for ``simulate``, chooses them from all outputs and from the inputs ``given`` over time.
-    """
-    known = {variable.name for variable in prepared.inputs} if given else {}
-    # the velocity and the acceleration of a motion follow from its position, so the result has these, too
-    possible = [member for name in given if name in known for member in family(name)]
-    if output is None:
-        return prepared.output_indices, possible
-    if not possible:
-        return prepared.indices_named(output), ()
-    wanted = [output] if isinstance(output, str) else [*output]
-    chosen = {name: find_names(name, possible) for name in wanted if isinstance(name, str)}
-    others = [name for name in wanted if not chosen.get(name) or find_names(name, prepared.own_outputs)]
-    return prepared.indices_named(others), {name for names in chosen.values() for name in names}
 
 
 def _inputs_of_run(
@@ -310,29 +291,6 @@ class Rerun:
             SceneError: when the scene cannot have one of the values, or a name is not that of a parameter.
         """
         return Rerun(PreparedScene(with_values(self.prepared.scene, values)), self.schedule)
-
-
-class _Stepwise(Mapping[str, np.ndarray]):
-    """Name → column for the outputs that change only at events and steps.
-
-    A column is taken from the rows of the run only when a caller reads it.
-    """
-
-    def __init__(
-        self, numbers: np.ndarray, words: np.ndarray, indices: Mapping[str, tuple[int, bool]]
-    ) -> None:
-        self._numbers, self._words, self._indices = numbers, words, indices
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        word, is_real = self._indices[name]
-        columns: np.ndarray = self._numbers[:, np.searchsorted(self._words, word)]
-        return columns if is_real else columns.copy().view(np.int64)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._indices)
-
-    def __len__(self) -> int:
-        return len(self._indices)
 
 
 def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:

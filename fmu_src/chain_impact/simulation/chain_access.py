@@ -1,0 +1,77 @@
+"""Access of a ``Chain`` to its variables in the record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.variable import TableRow, Variable
+
+
+class Access(NamedTuple):
+    """Access to a variable: its row of the FMU's table, the names of its choices, and its unit.
+
+    ``whole`` says whether the value is stored as an integer, as are whole numbers, choices and truth values.
+    """
+
+    row: TableRow
+    whole: bool
+    choices: tuple[str, ...]
+    unit: str
+
+    def value(self, words: np.ndarray) -> Any:
+        """Return the given value in the ``words`` of a record; for a choice its name."""
+        number = words[self.row.set_word : self.row.set_word + 1]
+        if not self.whole:
+            return float(number[0])
+        whole = int(number.view(np.int64)[0])
+        return self.choices[whole - 1] if self.choices else whole
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """Several variables that a program reads together.
+
+    ``words`` are the indices of their values in use, in words of the record, and ``whole`` the positions, in
+    ``words``, of the integers. ``observed`` says whether outputs must be computed before reading: this is so
+    if a variable is an output, or its value in use and its given value have two places in the record.
+    """
+
+    words: np.ndarray
+    whole: np.ndarray
+    observed: bool
+
+    @classmethod
+    def of(cls, accesses: Sequence[Access]) -> Self:
+        """Return the selection of the variables with these ``accesses``."""
+        rows = [access.row for access in accesses]
+        return cls(
+            words=np.array([row.word for row in rows], int),
+            whole=np.flatnonzero([access.whole for access in accesses]),
+            observed=any(row.kind == "output" or row.word != row.set_word for row in rows),
+        )
+
+
+def access_to(variable: Variable, row: TableRow) -> Access:
+    """Return the access to a variable with this row of the FMU's table."""
+    choices = tuple(item.name for item in variable.items)
+    return Access(row, variable.type != "real", choices, variable.unit)
+
+
+def with_present_values(
+    prepared: PreparedScene, accesses: Mapping[str, Access], start: np.ndarray, words: np.ndarray
+) -> PreparedScene:
+    """Return the scene with the values of parameters that differ between two records of it.
+
+    ``start`` are the words of the record at the start of the scene, ``words`` those of the present one.
+    """
+    values = {}
+    for name in prepared.parameter_paths:
+        value = accesses[name].value(words)
+        if value != accesses[name].value(start):
+            values[name] = value
+    return PreparedScene(prepared.scene.with_values(values)) if values else prepared
