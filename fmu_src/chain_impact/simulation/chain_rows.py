@@ -36,7 +36,7 @@ class ChainRows:
         inputs = [variable.name for variable in prepared.inputs]
         wanted = None if record is True else record
         self._indices, names = chosen_columns(prepared, wanted, inputs)  # type: ignore[arg-type]
-        given = {v.name: prepared.word(v) for v in prepared.inputs if v.name in names}
+        given = {v.name: prepared.word_of(v) for v in prepared.inputs if v.name in names}
         self._input_names = tuple(given)
         self._words = np.append(self._indices.words, np.array([*given.values()], int))
         self.spans = spans_of(self._words)

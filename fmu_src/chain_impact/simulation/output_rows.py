@@ -98,7 +98,11 @@ def chosen_columns(
         return prepared.indices_named(wanted), ()
     names = [wanted] if isinstance(wanted, str) else [*wanted]
     chosen = {name: find_names(name, inputs) for name in names if isinstance(name, str)}
-    others = [name for name in names if not chosen.get(name) or find_names(name, prepared.own_outputs)]
+    others = [
+        name
+        for name in names
+        if not chosen.get(name) or find_names(name, prepared.outputs_without_derivatives)
+    ]
     return prepared.indices_named(others), {match for matches in chosen.values() for match in matches}
 
 

@@ -23,7 +23,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
-from chain_impact.scene.signal_inputs import family
+from chain_impact.scene.signal_inputs import quantities_driven_by
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.errors import SimulationError
@@ -129,7 +129,7 @@ def simulate(
     given = {} if inputs is None else by_name(inputs, prepared.scene.simulation.stop_time)
     known = {variable.name for variable in prepared.inputs} if given else {}
     # the velocity and the acceleration of a motion follow from its position, so the result has these, too
-    possible = [member for name in given if name in known for member in family(name)]
+    possible = [member for name in given if name in known for member in quantities_driven_by(name)]
     indices, input_names = chosen_columns(prepared, output, possible)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
