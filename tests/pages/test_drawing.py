@@ -123,7 +123,7 @@ def test_a_ball_without_a_radius_is_a_disc_without_a_line(request, opened):
     if opened == "show":
         page.get_by_role("button", name="Pin").click()
         page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
-        until(page, "document.querySelectorAll('.compared-tip').length > 1")
+        until(page, "document.querySelectorAll('.compared-tip').length === 1")
         assert page.locator("polyline.compared").count() == 0
 
 

@@ -14,6 +14,7 @@ const [PEAK_ROOM, PEAK_ABOVE, PEAK_DOT] = [22, 5, 2.5];
 // largest extent of both axes, relative to the curves of the contact itself: parts of compared curves beyond it are cut off
 const MOST_BESIDE = 3;
 const [ONLY_IMPULSE, NO_COURSE] = ["an impulse only", "no known force over time"]; // why a contact has no curve
+const DOUBTFUL_PAIR = "doubtful pair"; // the note on a curve of a doubtful partner
 const LEAST_IN = { m: 1, mm: 1e-4, µm: 0 }; // [m] least value of the last tick with which an axis of penetrations is in a unit
 const NO_FORCE = 1e-9; // [N], or [N·m] at a stop of a joint: if no force is larger, the axis goes up to about 1
 
@@ -222,7 +223,7 @@ export class ForceChart extends Chart {
     this.quantity.textContent = this.loop ? `${quantity} over penetration` : quantity;
     const without = letters ? `present: ${isRigid ? ONLY_IMPULSE : NO_COURSE}` : "no force over time is known";
     const own = hasCurve ? durationText(end - onset, 2) : without;
-    const whyOf = ({ points, why = noteAbove(points[1], high, this.unit.force) }) => why;
+    const whyOf = ({ points, why = "" }) => (points && noteAbove(points[1], high, this.unit.force)) || why;
     const lettersWith = (why) => lines.filter((line) => whyOf(line) === why).map(({ letter }) => letter).join(", ");
     const notes = [...new Set(lines.map(whyOf))].filter(Boolean).map((why) => `; ${lettersWith(why)}: ${why}`).join("");
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + notes;
@@ -232,11 +233,11 @@ export class ForceChart extends Chart {
 
   /** Return the `points` of the curve of a compared recording at the partner of a contact or, without a curve, the reason `why`. */
   #courseIn(other, contact) {
-    const partner = partnerOf(contact, this.recording.impacts, other.impacts);
+    const { partner, isDoubtful } = partnerOf(contact, this.recording, other);
     if (!partner) return { why: "no such impact near" };
     const { times, depth, force } = courseAround(other, partner);
     if (this.loop && !depth) return { why: "no known penetration" };
     if (!force.some((value) => value > 0)) return { why: hasImpulseOnly(partner) ? ONLY_IMPULSE : NO_COURSE };
-    return { points: [this.loop ? depth : times, force] };
+    return { points: [this.loop ? depth : times, force], ...(isDoubtful && { why: DOUBTFUL_PAIR }) };
   }
 }

@@ -7,7 +7,7 @@ import { lastBefore } from "../recording/recording.js";
 import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
-import { LabelSpace, positionsAround } from "./label_positions.js";
+import { isCrossed, LabelSpace, positionsAround } from "./label_positions.js";
 import { isOwnPlace, recentImpacts, ringsOf } from "./rings.js";
 import { belowStrip, drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
 import { traceFinder, traceOf } from "./trace.js";
@@ -71,18 +71,14 @@ export class ChainDrawing {
     this.trace = this.drawing.polyline().addClass("trace").fill("none");
     this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
       this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
-    this.rings = this.drawing.group();
-    this.arcs = this.drawing.group();
-    this.circles = this.drawing.group();
-    this.bodies = this.drawing.group();
-    this.links = this.drawing.group();
-    this.joints = this.drawing.group();
-    this.numbers = this.drawing.group();
-    this.arrows = this.drawing.group();
-    this.labels = this.drawing.group();
+    // `letters` has those of compared motions
+    for (const name of ["rings", "arcs", "circles", "bodies", "links", "joints", "letters", "numbers", "arrows", "labels"]) {
+      this[name] = this.drawing.group();
+    }
     this.above = this.drawing.group().addClass("above"); // the group in front of the chain in which other modules draw
     this.linesAbove = () => []; // function that returns the lines in `above`, which labels must not cover
-    this.lettersBehind = () => []; // function that returns the positions of letters in `behind`, which labels must not cover
+    // function that returns the positions of `letters`, which labels must not cover, and the `lines` in `behind`, which they avoid
+    this.comparedNow = () => ({ letters: [], lines: [] });
   }
 
   /** Show another recording from the next frame of the browser on. */
@@ -211,7 +207,9 @@ export class ChainDrawing {
     const marks = [...this.pin.map(([, mark]) => mark), ...this.ranges.flat()].map((mark) => mark.array());
     [chain, ...this.edges, ...this.rail, ...marks, ...this.linesAbove()].forEach((line) => this.labelSpace.reserveLine(line));
     bodies.forEach((corners) => this.labelSpace.reserveLine([...corners, corners[0]]));
-    [...this.dots.map(([point]) => all[point]), ...this.lettersBehind()].forEach((at) => this.labelSpace.reserveAround(at));
+    const { letters, lines } = this.comparedNow();
+    this.labelSpace.avoid((box) => lines.some((line) => isCrossed(box, line)));
+    [...this.dots.map(([point]) => all[point]), ...letters].forEach((at) => this.labelSpace.reserveAround(at));
     const rings = this.#drawRings(frame);
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
     texts.forEach((text) => this.#label(...text)); // labels are written after all arrows are drawn, so that they keep off each arrow
@@ -313,7 +311,7 @@ export class ChainDrawing {
     rings.filter(({ isNumbered }) => isNumbered).forEach((ring) => {
       const { number, position, away, radius } = ring;
       const text = `#${number}`;
-      const candidates = positionsAround(position, [-away[1], away[0]], radius + BESIDE / 2);
+      const candidates = positionsAround(position, [-away[1], away[0]], radius + BESIDE / 2, [1, 1 + BESIDE / 2 / radius]);
       const label = this.labelSpace.findPosition(text, NUMBER_TEXT, candidates, isOwnPlace(ring, rings));
       if (!label) return;
       const [x, y] = label.at;
@@ -383,6 +381,7 @@ export class ChainDrawing {
     this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
       .addClass(`arrow-head ${kind}`);
     this.labelSpace.reserveLine([at(0, 0), at(length, 0)]);
+    this.labelSpace.reserveAround(at(length - 0.6 * head, 0), 0.5 * head);
     return text && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, text, kind]] : [];
   }
 

@@ -3,14 +3,19 @@
 
 import { find, make } from "../base/dom.js";
 import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
+import { LabelSpace, positionsAround } from "../drawing/label_positions.js";
+import { STRIP } from "../drawing/scale_strip.js";
 import { partnerOf } from "../recording/partners.js";
 import { Recording } from "../recording/recording.js";
-import { placeText, toucherText, wallText } from "../scene/words.js";
+import { placeText } from "../scene/words.js";
 import { onGesture } from "./gestures.js";
 
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
-const [TIP, TIPS_APART] = [15, 16]; // TIP: [pixels] diameter of the dot of a letter; TIPS_APART: least distance between two of them
+const TIP = 15; // [pixels] diameter of the dot of a letter
+const AWAY = [1.1, 1.6, 2.2, 3, 4, 5, 7]; // distances from its tip at which a letter is tried in this order, as multiples of TIP
+const TO_PRESENT = "From this motion to the present one";
+const SAME_TIME = 1e-9; // [s] times that differ by less count as equal
 const MANIFOLD = 10; // least factor between two forces or impulses that is told as a factor, not in percent
 const LISTED = 40; // number of impacts of each motion, from the first on, that the table of compared motions has
 
@@ -23,7 +28,7 @@ export class ComparedMotions {
     this.table = table;
     this.pinned = []; // the pinned motions: {recording, colour}
     this.before = null;
-    player.drawing.lettersBehind = () => this.letters;
+    player.drawing.comparedNow = () => this.marks;
   }
 
   /**
@@ -101,27 +106,36 @@ export class ComparedMotions {
    */
   get #shown() {
     const { drawing: { camera, size }, clock, recording: shown } = this.player;
+    const pointsOf = (recording, frame) =>
+      Array.from({ length: recording.links + 1 }, (_, point) => camera.toScreen(...recording.pointAt(frame, point)));
+    const space = new LabelSpace(...size, STRIP); // for letters
+    const chain = pointsOf(shown, shown.frameAt(clock.time));
+    space.reserveLine(chain);
+    chain.forEach((joint) => space.reserveAround(joint));
     const pinned = this.pinned.map(({ recording, colour }) => ({ recording, kind: `pin-${colour}`, letter: LETTERS[colour - 1] }));
-    const tips = [camera.toScreen(...shown.pointAt(shown.frameAt(clock.time), shown.traced))];
-    const others = [{ recording: this.before, kind: "before" }, ...pinned].filter(({ recording }) => recording && recording !== shown);
+    // the motion before the last change is not drawn where a pinned motion or the present one equals it
+    const isDrawn = this.before && ![shown, ...this.pins].some((other) => isSameRun(this.before, other));
+    const others = pinned.filter(({ recording }) => recording !== shown);
+    if (isDrawn) others.unshift({ recording: this.before, kind: "before" });
     return others.map(({ recording, kind, letter }) => {
       const frame = recording.frameAt(clock.time);
-      const positions = Array.from({ length: recording.links + 1 }, (_, point) => camera.toScreen(...recording.pointAt(frame, point)));
-      const at = letter ? besideOthers(positions[recording.traced], tips, size) : positions[recording.traced];
-      if (letter) tips.push(at);
+      const positions = pointsOf(recording, frame);
+      const at = letter ? placeOfLetter(positions[recording.traced], space, size) : positions[recording.traced];
       return { recording, frame, kind, letter, positions, at };
     });
   }
 
-  /** Return the positions [pixels] on the screen of the letters of pinned motions, except the shown motion. */
-  get letters() {
-    return this.pinned.length ? this.#shown.filter(({ letter }) => letter).map(({ at }) => at) : [];
+  /** Return the positions [pixels] on the screen of the letters of pinned motions, and the lines of the links of all compared motions. */
+  get marks() {
+    const shown = this.behind.length ? this.#shown : [];
+    const lines = shown.flatMap(({ positions }) => positions.slice(1).map((end, k) => [positions[k], end]));
+    return { letters: shown.filter(({ letter }) => letter).map(({ at }) => at), lines };
   }
 
-  /** Draw the bodies, links and tips of the compared motions at the present time, behind the present motion. */
+  /** Draw the bodies, links and tips of the compared motions at the present time behind the present motion, and their letters above it. */
   draw() {
-    const { behind, camera } = this.player.drawing;
-    behind.clear();
+    const { behind, letters, camera } = this.player.drawing;
+    [behind, letters].forEach((group) => group.clear());
     const shown = this.#shown;
     for (const { recording, frame, kind, positions } of shown) {
       recording.bodiesAt(frame, this.player.recording).forEach((corners) => {
@@ -129,11 +143,11 @@ export class ComparedMotions {
       });
       if (!recording.isPoint) behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
     }
-    for (const { recording, kind, letter, positions, at: [x, y] } of shown) { // above all lines, which may cross them
-      const tip = positions[recording.traced];
-      if (Math.hypot(tip[0] - x, tip[1] - y) > 1) behind.line([tip, [x, y]]).addClass(`pin-leader ${kind}`);
-      behind.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);
-      if (letter) behind.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
+    for (const { recording, kind, letter, positions, at: [x, y] } of shown) {
+      const [tip, group] = [positions[recording.traced], letter ? letters : behind];
+      if (Math.hypot(tip[0] - x, tip[1] - y) > 1) group.line([tip, [x, y]]).addClass(`pin-leader ${kind}`);
+      group.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);
+      if (letter) group.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
     }
   }
 
@@ -154,7 +168,7 @@ export class ComparedMotions {
     const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
     const all = [{ recording: player.recording, text }, ...listed];
     const isPresent = !document.body.classList.contains("stale"); // else the present values have no motion
-    const columns = alignedImpacts(all.map(({ recording: { impacts } }) => impacts));
+    const columns = alignedImpacts(all.map(({ recording }) => recording));
     panel.style.setProperty("--columns", columns.length);
     table.replaceChildren(...comparisonTable(all.map((motion) => ({ ...motion, title: this.#title(motion) })), columns, isPresent));
   }
@@ -200,20 +214,20 @@ function isSame(file, other) {
   return file === other || JSON.stringify(file) === JSON.stringify(other);
 }
 
+/** Return whether two recordings are of one run: of the same scene with the same changes. */
+function isSameRun(one, other) {
+  const keyOf = ({ values, inputSteps }) => JSON.stringify([values, inputSteps]);
+  return one === other || (one.scene === other.scene && keyOf(one) === keyOf(other));
+}
+
 /**
- * Return a position on the screen for a letter: inside the drawing, which has the given size, and moved until it is at least TIPS_APART
- * away from all positions `others`: to the right or, without room there, in a row below or above. Without any room, it is not moved.
+ * Return a position on the screen for a letter: that of its tip or the nearest one around it (AWAY) that is free in `space`, and reserve it
+ * there. Without any, it is the tip's position inside the drawing, which has the given size.
  */
-function besideOthers(position, others, size) {
-  const inside = (value, axis) => Math.min(Math.max(value, TIP / 2), size[axis] - TIP / 2);
-  const [left, top] = position.map(inside);
-  const isFree = (x, y) => others.every((other) => Math.hypot(other[0] - x, other[1] - y) >= TIPS_APART);
-  for (const way of [TIPS_APART, -TIPS_APART]) {
-    for (let y = top; y === inside(y, 1); y += way) {
-      for (let x = left; x === inside(x, 0); x += 1) if (isFree(x, y)) return [x, y];
-    }
-  }
-  return [left, top];
+function placeOfLetter(tip, space, size) {
+  const around = [{ at: tip }, ...positionsAround(tip, [1, 0], TIP, AWAY)];
+  const free = space.findPosition("A", TIP, around.map(({ at }) => ({ at, anchor: "middle" })));
+  return free?.at ?? tip.map((value, axis) => Math.min(Math.max(value, TIP / 2), size[axis] - TIP / 2));
 }
 
 /**
@@ -223,28 +237,32 @@ function besideOthers(position, others, size) {
  */
 function comparisonTable(motions, columns, isPresent) {
   const lettersOf = (column) => motions.filter((_, k) => column[k]).map(({ letter }) => letter).join(", ");
-  const headOf = (column) => (column[0] ? `${column[0].number}` : `only ${lettersOf(column)}`);
+  const headOf = (column) => [column[0]?.number ?? `only ${lettersOf(column)}`, placeText(column.find(Boolean))].join(": ");
   const heads = ["Impact", "largest", ...columns.map(headOf)];
   if (motions.some(({ recording: { impacts } }) => impacts.length > LISTED)) heads.push(`the first ${LISTED} of each motion are listed`);
   const head = make("tr", {}, ...heads.map((textContent) => make("th", { scope: "col", textContent })));
   const body = motions.map(({ title, recording, letter }, k) => {
     const change = k && (isPresent ? changeText(motions[0].recording, recording) : "–");
     const largest = make("td", { textContent: largestText(recording) });
-    if (change) largest.append(make("small", { textContent: `${letter} → now ${change}`, title: "From this motion to the present one" }));
-    return make("tr", {}, title, largest, ...columns.map((column) => cellOf(column[k], column[0]?.number)));
+    if (change) largest.append(make("small", { textContent: `${letter} → now ${change}`, title: TO_PRESENT }));
+    return make("tr", {}, title, largest, ...columns.map((column) =>
+      cellOf(column[k], k > 0 && isPresent ? column[0] : null, column.doubtful[k], column[0]?.number)));
   });
   return [make("thead", {}, head), make("tbody", {}, ...body)];
 }
 
 /**
  * Return columns of impacts that belong together, sorted by the onset of the first impact in each column. A column has one entry for each
- * list of `all`: an impact or undefined. Each of the first LISTED impacts of a list is in one column, with its partners in other lists.
+ * recording of `all`: an impact or undefined. Each of the first LISTED impacts of a recording is in one column, with its partners in
+ * others; `doubtful` of a column tells for each entry whether it is a doubtful partner.
  */
 function alignedImpacts(all) {
   const used = new Set();
-  const columns = all.flatMap((impacts, k) => impacts.slice(0, LISTED).filter((impact) => !used.has(impact)).map((first) => {
-    const partners = all.map((others, n) => (n === k ? first : partnerOf(first, impacts, others)));
-    const column = partners.map((partner) => (used.has(partner) ? undefined : partner));
+  const newIn = ({ impacts }) => impacts.slice(0, LISTED).filter((impact) => !used.has(impact));
+  const columns = all.flatMap((recording, k) => newIn(recording).map((first) => {
+    const pairs = all.map((other, n) => (n === k ? { partner: first } : partnerOf(first, recording, other)));
+    const column = pairs.map(({ partner }) => (used.has(partner) ? undefined : partner));
+    column.doubtful = pairs.map(({ isDoubtful }) => isDoubtful);
     column.forEach((impact) => used.add(impact));
     return column;
   }));
@@ -285,7 +303,11 @@ function comparableOf(...recordings) {
  * "−12 %", or as a factor from MANIFOLD on, as in "× 1350"; "" if the units differ, a value is unknown, or the value of `other` is 0.
  */
 function changeText(recording, other) {
-  const [value, base] = comparableOf(recording, other);
+  return ratioText(...comparableOf(recording, other));
+}
+
+/** Return the change from a value `base` to `value` as text, as `changeText` does. */
+function ratioText(value, base) {
   if (!(base > 0)) return "";
   if (value >= MANIFOLD * base) return `×\u202f${Number((value / base).toPrecision(3))}`;
   const percent = 100 * (value / base - 1);
@@ -301,16 +323,27 @@ function differenceText(before, present) {
 }
 
 /**
- * Return a table's cell for an impact: onset, peak force or impulse, what touches and the wall, with a tooltip that tells the duration; a
- * dash without impact. The cell tells the impact's own number if it differs from the `number` of the column's impact of the present motion.
+ * Return a table's cell for an impact: onset, and peak force or impulse, with a tooltip that tells the duration; a dash without impact. The
+ * cell also tells the impact's own number, if it differs from the `number` of the column's impact of the present motion, and the changes of
+ * time and force to its partner `present` in this motion, if this is known. The cell of a doubtful partner is grey.
  */
-function cellOf(impact, number) {
+function cellOf(impact, present, isDoubtful, number) {
   if (!impact) return make("td", { textContent: "–", title: "No impact of this point and wall is near" });
   const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
   const until = `until ${durationText(impact.end - impact.onset)} later`;
-  const cell = make("td", { title: `Impact ${impact.number}: ${placeText(impact)}, ${until}` });
-  const place = make("small", { textContent: `${toucherText(impact)} ${wallText(impact)}` });
+  const title = `Impact ${impact.number}: ${placeText(impact)}, ${until}${isDoubtful ? "; perhaps another impact" : ""}`;
+  const cell = make("td", { title, className: isDoubtful ? "doubtful" : "" });
   if (impact.number !== number) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
-  cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }), place);
+  cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
+  if (present) cell.append(make("small", { textContent: differenceOf(impact, present), title: `${title}. ${TO_PRESENT}` }));
   return cell;
+}
+
+/** Return words for the changes of time and of peak force (or impulse, if no peak is known) from an impact to its partner `present`. */
+function differenceOf(impact, present) {
+  const time = present.onset - impact.onset;
+  const gap = Math.abs(time) < SAME_TIME ? `0\u202fs` : (time > 0 ? "+" : "") + withMinus(durationText(time));
+  const key = impact.peak === null ? "impulse" : "peak";
+  const change = (impact.peak === null) === (present.peak === null) ? ratioText(present[key], impact[key]) : "";
+  return `→ now ${[gap, change].filter(Boolean).join(", ")}`;
 }
