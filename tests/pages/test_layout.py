@@ -1,6 +1,7 @@
 """No label overlaps a control on small screens, and no card another one, by the drawn boxes."""
 
-# Tests: pages/explore.py, pages/browser/explore/whole_charts.js, pages/browser/explore/parameters/outcome.js
+# Tests: pages/explore.py, pages/browser/player/folding.js, pages/browser/explore/whole_charts.js
+# Tests: pages/browser/explore/parameters/outcome.js
 
 import pytest
 
@@ -134,11 +135,21 @@ def test_chosen_charts_lie_beside_five_impacts_not_below_them(show, card):
     column, list_, chart, rows = (page.locator(name).bounding_box() for name in names)
     row = page.locator("#impacts tbody tr").first.bounding_box()
     assert rows["height"] >= 20 + 5 * row["height"]
+    page.keyboard.press("End")
+    until(page, "document.querySelectorAll('#impacts tbody tr:not(.near)').length > 0")
+    shown = page.locator("#impacts tbody tr:visible")
+    assert shown.count() == 5
+    assert shown.last.get_attribute("aria-current") == "true", "the list follows the motion without scrolling"
+    assert page.locator("#impacts").evaluate("one => one.scrollHeight - one.clientHeight") == 0
     assert list_["y"] + list_["height"] <= chart["y"]
     assert chart["y"] + chart["height"] <= column["y"] + column["height"]
     page.locator("#energies").scroll_into_view_if_needed()
     energies, list_ = (page.locator(name).bounding_box() for name in ("#energies", "#list"))
     assert list_["y"] + list_["height"] <= energies["y"], "the column scrolls as one"
+    page.get_by_role("button", name="Energy", exact=True).click()
+    assert not page.locator("#energy").is_visible(), "a title folds its card"
+    page.get_by_role("button", name="Energy", exact=True).click()
+    assert page.locator("#energy canvas").bounding_box()["height"] > 90
 
 
 CUT_CHARTS = function_of("layout", "cutCharts")

@@ -7,6 +7,7 @@ import { capitalized, placeText, toucherText, wallText } from "../scene/words.js
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
 const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
+const NEAR = 5; // number of rows around the present impact that the list shows at first where it scrolls with the charts
 const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // head of the column for the largest force in a joint, which the list has if these forces are known
 const OF_LARGE_LIST = ["duration", "penetration", "impulse"]; // columns that only an enlarged list has
@@ -57,7 +58,7 @@ export class ImpactList {
   constructor(element, goTo) {
     Object.assign(this, { element, goTo });
     this.more = make("button", { id: "impacts-all", type: "button" });
-    this.more.addEventListener("click", () => this.#showAll(true));
+    this.more.addEventListener("click", () => this.#showAll(!this.element.classList.contains("whole")));
     element.after(this.more);
     element.addEventListener("focusin", ({ target }) => target.matches("td button") && this.#reach(target));
     element.addEventListener("keydown", (event) => this.#press(event));
@@ -76,17 +77,28 @@ export class ImpactList {
     if (!way || !event.target.matches("td button")) return;
     event.preventDefault();
     event.stopPropagation();
-    const shown = this.rows.filter((row) => row.checkVisibility()).map((row) => row.querySelector("button"));
-    shown[shown.indexOf(event.target) + way]?.focus();
+    const next = this.rows[this.rows.indexOf(event.target.closest("tr")) + way];
+    if (!next) return;
+    this.#showNear(this.rows.indexOf(next));
+    next.querySelector("button").focus();
   }
 
   /**
-   * Show all rows if `isWhole`. Otherwise a page that scrolls shows only the first rows and the row of the present impact; a list that
-   * scrolls by itself still shows all rows.
+   * Show all rows if `isWhole`. Otherwise a page that scrolls shows only the first rows and the row of the present impact, and a list that
+   * scrolls with the charts the rows near this one; a list that scrolls by itself still shows all rows.
    */
   #showAll(isWhole) {
     this.element.classList.toggle("whole", isWhole);
-    this.more.hidden = isWhole || !(this.rows?.length > FIRST);
+    const count = this.rows?.length ?? 0;
+    this.more.hidden = count <= NEAR;
+    this.more.classList.toggle("few", count <= FIRST);
+    this.more.textContent = isWhole ? "Fewer impacts" : `All ${this.count} impacts`;
+  }
+
+  /** Mark the rows near the row with an index, NEAR in all. */
+  #showNear(index) {
+    const first = Math.max(0, Math.min(index - Math.floor(NEAR / 2), this.rows.length - NEAR));
+    this.rows.forEach((row, k) => row.classList.toggle("near", k >= first && k < first + NEAR));
   }
 
   /** Fill the list with the impacts of a recording, at most the first LONGEST_LIST; a line tells the number of the others. */
@@ -94,7 +106,7 @@ export class ImpactList {
     const { element } = this;
     this.recording = recording;
     this.current = this.rows = this.reached = undefined;
-    this.more.textContent = `All ${recording.impacts.length} impacts`;
+    this.count = recording.impacts.length;
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return this.#showAll(false);
@@ -114,6 +126,7 @@ export class ImpactList {
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, columns, impact));
     this.rows.slice(FIRST).forEach((row) => row.classList.add("later"));
+    this.#showNear(0);
     this.#reach(this.rows[0].querySelector("button"));
     this.#markLargest(recording.impacts);
     element.append(table);
@@ -189,6 +202,7 @@ export class ImpactList {
   #reveal() {
     const row = this.rows?.[this.current?.number - 1];
     if (!row) return;
+    if (!row.classList.contains("near")) this.#showNear(this.current.number - 1);
     const top = row.offsetTop - row.parentElement.previousElementSibling.offsetHeight;
     const { scrollTop, clientHeight } = this.element;
     const least = row.offsetTop + 2 * row.offsetHeight - clientHeight;

@@ -9,6 +9,7 @@ import { ChainDrawing } from "../drawing/chain_drawing.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { enlargeable } from "./enlarged_cards.js";
+import { connectFolding } from "./folding.js";
 import { ImpactList, impactText } from "./impact_list.js";
 import { Zoom } from "./zoom.js";
 
@@ -44,6 +45,7 @@ export class Player {
     enlargeable([...this.panels.map(([, card, part]) => [card, part]), [find("list"), this.impacts]]);
     this.zoom = new Zoom(this);
     this.showControls = connect(this.clock, this.drawing, this.zoom);
+    connectFolding();
     this.clock.onChange(() => this.drawSoon());
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
