@@ -11,17 +11,19 @@ libraries round sines differently.
 # Tests: pages/browser/recording/pacing.js, pages/browser/recording/view.js
 # Tests: pages/browser/recording/free_region.js, pages/browser/recording/frames.js
 # Tests: pages/browser/charts/energy_zero.js
-# Tests: pages/browser/solver/bodies.js, pages/browser/scene/angles.js
+# Tests: pages/browser/scene/bodies.js, pages/browser/scene/angles.js
 
 import re
 from dataclasses import replace
 from functools import cache, partial
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import quickjs
 
+import chain_impact
 from chain_impact import load_scene, model_names, simulate
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.pages.assembly import text_of
@@ -62,6 +64,28 @@ STEPS = """([most, least]) => {
   const { bins, shareOf } = colourScale([most, least], true);
   return [bins, [least, most].map(shareOf)];
 }"""
+
+
+PACKAGE = Path(chain_impact.__file__).parent
+
+
+def named_twins(pattern, comment, language):
+    """Yield (file, twin) for each twin that the first text of a file names; both are paths in the package."""
+    sentence = re.compile(rf"The twins? in {language} (?:is|are) (.+)\.$", re.MULTILINE)
+    for file in PACKAGE.rglob(pattern):
+        if first := re.match(comment, file.read_text("utf-8"), re.DOTALL):
+            names = ", ".join(sentence.findall(first[0]))
+            yield from (
+                (file.relative_to(PACKAGE).as_posix(), name) for name in re.findall(r"[\w/.]+", names)
+            )
+
+
+def test_twins_name_each_other():
+    ours = {*named_twins("*.py", r'""".*?"""', "JavaScript")}
+    theirs = {(twin, file) for file, twin in named_twins("*.js", r"(?://[^\n]*\n)+", "Python")}
+    assert len(ours) > 20
+    assert ours == theirs
+    assert {name for pair in ours for name in pair if not (PACKAGE / name).is_file()} == set()
 
 
 def random(seed):

@@ -1,6 +1,6 @@
 """The rate of a film: simulated seconds per second on the screen; it is smaller near impacts in slow motion.
 
-The twin in JavaScript, pages/browser/recording/pacing.js, uses the constants of this module.
+The twin in JavaScript is pages/browser/recording/pacing.js.
 """
 
 from __future__ import annotations

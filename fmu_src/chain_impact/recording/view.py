@@ -1,6 +1,6 @@
 """The view, a rectangle, that a picture of a motion shows, and the walls near the motion.
 
-The twin in JavaScript is pages/browser/recording/view.js.
+The twins in JavaScript are pages/browser/recording/view.js, pages/browser/recording/free_region.js.
 """
 
 from __future__ import annotations

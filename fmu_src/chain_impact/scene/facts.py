@@ -4,6 +4,7 @@ The tables FACTS and LISTS have the rules that give facts and lists; rule_langua
 rules. A page evaluates the same rules (pages/browser/scene/owners.js). Lists without a rule are found by
 code, in Python by FOUND. Example: if a scene gives ``joint_friction`` for a link with a proximal joint, the
 link has the value ``has_friction`` 1 in "links", so the facts "joint_friction" and "friction" are true.
+The twin in JavaScript is pages/browser/scene/owners.js.
 """
 
 from __future__ import annotations

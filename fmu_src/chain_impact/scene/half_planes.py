@@ -1,6 +1,7 @@
 """Walls as half-planes, for checks and pictures.
 
 The kernel computes its own half-planes in rows/geometry.py.
+The twin in JavaScript is pages/browser/scene/geometry.js.
 """
 
 from __future__ import annotations

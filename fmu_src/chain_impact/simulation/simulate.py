@@ -1,4 +1,7 @@
-"""The simulation of a scene in this process, with the same kernel as in the scene's FMU."""
+"""The simulation of a scene in this process, with the same kernel as in the scene's FMU.
+
+The twin in JavaScript is pages/browser/solver/kernel.js.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 If a scene differs from an earlier scene only in numbers of some tables, as after ``with_values``, the record
 is a copy of the earlier one, in which only these tables are written again (cache.py).
+The twin in JavaScript is pages/browser/scene/record.js.
 """
 
 from __future__ import annotations

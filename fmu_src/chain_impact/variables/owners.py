@@ -5,6 +5,7 @@ An owner is a part of a scene that has variables, such as a link. Python (struct
 facts and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint with
 friction", which has the outputs of dry friction; the record has room for these outputs, because the fact
 "friction" is true.
+The twin in JavaScript is pages/browser/scene/owners.js.
 """
 
 from __future__ import annotations

@@ -193,7 +193,7 @@ class PreparedScene:
 
     @shared_by_structure
     def kernel_scope(self) -> int:
-        """The result of the function ``kernel_scope`` for the scene."""
+        """The number of links for which the scene's kernel is compiled, or GENERAL for any number."""
         return kernel_scope(self.scene)
 
     @shared_by_structure

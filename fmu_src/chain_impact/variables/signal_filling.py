@@ -1,4 +1,7 @@
-"""Writes the signals of a scene into a new record; kernel/chain/signals.py evaluates them in a run."""
+"""Writes the signals of a scene into a new record; kernel/chain/signals.py evaluates them in a run.
+
+The twin in JavaScript is pages/browser/scene/record.js.
+"""
 
 from __future__ import annotations
 

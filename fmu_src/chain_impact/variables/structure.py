@@ -1,4 +1,7 @@
-"""The structure of a scene: the properties that decide its variables, their owners and the record's size."""
+"""The structure of a scene: the properties that decide its variables, their owners and the record's size.
+
+The twin in JavaScript is pages/browser/scene/owners.js.
+"""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ import { framesOf, impactsUntil, timesOf } from "../../../fmu_src/chain_impact/p
 import { frameTimes } from "../../../fmu_src/chain_impact/pages/browser/recording/pacing.js";
 import { viewOf } from "../../../fmu_src/chain_impact/pages/browser/recording/view.js";
 import { wallsAt } from "../../../fmu_src/chain_impact/pages/browser/scene/geometry.js";
-import { bodiesOf, railOf } from "../../../fmu_src/chain_impact/pages/browser/solver/bodies.js";
+import { bodiesOf, railOf } from "../../../fmu_src/chain_impact/pages/browser/scene/bodies.js";
 
 export const framesInPage = ([start, stop, spans, impactTime, most, rate]) => {
   const { times, frameRate } = frameTimes(start, stop, spans, impactTime, most, rate);

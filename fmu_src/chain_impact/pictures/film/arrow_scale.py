@@ -2,7 +2,6 @@
 
 The weight of a link and the peak of an impact can differ by a factor of a thousand, and both must be visible:
 the length is proportional to the cube root of the force, with a least length.
-
 The twin in JavaScript is pages/browser/drawing/arrow_scale.js.
 """
 

@@ -1,4 +1,7 @@
-"""The panel of the energies over time."""
+"""The panel of the energies over time.
+
+The twin in JavaScript is pages/browser/charts/energy_zero.js.
+"""
 
 from __future__ import annotations
 

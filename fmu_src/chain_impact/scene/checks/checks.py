@@ -1,4 +1,7 @@
-"""Checks of a scene across several keys, and warnings of valid values that are probably mistakes."""
+"""Checks of a scene across several keys, and warnings of valid values that are probably mistakes.
+
+The twin in JavaScript is pages/browser/scene/scene_file.js.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Checks of signals, which refuse a signal that cannot drive its inputs."""
+"""Checks of signals, which refuse a signal that cannot drive its inputs.
+
+The twin in JavaScript is pages/browser/scene/signals.js.
+"""
 
 from __future__ import annotations
 

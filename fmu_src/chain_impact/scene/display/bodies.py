@@ -1,6 +1,6 @@
 """The shapes that drawings show: outlines of links that have points besides their ends; a slider's rail.
 
-The twin in JavaScript is pages/browser/solver/bodies.js.
+The twin in JavaScript is pages/browser/scene/bodies.js.
 """
 
 from __future__ import annotations

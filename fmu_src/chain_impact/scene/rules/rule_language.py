@@ -18,8 +18,8 @@ A value counts as true if it is neither missing nor 0 nor empty; a list, if one 
 Where a number is needed, a list counts as its length. A sum or a product with a missing value is missing. A
 comparison with a missing value is false.
 
-``tree`` parses a rule. The twin in JavaScript, pages/browser/scene/rules.js, evaluates the tree as
-``_function_of`` does.
+``tree`` parses a rule; ``_function_of`` evaluates the tree.
+The twin in JavaScript is pages/browser/scene/rules.js.
 """
 
 from __future__ import annotations

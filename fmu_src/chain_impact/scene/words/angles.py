@@ -2,7 +2,6 @@
 
 A hint tells that an angle may be in degrees in place of radians, or may differ from the intended angle by
 whole turns.
-
 The twin in JavaScript is pages/browser/scene/angles.js.
 """
 

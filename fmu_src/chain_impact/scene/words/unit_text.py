@@ -1,4 +1,7 @@
-"""Units as people write them, such as N·m and m/s², from units as FMUs write them, such as N.m and m/s2."""
+"""Units as people write them, such as N·m and m/s², from units as FMUs write them, such as N.m and m/s2.
+
+The twin in JavaScript is pages/browser/base/format.js.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-// The known name that is most similar to an unknown one: as scene/words/similar_names.py finds it.
+// The known name that is most similar to an unknown one.
+// The twin in Python is `scene/words/similar_names.py`.
 
 const { LIKE_LAST, LIKE_NAME, NUMBER, SAME_LAST, SYNONYMS } = SHARED.nearest;
 const INDICES = new RegExp(NUMBER, "g");

@@ -1,4 +1,5 @@
-// The zero of the potential energy in a chart, which `over_time/energies.py` chooses in the same way for pictures.
+// The zero of the potential energy in a chart.
+// The twin in Python is `pictures/over_time/energies.py`.
 
 import { digits } from "../base/format.js";
 import { endsOf } from "../base/range.js";

@@ -1,6 +1,6 @@
 // The lengths of the arrows of forces. The weight of a link and the peak of an impact can differ by a factor of a thousand,
 // and both must be visible: the length is proportional to the cube root of the force, and at least LEAST_ARROW. A ruler shows the scale.
-// `pictures/film/arrow_scale.py` does the same for films.
+// The twin in Python is `pictures/film/arrow_scale.py`.
 
 import { forceText } from "../base/format.js";
 

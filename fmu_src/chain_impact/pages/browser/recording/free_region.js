@@ -1,4 +1,5 @@
 // The free region between walls: the points on the free sides n·p ≥ offset of all walls.
+// The twin in Python is `recording/view.py`.
 
 /** Return the part of a polygon on the free side of a wall n·p ≥ offset (Sutherland & Hodgman, 1974). */
 function clipped(polygon, { normal: [nx, ny], offset }) {

@@ -1,6 +1,6 @@
 // The rate: simulated seconds per second on the screen, at most 1. The rate is smaller in and near each impact that is shown in slow
 // motion, so that the impact takes a given time on the screen, and grows linearly with the distance in time from the impact, up to 1.
-// `pacing.py` computes the same rate for films, and has the constants.
+// The twin in Python is `recording/pacing.py`.
 
 export const PACING = SHARED.pacing;
 

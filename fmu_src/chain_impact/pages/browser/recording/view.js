@@ -1,5 +1,5 @@
-// The view of a motion: the rectangle that the motion and the walls near it need. `recording/view.py` does the same for pictures and
-// films, and has the constants.
+// The view of a motion: the rectangle that the motion and the walls near it need.
+// The twin in Python is `recording/view.py`.
 
 import { endsOf } from "../base/range.js";
 import { freeRegionWithin } from "./free_region.js";

@@ -1,4 +1,5 @@
 // The geometry of a scene for given values of its parameters: walls, and points of links; and the names of stops.
+// The twin in Python is `scene/half_planes.py`.
 
 /**
  * NORMALS: wall of the box → its normal, which points inwards. STOPS: the stops of a joint: keys of a link, and names among the walls.

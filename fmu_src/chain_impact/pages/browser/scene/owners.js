@@ -1,5 +1,6 @@
 // The structure of a scene: its facts and lists, and the conditions, counts and owners of variables that follow from them by the tables of
 // `facts.py` and `owners.py`.
+// The twins in Python are `scene/facts.py`, `variables/owners.py`, `variables/structure.py`.
 
 import { mapped } from "../base/mapped.js";
 import { inFile } from "../base/paths.js";

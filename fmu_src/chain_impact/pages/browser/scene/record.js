@@ -1,4 +1,5 @@
 // The record of a scene, with which a run of the kernel begins: its size, the indices of its words (8 bytes each), and its contents.
+// The twins in Python are `variables/filling.py`, `variables/signal_filling.py`.
 
 import { valuesOfScene } from "./owners.js";
 import { numberIn, valuesOfMembers } from "./rules.js";

@@ -1,4 +1,5 @@
-// Evaluates the rules of `scene/rules/rule_language.py`, which Python has parsed to trees, as Python does.
+// Evaluates the rules of `scene/rules/rule_language.py`, which Python has parsed to trees.
+// The twin in Python is `scene/rules/rule_language.py`.
 
 import { range } from "../base/range.js";
 

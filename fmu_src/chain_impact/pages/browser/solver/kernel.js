@@ -1,5 +1,6 @@
 // The kernel: the WebAssembly module with one instance in its memory, and its runs. `model.js` has the indices of values in the instance's
 // record.
+// The twin in Python is `simulation/simulate.py`.
 
 const { WORD } = SHARED.record; // [bytes] size of a word
 const ROWS = 256; // largest number of rows of outputs that the kernel fills in one call, by default

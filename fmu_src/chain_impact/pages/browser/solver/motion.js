@@ -9,7 +9,7 @@ import { ballOf, sizeOf, VIEW } from "../recording/view.js";
 import { pointText, radiusOf, STOPS, wallsAt } from "../scene/geometry.js";
 import { boxWallText, inputText } from "../scene/words.js";
 import { rowTimes } from "./kernel.js";
-import { bodiesOf, railOf } from "./bodies.js";
+import { bodiesOf, railOf } from "../scene/bodies.js";
 
 const PARTS = 100; // the rows of the first run are divided into at most this many parts, between which a newer request can replace the run
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time, for their curves

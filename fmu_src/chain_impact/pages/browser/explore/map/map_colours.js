@@ -1,4 +1,5 @@
-// The scale of the map's colours, chosen as in `map_colours.py`: the values at its ends, and whether the scale is logarithmic or has steps.
+// The scale of the map's colours: the values at its ends, and whether the scale is logarithmic or has steps.
+// The twin in Python is `map_colours.py`.
 
 import { areSame } from "../../base/ticks.js";
 import { axisScale } from "./map_scales.js";

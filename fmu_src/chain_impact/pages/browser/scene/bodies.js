@@ -1,7 +1,8 @@
-// The shapes that the page draws, as `scene/display/bodies.py` does for pictures: outlines of links that have points besides their
-// ends; and the line, the carriage and the stops of a slider.
+// The shapes that the page draws: outlines of links that have points besides their ends; and the line, the carriage
+// and the stops of a slider.
+// The twin in Python is `scene/display/bodies.py`.
 
-import { discOf } from "../scene/geometry.js";
+import { discOf } from "./geometry.js";
 
 const { CARRIAGE, CIRCLE_CORNERS, FREE_END, STOP_MARK } = SHARED.bodies;
 
