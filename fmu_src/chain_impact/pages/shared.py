@@ -34,7 +34,7 @@ from chain_impact.scene.checks.signal_checks import AT_REST
 from chain_impact.scene.contents import PARALLEL_COSINE
 from chain_impact.scene.display import bodies
 from chain_impact.scene.keys import chain_tables
-from chain_impact.scene.keys.signal_tables import FORMS, SHAPES
+from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.rules.refusals import (
     LAW_FACTS,
@@ -45,7 +45,6 @@ from chain_impact.scene.rules.refusals import (
 )
 from chain_impact.scene.rules.rule_language import tree
 from chain_impact.scene.signal_inputs import TARGET_RATE
-from chain_impact.scene.signal_polynomials import NUMBERS
 from chain_impact.scene.words import angles, names, similar_names, unit_text
 from chain_impact.scene.words.laws import law_group, law_text
 from chain_impact.variables import indices

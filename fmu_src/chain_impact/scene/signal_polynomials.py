@@ -14,14 +14,8 @@ import numpy as np
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS, derive_signals, signal_at
 from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
 from chain_impact.scene.kernel_view import signals_view
-from chain_impact.scene.keys.signal_tables import FORMS, SHAPES, Signal
+from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES, Signal
 
-NUMBERS = (
-    *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
-    *("start", "rise", "initial", "final", "duration"),
-)
-"""The keys of signals whose values are single numbers, except ``period``. The record has 0 for a key that the
-form of the signal does not have."""
 # [1] the last row of a periodic table counts as simultaneous with the end of the first period if their times
 # differ by at most this, relative to the period
 CLOSED = 1e-9

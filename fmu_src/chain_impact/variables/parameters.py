@@ -17,7 +17,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.facts import ALWAYS
 from chain_impact.scene.keys.chain_tables import Link, Site, Slider
-from chain_impact.scene.keys.signal_tables import Signal
+from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
 from chain_impact.scene.rules.key_rules import Derived, keys
 from chain_impact.scene.words.names import AT, AXES, ENTRY_AT, LINK_AT, DataPath, name_of
@@ -341,13 +341,7 @@ PARAMETERS = (
             Signal,
             scene_path=("signals", "{name}", KEY),
             record_path=("signal", KEY, AT),
-            names=("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
-        ),
-        *_of_table(
-            Signal,
-            scene_path=("signals", "{name}", KEY),
-            record_path=("signal", KEY, AT),
-            names=("start", "rise", "initial", "final", "duration"),
+            names=NUMBERS,
         ),
         heading=SIGNAL,
     ),

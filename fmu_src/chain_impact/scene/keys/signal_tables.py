@@ -48,6 +48,12 @@ FORMS = {
 
 For a ramp with the shape "trapezoid", ``knots_of`` (signal_polynomials.py) has the number of polynomials.
 """
+NUMBERS = (
+    *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
+    *("start", "rise", "initial", "final", "duration"),
+)
+"""The keys of signals whose values are single numbers, except ``period``: parameters, in this order. The
+record has 0 for a key that the form of the signal does not have."""
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")
 _UNITS = {template: unit for inputs in INPUTS_OF.values() for template, unit in inputs.items()}

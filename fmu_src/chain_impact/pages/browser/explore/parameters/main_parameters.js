@@ -39,15 +39,15 @@ function inputSliders({ scene, starts, valueOf }) {
 }
 
 /**
- * Return the ends of the slider for a number of a signal, which follow from its key, its value in the scene, similar numbers of the signal
- * (`beside`), and the stop time [s].
+ * Return the ends of the slider for a number of a signal, which follow from its key, its unit, its value in the scene, numbers of the
+ * signal with the same unit (`beside`; for a rate of the frequency, the frequencies), and the stop time [s].
  */
-function endsOfSignal(key, value, beside, stop) {
+function endsOfSignal({ key, unit, value }, beside, stop) {
   if (key === "phase") return [-Math.PI, Math.PI];
-  if (["start", "rise", "duration", "time"].includes(key)) return [0, Math.max(stop, 2 * value)];
-  if (key === "frequency" && value > 0) return [0, 3 * value];
+  if (unit === "s") return [0, Math.max(stop, 2 * value)];
+  if (unit === "Hz" && value > 0) return [0, 3 * value];
   const size = Math.max(...beside.map(Math.abs)) || 1;
-  return key === "frequency_rate" ? [-size / stop, size / stop] : [key === "amplitude" ? 0 : -2 * size, 2 * size];
+  return unit === "Hz/s" ? [-size / stop, size / stop] : [key === "amplitude" ? 0 : -2 * size, 2 * size];
 }
 
 /**
@@ -55,16 +55,16 @@ function endsOfSignal(key, value, beside, stop) {
  * of all parameters has it.
  */
 export function signalSliders({ scene, starts }) {
-  const parts = scene.parameters.flatMap(({ name }) => {
+  const parts = scene.parameters.flatMap(({ name, unit }) => {
     const [, signal, all, key] = /^signal\.([^.]+)\.((\w+).*)$/.exec(name) ?? [];
-    return signal ? [{ name, signal, words: signalText(signal, all), key, value: starts[name] }] : [];
+    return signal ? [{ name, signal, words: signalText(signal, all), key, unit, value: starts[name] }] : [];
   });
-  const alike = (key) =>
-    (["frequency", "frequency_rate"].includes(key) ? ["frequency"] : ["value", "mean", "amplitude", "initial", "final"]);
-  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, words: label, key, value }) => {
-    const beside = parts.filter((other) => other.signal === signal && alike(key).includes(other.key)).map((other) => other.value);
+  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map((part) => {
+    const { name, signal, words: label } = part;
+    const unit = part.unit === "Hz/s" ? "Hz" : part.unit;
+    const alike = parts.filter((other) => other.signal === signal && other.unit === unit && other.key !== "phase");
     const short = capitalized(label.slice(signal.length + 2)); // below a heading with the signal
-    return { name, signal, label, short, ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
+    return { name, signal, label, short, ends: endsOfSignal(part, alike.map(({ value }) => value), starts["simulation.stop_time"]) };
   });
 }
 
