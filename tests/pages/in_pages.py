@@ -29,6 +29,7 @@ ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
 SUBTITLE = "document.getElementById('subtitle').textContent"
 TIME_TEXT = "document.getElementById('time').textContent"
+LOCAL_LINK = "The link works on this computer only: to send it, save this page."
 MAP = {"simulation.stop_time": 0.8}
 """Changes of the dropped rod whose map has few impacts in each run."""
 ANGLE_AXIS = "Initial angle of link 1, °"

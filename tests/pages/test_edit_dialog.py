@@ -12,7 +12,7 @@ import tomlkit
 from chain_impact import load_scene, simulate
 from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import scene_to_dict
-from tests.pages.in_pages import TEXTS, bits, until, until_told
+from tests.pages.in_pages import LOCAL_LINK, TEXTS, bits, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -26,7 +26,7 @@ def downloaded(page, tmp_path, *told):
     """Return the scene of the file that the page saves; ``told``: what the dialog tells besides."""
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Export…").click()
-    told = " ".join(["The command needs the scene file: save it first.", *told])
+    told = " ".join([LOCAL_LINK, "The command needs the scene file: save it first.", *told])
     assert page.locator("#export-text").inner_text() == told
     assert page.locator("#command").input_value().startswith("chain-impact simulate FourLinkBox.toml")
     with page.expect_download() as waiting:

@@ -1,7 +1,7 @@
 """What leaves the page: the console, the link, the command, tables, pictures and the scene file."""
 
 # Tests: pages/browser/explore/export.js, pages/browser/explore/export_dialog.js
-# Tests: pages/browser/explore/console.js
+# Tests: pages/browser/explore/console.js, pages/browser/explore/saved_page.js
 
 import csv
 import io
@@ -14,7 +14,17 @@ import pytest
 from PIL import Image
 
 from chain_impact import cli, load_scene, simulate
-from tests.pages.in_pages import enter, go_to, impacts_of, press, saved, time_of, until, until_told
+from tests.pages.in_pages import (
+    LOCAL_LINK,
+    enter,
+    go_to,
+    impacts_of,
+    press,
+    saved,
+    time_of,
+    until,
+    until_told,
+)
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -53,7 +63,13 @@ def test_a_link_carries_the_changes(show):
     assert told in page.get_by_role("alert").inner_text()
 
 
-def test_a_link_brings_back_pins_and_time(show):
+def saved_again(page):
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Export…").click()
+    return saved(page, "This page").read_text(encoding="utf-8")
+
+
+def test_a_link_and_a_saved_page_bring_back_pins_and_time(show, open_page, tmp_path):
     page = show(hash_="#contact.restitution=0.5&gravity.y=-9")
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.7, 'gravity.y': -9.81})")
@@ -71,8 +87,25 @@ def test_a_link_brings_back_pins_and_time(show):
     page.get_by_role("button", name="Export…").click()
     link = page.get_by_label("A link to this page as it is")
     until(page, "document.getElementById('link').value.includes('time=0.625')")
-    assert page.inner_text("#export-text") == ""
+    assert page.inner_text("#export-text") == LOCAL_LINK
     named = "[...document.querySelectorAll('#pins th .dot, #pins td:nth-child(2)')].map((e) => e.innerText)"
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Map…").click()
+    page.get_by_label("Upwards").select_option("gravity.y")
+    page.locator("#map-y-from").fill("-9.5")
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Export…").click()
+    copy = tmp_path / "copy.html"
+    copy.write_bytes(saved(page, "This page").read_bytes())
+    alone = open_page(copy.as_uri())
+    until(alone, "document.querySelectorAll('#pins tbody tr').length === 3")
+    until(alone, "location.hash.includes('time=0.625')")
+    assert alone.evaluate(named) == page.evaluate(named)
+    alone.get_by_role("button", name="Map…").click()
+    assert alone.get_by_label("Upwards").input_value() == "gravity.y"
+    assert alone.locator("#map-y-from").input_value() == "-9.5"
+    again = saved_again(alone)
+    assert again.count('id="saved"') == copy.read_text(encoding="utf-8").count('id="saved"') == 1
     other = show(hash_=f"#{link.input_value().partition('#')[2]}")
     until(other, "document.querySelectorAll('#pins tbody tr').length === 3")
     until_told(other, impacts_of({"contact.restitution": 0.3}))
@@ -112,7 +145,8 @@ def test_a_long_link_and_pins_of_another_scene_are_told(show):
     page.locator("#export-text").get_by_text("some programs cut it after 2000.").wait_for()
     length = len(page.get_by_label("A link to this page as it is").input_value())
     assert page.inner_text("#export-text") == (
-        "The command needs the scene file: save it first. The link has no pins of other scenes. "
+        f"{LOCAL_LINK} The command needs the scene file: save it first. "
+        "The link has no pins of other scenes. "
         f"The link has {length} characters; some programs cut it after 2000."
     )
 

@@ -9,7 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation.library import browser_module
-from chain_impact.pages.assembly import assembled, joined, program, script_data, styles, text_of
+from chain_impact.pages.assembly import (
+    STRIPPED_FROM_SCRIPTS,
+    assembled,
+    joined,
+    program,
+    script_data,
+    styles,
+    text_of,
+)
 from chain_impact.pages.encoding import encoded
 from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.kit import kit
@@ -75,7 +83,7 @@ def page(scene: Scene, command: Sequence[str]) -> str:
         data=script_data(contents(scene, command)),
         begin=joined(BEGIN),
         kernel=packed(module),
-        toml=text_of(TOML),
+        toml=STRIPPED_FROM_SCRIPTS.sub("", text_of(TOML)),
         worker=packed(program(WORKER).encode()),
     )
 

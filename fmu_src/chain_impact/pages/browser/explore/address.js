@@ -6,6 +6,7 @@ import { Changes } from "../scene/changes.js";
 import { inputStepsIn } from "../scene/input_steps.js";
 import { contentsIn } from "../scene/scene_file.js";
 import { changesIn, hashOf } from "./export.js";
+import { savedState } from "./saved_page.js";
 
 const REST = 300; // [ms] the changes are put into the address when nothing has changed for this time
 
@@ -33,7 +34,8 @@ export class Address {
    */
   constructor(changes, choice, { openScene, clock, comparedMotions, refuse }) {
     Object.assign(this, { changes, choice, openScene, clock, comparedMotions, refuse });
-    if (location.hash) this.#apply(location.hash);
+    const hash = location.hash || savedState().hash;
+    if (hash) this.#apply(hash);
     changes.onChange(() => this.updateSoon());
     changes.onOpen(() => {
       [this.#awaited, this.#isRunning] = [{}, false]; // pins and time of an address are of its own scene

@@ -21,6 +21,7 @@ import { outcomeBeside } from "./parameters/outcome.js";
 import { showParameterList } from "./parameters/parameter_list.js";
 import { showMainParameters } from "./parameters/sliders.js";
 import { RefusedStart } from "./refused_start.js";
+import { fillMap } from "./saved_page.js";
 import { Simulation } from "./simulation.js";
 import { keepChartsWhole } from "./whole_charts.js";
 
@@ -111,7 +112,10 @@ const ask = (...request) => simulation.engine.ask(...request);
 window.chainImpact = consoleInterface(changes, ask);
 connectExport(changes, { keys: kit.keys, ask, address, openScene, faultOf: (...end) => simulation.faultOf(...end) });
 // a map has engines of its own, so that it does not delay the motion
-find("map-open").addEventListener("click", () => new GridMap(beginEngine, changes).open(), { once: true });
+find("map-open").addEventListener("click", () => {
+  new GridMap(beginEngine, changes).open();
+  fillMap();
+}, { once: true });
 find("reset-all").addEventListener("click", () => (changes.count ? changes.replace({}, {}) : openScene.undoEdits()));
 find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
 find("by-hand").addEventListener("click", ({ detail }) => {

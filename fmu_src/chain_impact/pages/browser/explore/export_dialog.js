@@ -4,6 +4,7 @@ import { find } from "../base/dom.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { inputSignals } from "../scene/input_steps.js";
 import { commandOf, csvOf, impactsCsvOf, pictureOf, save } from "./export.js";
+import { savePage } from "./saved_page.js";
 
 const LONG = 2000; // number of characters from which on some programs cut an address
 
@@ -22,6 +23,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
     find("link").value = address.text;
     const { length } = address.text;
     find("export-text").textContent = [
+      location.protocol === "file:" && "The link works on this computer only: to send it, save this page.",
       openScene.text && "The command needs the scene file: save it first.",
       address.lacksPins && "The link has no pins of other scenes.",
       length > LONG && `The link has ${length} characters; some programs cut it after ${LONG}.`,
@@ -49,6 +51,10 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   connectFile("toml", async () => {
     const text = tomlText(contentsOf(changes, inputSignals(changes)), keys);
     save(new Blob([text], { type: "application/toml" }), `${changes.scene.name}.toml`);
+    return "";
+  });
+  connectFile("save-page", async () => {
+    savePage(new URL(address.text).hash, `${changes.scene.name}.html`);
     return "";
   });
   connectFile("png", async () => {
