@@ -171,7 +171,7 @@ def test_a_given_motion_has_columns_of_its_derivatives():
     exact_motion.append(5.0 * np.cos(5.0 * result.time))
     for name, values in zip(("base.y", "base.vy", "base.ay"), exact_motion, strict=True):
         np.testing.assert_allclose(result[name], values, rtol=0, atol=1e-9)
-    other = result.in_other_run({"link[1].mass": 2.0}, 0.2)
+    other = result.row_of_other_run({"link[1].mass": 2.0}, 0.2)
     assert other["base.vy"] == pytest.approx(math.sin(1.0))
 
 
