@@ -178,7 +178,8 @@ REFUSED = [
     (
         ("contact", "points"),
         [3, 4],
-        "contact.points holds 4, must hold only 1 to 3 with a pinned base, each at most once",
+        "contact.points holds 4, must hold only 1 to 3 with a pinned base, each at most once; "
+        "points of chain.links[].points always touch",
     ),
     (("contact", "wall", "slope"), {"friction": 0.1}, "contact.wall.slope is not a wall of the scene"),
     (("contact", "law_file"), "mine.py", "this page has no compiler"),

@@ -154,9 +154,11 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
     {
         "joint[1].torque": "it is an input; a signal in the scene",
         "joint[*].torque": "it is an input; a signal in the scene",
-        "base.x": "inputs.base_motion = true makes it",
+        "base.x": "set inputs.base_motion = true",
         "joint[1].peak_force": "it needs outputs.loads = true",
         "joint[*].force": "with outputs.loads = true there are joint[1].force.x",
+        "link[1].force": "with outputs.loads = true there are joint[1].force.x",
+        "link[1].moment": "take joint[1].moment: it needs outputs.loads = true",
         "contact.stiffness": "parameters are no outputs",
     }.items(),
 )

@@ -9,7 +9,7 @@ from chain_impact.scene.asked_inputs import how_asked, inputs_of
 from chain_impact.scene.words.names import INPUTS_OF
 from tests.helpers.tools.refusal import refusal
 
-ASKS = re.compile(r"inputs\.(\w+) = (true|\[\"(\w+)\"\]) makes it$")
+ASKS = re.compile(r"set inputs\.(\w+) = (true|\[\"(\w+)\"\])$")
 NAMES = [name for names in INPUTS_OF.values() for name in names]
 
 
@@ -25,7 +25,7 @@ def test_what_is_advised_makes_the_input(model):
     }
     for name in sorted(names - {*inputs_of(scene)}):
         advice = how_asked(scene, name)
-        near = re.search(r"the nearest is ([^,]+)", advice)
+        near = re.search(r"the nearest is ([^,;]+)", advice)
         wanted = near[1] if near else name
         if asked := ASKS.search(advice):
             value = [asked[3]] if asked[3] else True

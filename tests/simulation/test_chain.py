@@ -288,7 +288,7 @@ def test_a_single_value_is_set_by_name_and_value(arm):
 )
 def test_an_input_that_is_not_there_is_told_how_to_make_it(name, key):
     chain = Chain(load_scene("four_link_box"))
-    hint = f"FourLinkBox: {name} is not a variable; inputs.{key} = true makes it"
+    hint = f"FourLinkBox: {name} is not a variable; set inputs.{key} = true"
     assert refusal(chain.get, name) == hint
     assert refusal(chain.set, name, 1.0) == hint
 

@@ -50,7 +50,7 @@ def test_a_repeated_name_counts_once():
         ("solver.tolerance", "it is a choice, or a setting of the solver"),
         ("point[2].x", "it is an output"),
         ("contact.points", "change it in the scene file"),
-        ("joint[2].torque", "inputs.joint_torques = true makes it"),
+        ("joint[2].torque", "set inputs.joint_torques = true"),
         ("*.wall", "`chain-impact info SCENE` lists the names"),
     ],
 )

@@ -117,6 +117,7 @@ def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[
         impacts[force][impacts["end"] == impacts["onset"]] = np.nan
     columns = {name: impacts[name].tolist() for name in impacts.dtype.names or () if name != "wall_name"}
     columns["wall"] = [walls[wall] for wall in columns["wall"]]
+    columns["joint"] = [joint or None for joint in columns["joint"]]  # 0 is no joint
     return {
         name: [None if isinstance(value, float) and math.isnan(value) else value for value in values]
         for name, values in columns.items()

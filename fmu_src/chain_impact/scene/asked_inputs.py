@@ -66,11 +66,11 @@ def how_asked(scene: Contents, name: str) -> str:
     if lacking := _lacking_owner(scene, name):
         return lacking
     if key == "wall_motion" or name in possible:
-        return f"{input_asked(name)} makes it"
+        return f"set {input_asked(name)}"
     if key and (base := {"slider": "slider", "base": "pinned"}.get(name.partition(".")[0])):
         return f'only a chain with chain.base = "{base}" has it'
     if near := nearest(name, possible):
-        return f"the nearest is {near}" + ("" if near in there else f", and {input_asked(near)} makes it")
+        return f"the nearest is {near}" + ("" if near in there else f"; set {input_asked(near)}")
     return f"it has {', '.join(there)}" if there else "it has none"
 
 

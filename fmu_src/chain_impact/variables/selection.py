@@ -106,7 +106,13 @@ def missing_output_hint(prepared: Available, name: str) -> str | None:
         return "it needs outputs.loads = true"
     if name in (JOINT_FORCE, *PEAKS):
         return "it is one value of a whole run: a column of each sweep, and a quantity of a ranking"
-    return named_point_hint(scene, name, outputs) or parts_hint(name, outputs) or _hint_on_more(scene, name)
+    hints = (named_point_hint(scene, name, outputs), parts_hint(name, outputs), _hint_on_more(scene, name))
+    if hint := next(filter(None, hints), None):
+        return hint
+    # forces and moments on a link are those of its joint
+    of_joint = name.replace("link[", "joint[", 1)
+    hint = missing_output_hint(prepared, of_joint) if of_joint != name else None
+    return hint and (hint if of_joint in hint else f"take {of_joint}: {hint}")
 
 
 def _hint_on_outputs(prepared: Available) -> Hint:

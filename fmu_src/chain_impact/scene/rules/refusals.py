@@ -36,11 +36,12 @@ SENTENCES = {
     "joint_range": "= {value} must be > {least} [rad], which is joint_min",
     "static_friction": "= {value} must be >= {least}, the coefficient of sliding friction, or 0, which means "
     "equal to it",
-    "law_restitution": "= {value} must be > 0 for the contact model {law}",
+    "law_restitution": "= {value} must be > 0 for the contact model {law}; newton_impact allows 0",
     "law_exponent": "= {value} must be {least} for the contact model {law}",
     "rigid_friction": "= {value} must be 0 for the contact model {law}: "
     f"{WITHOUT_FRICTION}; choose a law with a force",
-    "points": "holds {point}, must hold only {first} to {last} with a {base} base, each at most once",
+    "points": "holds {point}, must hold only {first} to {last} with a {base} base, each at most once; "
+    "points of chain.links[].points always touch",
     "point_names": "has two points with the name {name}",
     "no_stops": "= {value} must be left out: no link has a joint_min or joint_max",
     "no_joint": "= {value} must be left out: a free base has no joint 1"

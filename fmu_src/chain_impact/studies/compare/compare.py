@@ -133,6 +133,7 @@ LAW_COLUMNS: dict[str, Callable[[LawRun], object]] = {
     "first other impact": lambda run: run.divergence,
     "its time [s]": lambda run: run.divergence_time,
     "steps": lambda run: run.steps if run.result else None,
+    "evaluations": lambda run: run.evaluations if run.result else None,
     "note": lambda run: run.note,
 }
 """Name of a column of the CSV → function that gives the column's value for the run of a law.

@@ -77,6 +77,11 @@ class LawRun:
         """The number of steps that the solver took in the run; 0 without a result."""
         return self.result.statistics["steps"] if self.result else 0
 
+    @property
+    def evaluations(self) -> int:
+        """The number of evaluations of the equations of motion in the run; 0 without a result."""
+        return self.result.statistics["rhs_evaluations"] if self.result else 0
+
 
 @dataclass(frozen=True)
 class Reached:

@@ -55,7 +55,7 @@ def law_table(comparison: LawRuns) -> TextTable:
         "lost, J": [run.energy_lost for run in comparison.runs],
     }
     shown = [shared_unit(name, values) for name, values in quantities.items()]
-    head = ("law", "e′", *(name for name, _ in shown), "impacts", "differs at", "steps", "")
+    head = ("law", "e′", *(name for name, _ in shown), "impacts", "differs at", "steps", "evaluations", "")
     rows = zip(comparison.runs, *(cells for _, cells in shown), strict=True)
     return TextTable(head, [_row(run, cells) for run, *cells in rows])
 
@@ -72,8 +72,9 @@ def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
 
 def _row(run: LawRun, values: Sequence[str]) -> tuple[str, ...]:
     differs = DASH if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
-    impacts, steps = (str(count) if run.result else DASH for count in (run.impacts, run.steps))
-    return (run.law, formatted(run.restitution, ".4f"), *values, impacts, differs, steps, run.note)
+    counts = (str(count) if run.result else DASH for count in (run.impacts, run.steps, run.evaluations))
+    impacts, *cost = counts
+    return (run.law, formatted(run.restitution, ".4f"), *values, impacts, differs, *cost, run.note)
 
 
 def formatted(value: float, form: str) -> str:
@@ -89,7 +90,7 @@ def legend(comparison: LawRuns) -> str:
         f"Columns e′ to lost describe the {compared_impact(scene)}; e′ is its restitution, separation over "
         "approach speed, and lost is the energy that the whole chain dissipates meanwhile. "
         "'differs at' is the first impact with another point "
-        f"or wall than under {comparison.reference}: its number and time.{kept}"
+        f"or wall than under {comparison.reference}: its number and time. Evaluations of the equations of motion are the cost on any computer.{kept}"
     )
 
 

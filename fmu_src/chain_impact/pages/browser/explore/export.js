@@ -77,7 +77,7 @@ export function csvOf({ time, columns }) {
 /** Return the list of impacts as CSV, with the columns of `simulate --impacts`; an unknown number is empty. */
 export function impactsCsvOf(impacts, { wallNames, layout: { contactLog } }) {
   const lines = impacts.map((impact) =>
-    Object.values({ ...impact, wall: wallNames[impact.wall], duration: impact.end - impact.onset })
+    Object.values({ ...impact, wall: wallNames[impact.wall], joint: impact.joint || "", duration: impact.end - impact.onset })
       .map((value) => (Number.isNaN(value) ? "" : value)).join(","));
   return [[...Object.keys(contactLog.fields), "duration"].join(","), ...lines, ""].join("\r\n");
 }
