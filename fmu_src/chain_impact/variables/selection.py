@@ -106,9 +106,12 @@ def missing_output_hint(prepared: Available, name: str) -> str | None:
         return "it needs outputs.loads = true"
     if name in (JOINT_FORCE, *PEAKS):
         return "it is one value of a whole run: a column of each sweep, and a quantity of a ranking"
-    hints = (named_point_hint(scene, name, outputs), parts_hint(name, outputs), _hint_on_more(scene, name))
-    if hint := next(filter(None, hints), None):
-        return hint
+    hint = named_point_hint(scene, name, outputs) or parts_hint(name, outputs) or _hint_on_more(scene, name)
+    return hint or _hint_on_joint(prepared, name)
+
+
+def _hint_on_joint(prepared: Available, name: str) -> str | None:
+    """Return the hint for the output of a joint if ``name`` is that of the link behind it; else None."""
     # forces and moments on a link are those of its joint
     of_joint = name.replace("link[", "joint[", 1)
     hint = missing_output_hint(prepared, of_joint) if of_joint != name else None

@@ -90,7 +90,8 @@ def legend(comparison: LawRuns) -> str:
         f"Columns e′ to lost describe the {compared_impact(scene)}; e′ is its restitution, separation over "
         "approach speed, and lost is the energy that the whole chain dissipates meanwhile. "
         "'differs at' is the first impact with another point "
-        f"or wall than under {comparison.reference}: its number and time. Evaluations of the equations of motion are the cost on any computer.{kept}"
+        f"or wall than under {comparison.reference}: its number and time. "
+        f"Evaluations of the equations of motion are the cost on any computer.{kept}"
     )
 
 
