@@ -31,7 +31,7 @@ from chain_impact.pages.drawn import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts
 from chain_impact.pictures.drawing.style import LOAD
 from chain_impact.pictures.film.arrow_scale import ArrowScale
-from chain_impact.pictures.film.film import CHAIN, FORCE, MUTED, TIP
+from chain_impact.pictures.film.film import FORCE, MUTED
 from chain_impact.pictures.over_time.energies import ENERGIES, without_gap
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
@@ -297,7 +297,7 @@ def test_words_of_rates_units_and_angles(script):
 
 def test_colours_of_films_are_those_of_pages():
     light = dict(re.findall(r"--([\w-]+): (#\w{6});", text_of("player/style.css").partition("@media")[0]))
-    known = {"muted": MUTED, "chain": CHAIN, "tip": TIP, "force": FORCE, "load": LOAD, **ENERGIES}
+    known = {"muted": MUTED, "force": FORCE, "load": LOAD, **ENERGIES}
     del known["total"]  # black in a film
     assert {name: light[name] for name in known} == known
 

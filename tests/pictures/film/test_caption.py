@@ -39,12 +39,16 @@ def test_the_caption_of_an_impact_stays_for_some_frames():
     recording = made.swing([made.hit(0.5, 1, "y_min", 1.0)], {"y_min": 0.0})
     recording.impacts["end"] = 0.5
     page = Film(Figure((8.0, 4.5), dpi=80), recording, np.linspace(0.0, 2.0, 201))
-    told = []
-    for frame in range(201):
+    told, opacities = [], []
+    for frame in range(200):
         list(page.show(frame, 1.0))
         told.append(bool(page.caption.text.get_text()))
+        opacities.append(page.caption.text.get_alpha())
     frames = np.flatnonzero(told)
     assert frames.tolist() == list(range(45, 51 + CAPTION_FRAMES))
+    assert (np.diff(opacities[50 : 51 + CAPTION_FRAMES]) < 0.0).all(), "it becomes fainter"
+    list(page.show(200, 1.0))
+    assert page.caption.text.get_text() == "1 impact in 2 s, 1 J dissipated", "the result"
 
 
 def test_the_caption_tells_an_impact_when_slow_motion_for_it_begins():
@@ -54,7 +58,7 @@ def test_the_caption_tells_an_impact_when_slow_motion_for_it_begins():
     )
     recording.impacts["end"] = recording.impacts["onset"] + 1e-3
     shown = [0.46, 0.505, 0.515, 0.94, 0.96, 1.49, 1.501]
-    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array(shown))
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array([*shown, 2.0]))
     told = []
     for frame in range(len(shown)):
         list(page.show(frame, 1.0))
@@ -76,7 +80,7 @@ def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
         assert legend.y1 < page.caption.text.get_window_extent().y0
         assert legend.x1 <= figure.bbox.x1
         least = min(text.get_fontsize() for text in figure.findobj(matplotlib.text.Text) if text.get_text())
-        assert least * dpi / 72.0 > 9.5  # pixels
+        assert least * dpi / 72.0 > 10.99  # pixels
 
 
 @pytest.mark.parametrize(
@@ -91,8 +95,8 @@ def test_the_last_impact_has_the_words_that_have_room(point, wall, text):
     impacts = [made.hit(1.0 + 0.01 * number, 1, wall, 1.0) for number in range(10)]
     recording = made.swing(impacts, slopes={wall: (0.0, -1.0, 0.0)})
     recording = dataclasses.replace(recording, point_names={1: point})
-    figure = Figure((8.0, 4.5), dpi=80)
-    page = Film(figure, recording, np.array([0.0, 1.0]))
+    figure = Figure((8.7, 4.9), dpi=80)
+    page = Film(figure, recording, np.array([0.0, 1.0, 2.0]))
     list(page.show(1, 1.0))
     assert page.caption.text.get_text() == f"{text}\nwith 1 m/s"
     assert page.caption.text.get_window_extent().x1 < figure.bbox.x1

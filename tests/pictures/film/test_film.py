@@ -13,9 +13,9 @@ from PIL import Image
 
 from chain_impact import Recording, SceneWarning, load_scene, parse_scene, record_slowly, simulate
 from chain_impact.pictures.drawing.dark_ground import lighter
-from chain_impact.pictures.drawing.style import LOAD
+from chain_impact.pictures.drawing.style import LOAD, TIME_COLOURS
 from chain_impact.pictures.film.charts import largest_forces, stretch
-from chain_impact.pictures.film.film import CHAIN, FILM_STYLE, FORCE, SIZE_WITH_CHARTS, Film
+from chain_impact.pictures.film.film import FILM_STYLE, FORCE, SIZE_WITH_CHARTS, Film
 from chain_impact.pictures.film.scale_bar import draw_scale_bar
 from chain_impact.pictures.film.writing import MOST_SLOWED_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.over_time.energies import ENERGIES
@@ -26,6 +26,7 @@ from tests.pictures import pictures as made
 from tests.tiers import needs_interop
 
 SIZE = (320, 180)
+START = TIME_COLOURS(0.0)  # the colour of the chain at the start
 
 
 @pytest.fixture(scope="module")
@@ -65,9 +66,8 @@ def test_a_gif_lasts_as_long_as_the_motion_on_the_screen(recording, tmp_path):
             shown.seek(frame)
             durations.append(shown.info["duration"] / 1000)
         assert sum(durations[:-1]) == pytest.approx(len(times) / rate, abs=0.1)
-        shown.seek(shown.n_frames // 2)
         picture = np.asarray(shown.convert("RGB"))
-        assert coloured(picture, CHAIN) > 100
+        assert coloured(picture, TIME_COLOURS(1.0)) > 100, "the colour of the last time"
         assert picture[2, SIZE[0] // 2].tolist() == [255, 255, 255]
 
 
@@ -113,13 +113,13 @@ def test_a_film_is_dark_in_a_dark_style(tmp_path):
     with Image.open(tmp_path / "film.gif") as shown:
         for one in (picture, np.asarray(shown.convert("RGB"))):
             assert one[2, SIZE[0] // 2].tolist() == [0, 0, 0]
-            assert coloured(one, lighter(CHAIN)) > 100
+            assert coloured(one, lighter(START)) > 100
             assert (one.min(axis=-1) > 150).sum() > 20  # the texts are light
 
 
 def test_positions_alone_make_a_film():
     (picture,) = pictures(swing(1.0), 0.0)
-    assert coloured(picture, CHAIN) > 100
+    assert coloured(picture, START) > 100
     assert coloured(picture[:, SIZE[0] * 2 // 3 :], ENERGIES["total"]) < 50  # the clock, no empty axes
 
 
@@ -296,6 +296,8 @@ def test_a_film_has_the_largest_force_over_time_with_a_cursor(recording):
     for frame, time in enumerate(recording.time[[0, -1]]):
         list(page.show(frame, 1.0))
         assert [cursor.get_xdata()[0] for cursor in page.cursors] == [time, time]
+        for veil in page.veils:  # the future is pale
+            assert (veil.get_x(), veil.get_x() + veil.get_width()) == (time, recording.time[-1])
     assert not any(cursor.get_clip_on() for cursor in page.cursors)
 
 

@@ -5,13 +5,22 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.words.headline import hardness, hit_words
+from chain_impact.pictures.film.scale_bar import SMALL
+from chain_impact.pictures.words.headline import (
+    energy_texts,
+    hardness,
+    hit_words,
+    impact_count_text,
+    peaks,
+)
 from chain_impact.pictures.words.point_names import brief_hit, short_names
 from chain_impact.recording.contact_times import contact_ends
 from chain_impact.recording.pacing import SPEED_RAMP, impact_ends, slow_spans
 from chain_impact.recording.recording import Recording
 
-CAPTION_FRAMES = 40  # number of frames for which a caption stays after the end of its contact; 2 s in a gif
+# number of frames for which a caption stays after the end of its contact, and becomes fainter; 2 s in a gif
+CAPTION_FRAMES = 40
+LEAST_OPACITY = 0.3  # the opacity of a caption just before it disappears, from 0 to 1
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 
 CAPTION_GAP = 2.0  # [points] the least space below the caption
@@ -34,7 +43,7 @@ class Caption:
         self.figure, self.recording, self.times = figure, recording, times
         self.starts, self.ends = caption_starts(recording), contact_ends(recording)
         self.told = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
-        self.text = figure.text(*place, "\n", fontsize=8, animated=True, va="center")
+        self.text = figure.text(*place, "\n", fontsize=SMALL, animated=True, va="center")
         self.lowest = self.text.get_window_extent().y0 - CAPTION_GAP * figure.dpi / 72.0  # [pixels]
         self.text.set_text("")
 
@@ -42,22 +51,48 @@ class Caption:
         """Write the caption for frame ``frame``, from 0, with the longest words that have room.
 
         The caption tells the latest impact whose caption has begun (``caption_starts``). It is empty before
-        the first caption begins, and more than CAPTION_FRAMES frames after the end of the told contact.
+        the first caption begins, and more than CAPTION_FRAMES frames after the end of the told contact; until
+        then it becomes fainter. In the last frame of a film, the caption tells the result of the run.
         """
         if not len(self.times):
             return
-        recording, impacts = self.recording, self.recording.impacts
+        if 0 < frame == len(self.times) - 1:
+            self.told = 0
+            self.text.set_alpha(1.0)
+            self._write(self._result())
+            return
         number = int(np.searchsorted(self.starts, self.times[frame], side="right"))
         if number and self.ends[number - 1] < self.times[max(frame - CAPTION_FRAMES, 0)]:
             number = 0
-        if number == self.told:
-            return
-        self.told, texts = number, [""]
         if number:
-            count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
-            whole, brief = short_names(recording, hit_words(recording, impact)), brief_hit(recording, impact)
-            hard = hardness(recording, number - 1)
-            texts = [f"{text}\n{hard}" for text in (f"{count}: {whole}", f"{count}: {brief}", brief)]
+            ended = int(np.searchsorted(self.times, self.ends[number - 1]))
+            passed = max(0, frame - ended) / CAPTION_FRAMES
+            self.text.set_alpha(1.0 - (1.0 - LEAST_OPACITY) * min(1.0, passed))
+        if number != self.told:
+            self.told = number
+            self._write(self._words(number) if number else [""])
+
+    def _words(self, number: int) -> list[str]:
+        """Return words for impact ``number``, from 1, the longest first."""
+        recording, impacts = self.recording, self.recording.impacts
+        count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
+        whole, brief = short_names(recording, hit_words(recording, impact)), brief_hit(recording, impact)
+        hard = hardness(recording, number - 1)
+        return [f"{text}\n{hard}" for text in (f"{count}: {whole}", f"{count}: {brief}", brief)]
+
+    def _result(self) -> list[str]:
+        """Return words for the largest value of all impacts, and for the energies, the longest first."""
+        recording = self.recording
+        most = [
+            f"{peak.text} in impact {peak.row + 1}" if peak.equal == 1 else peak.text
+            for peak in peaks(recording)[:1]
+        ]
+        count, energies = impact_count_text(recording), energy_texts(recording)[:1]
+        tries = [[count, *energies], [count.partition(" in ")[0], *energies], [count]]
+        return ["\n".join([*most, ", ".join(parts)]) for parts in tries]
+
+    def _write(self, texts: list[str]) -> None:
+        """Write the first of some texts that has room, or else the last one."""
         for text in texts:
             self.text.set_text(text)
             if self.text.get_window_extent().x1 <= CAPTION_END * self.figure.bbox.x1:

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.distinct_curves import plot_curves
 from chain_impact.pictures.drawing.style import INK, LOAD, give_ticks, load_unit
+from chain_impact.pictures.film.scale_bar import SMALL
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.pictures.over_time.time_axis import mark_impacts
 from chain_impact.recording.recording import Recording
@@ -106,7 +107,7 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
     factor, unit = load_unit(peak, "N")
     for name, force in forces.items():
         axes.plot(recording.time, factor * force, color={"wall": FORCE, "joint": LOAD}[name], linewidth=1.2)
-    axes.set_title(f"largest force [{unit}]", loc="left", fontsize=8, pad=2.0)
+    axes.set_title(f"largest force [{unit}]", loc="left", fontsize=SMALL, pad=2.0)
     axes.set_ylim(bottom=0.0)
     give_ticks(axes)
 
@@ -114,10 +115,11 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
     curves = [curve for curve in energy_curves(recording) if curve[0].any()]
     plot_curves(axes, recording.detailed_energies[0], curves)
-    axes.set_ylabel("energy [J]", fontsize=8)
+    axes.set_ylabel("energy [J]", fontsize=SMALL)
     position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
+    short: dict[str, Any] = {"handlelength": 0.8, "handletextpad": 0.4}
     for columns in (3, 2):
-        key = axes.legend(**position, ncols=columns, fontsize=8, handlelength=1.0, columnspacing=1.0)
+        key = axes.legend(**position, ncols=columns, fontsize=SMALL, columnspacing=0.6, **short)
         if key.get_window_extent().x1 <= axes.figure.bbox.x1:
             break
     # for a legend of many rows, the axes become lower, so that the legend does not touch the film's caption

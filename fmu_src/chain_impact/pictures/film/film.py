@@ -14,17 +14,26 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, FancyArrowPatch, Polygon
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
 from chain_impact.pictures.drawing.dark_ground import Ground
-from chain_impact.pictures.drawing.style import INK, LOAD, OUTSIDE_COLOUR, PALE, STYLE, force_text
+from chain_impact.pictures.drawing.style import (
+    INK,
+    LOAD,
+    OUTSIDE_COLOUR,
+    PALE,
+    STYLE,
+    TIME_COLOURS,
+    force_text,
+)
 from chain_impact.pictures.film.arrow_numbers import Number, write_numbers
 from chain_impact.pictures.film.arrow_scale import ArrowScale
 from chain_impact.pictures.film.caption import Caption
 from chain_impact.pictures.film.charts import FORCE, draw_charts, largest_forces
-from chain_impact.pictures.film.scale_bar import draw_scale_bar
+from chain_impact.pictures.film.scale_bar import SMALL, draw_scale_bar
 from chain_impact.pictures.film.tip_trace import trace_of
-from chain_impact.pictures.motion.bodies import body_look, draw_rail
+from chain_impact.pictures.motion.bodies import FILL, body_look, draw_rail
+from chain_impact.pictures.motion.motion import colour_of_time
 from chain_impact.pictures.motion.walls import draw_pin, draw_room, moves
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.joint_stops import range_lines, touching_place
@@ -34,11 +43,16 @@ from chain_impact.recording.stick_slip import FRICTION, JOINT_STOP
 from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
 from chain_impact.scene.display.bodies import placed
 
-MUTED, CHAIN, TIP = "#566076", "#2b4a9f", "#c2255c"
-FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
-"""All colours of a film, except white and the shades between the colours and white."""
+MUTED = "#566076"
+SHOWN_TIMES = 24  # the number of colours of time in a gif
+FILM_COLOURS: tuple[Any, ...] = (INK, MUTED, PALE, OUTSIDE_COLOUR, FORCE, LOAD, *ENERGIES.values())
+FILM_COLOURS += tuple(TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, SHOWN_TIMES).tolist())
+"""All colours of a film, except white and the shades between the colours and white.
+
+Chain and path of the tip have the colours of time, as in the picture of a run.
+"""
 FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
-FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
+FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED, "xtick.labelsize": SMALL, "ytick.labelsize": SMALL}
 """Settings of matplotlib for a film."""
 SIZE_WITH_CHARTS = (7.0, 3.9375)  # [inch] the least width and height of a figure with charts
 # the axes with the chain: left, bottom, width and height, relative to the size of the figure
@@ -50,6 +64,7 @@ SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (
 # half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
 # the view
 HALF_BAR = 0.035
+VEIL = 0.75  # the opacity of the veil over the time that the film has not yet shown, from 0 to 1
 SCALE = 0.055  # the position of the rulers, above the foot of the figure, relative to the figure's height
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
@@ -94,29 +109,29 @@ class Film:
         )
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
         self.trace_times, self.path = trace_of(recording, self.side)
-        faint: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.7 if ground else 0.35}
+        self.shade = colour_of_time(recording)
         self.rings, self.spots = self._rings()
-        (self.trace,) = self.scene.plot([], [], color=TIP, **faint, **still)
-        self.tail = LineCollection([], colors=TIP, animated=True)
+        self.trace = LineCollection([], linewidths=1.0, alpha=0.8 if ground else 0.55, animated=True)
+        self.tail = LineCollection([], animated=True)
         self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
-        for lines in (self.tail, self.ranges):
+        for lines in (self.trace, self.tail, self.ranges):
             self.scene.add_collection(lines, autolim=False)
-        disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
+        body: dict[str, Any] = {**body_look(INK), "animated": True}
         touching = recording.touching_radii if radius > 0.0 else {}
-        self.discs = {point: Circle((0, 0), own, **disc) for point, own in touching.items()}
-        body: dict[str, Any] = {**body_look(CHAIN), "animated": True}
+        self.discs = {point: Circle((0, 0), own, animated=True) for point, own in touching.items()}
         self.bodies = {link: Polygon(corners, **body) for link, corners in recording.outlines.items()}
         base = {**body, "facecolor": to_rgb(PALE)}
         self.carriage = [(Polygon(np.zeros((4, 2)), **base), recording.rail)] if recording.rail else []
         self.patches = [*self.discs.values(), *self.bodies.values(), *(patch for patch, _ in self.carriage)]
         for patch in self.patches:
             self.scene.add_patch(patch)
-        (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
+        (self.chain,) = self.scene.plot([], [], linewidth=4.0, **still)
         mark: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
         self.sites, self.joints, self.tip = (
-            self.scene.plot([], [], color=colour, markeredgecolor=edge, markersize=size, **mark)[0]
-            for colour, edge, size in ((CHAIN, CHAIN, 4), ("white", CHAIN, 5), (TIP, "white", 7))
+            self.scene.plot([], [], color="white", markeredgecolor="white", markersize=size, **mark)[0]
+            for size in (4, 5, 7)
         )
+        self.veils = [self._veil(cursor.axes) for cursor in self.cursors]
         peaks = recording.impacts["peak_force"][~recording.is_at_joint_stop]
         seen = [force.max() for force in largest_forces(recording).values()]
         peak = max([np.nanmax(peaks, initial=0.0), *seen])
@@ -126,6 +141,13 @@ class Film:
         if self.loads:
             self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
         self._suit(figure)
+
+    def _veil(self, axes: Any) -> Rectangle:
+        """Add a veil to the axes of a chart, which makes the time after the shown time pale."""
+        veil = Rectangle((0.0, 0.0), 1.0, 1.0, transform=axes.get_xaxis_transform(), zorder=3, animated=True)
+        veil.set(facecolor=("white", VEIL), linewidth=0.0)
+        axes.add_patch(veil)
+        return veil
 
     def _suit(self, figure: Figure) -> None:
         """Give the figure the colours for a dark ground, if the style in use is dark."""
@@ -155,7 +177,9 @@ class Film:
             "borderaxespad": 0.0,
         }
         handles = [Line2D([], [], color=colour, label=name, **arrow) for name, colour in kinds.items()]
-        figure.legend(handles=handles, ncols=2, fontsize=8, handlelength=1.4, columnspacing=1.0, **position)
+        figure.legend(
+            handles=handles, ncols=2, fontsize=SMALL, handlelength=1.4, columnspacing=1.0, **position
+        )
 
     def _draw_ground(self, radius: float) -> None:
         pinned = self.recording.pinned
@@ -204,8 +228,11 @@ class Film:
         time, places = self.times[frame], self.points[frame]
         points = places[: self.recording.link_count + 1]
         passed = np.searchsorted(self.trace_times, time, side="right")
-        self.trace.set_data(*np.append(self.path[:passed], points[-1:], axis=0).T)
+        self.traced = np.append(self.path[:passed], points[-1:], axis=0)
+        self.trace.set_segments(list(np.stack([self.traced[:-1], self.traced[1:]], axis=1)))
+        self.trace.set_color(self._of_time(self.trace_times[:passed]))
         self._show_tail(time)
+        self._colour_chain(time)
         self.rings.set_data(*self.spots[self.recording.impacts["onset"] <= time].T)
         for point, disc in self.discs.items():
             disc.set_center(tuple(places[point]))
@@ -227,14 +254,35 @@ class Film:
         yield from (self.chain, self.sites, self.joints, self.tip)
         yield from self._forces(frame)
         yield from (self.clock, self.rate, self.caption.text)
-        for cursor in self.cursors:
+        for veil, cursor in zip(self.veils, self.cursors, strict=True):
             cursor.set_xdata([time, time])
-            yield cursor
+            veil.set_x(time)
+            veil.set_width(max(0.0, self.recording.time[-1] - time))
+            yield from (veil, cursor)
+
+    def _of_time(self, times: np.ndarray) -> list[Any]:
+        """Return the colours of some times [s]; none for no times."""
+        colours = np.reshape(self.shade(times), (-1, 4)).tolist()
+        return [self._suited(colour) for colour in colours] if self.ground else colours
+
+    def _colour_chain(self, time: float) -> None:
+        """Give the chain, its bodies and its points the colour of a time [s]."""
+        (colour,) = self._of_time(np.array([time]))
+        self.chain.set_color(colour)
+        for line in (self.sites, self.joints):
+            line.set_markeredgecolor(colour)
+        for line in (self.sites, self.tip):
+            line.set_markerfacecolor(colour)
+        for patch in (*self.discs.values(), *self.bodies.values()):
+            patch.set(edgecolor=colour, facecolor=(*to_rgb(colour), FILL))
+        for patch, _ in self.carriage:
+            patch.set_edgecolor(colour)
 
     def _show_tail(self, time: float) -> None:
         moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
         tip = np.stack([np.interp(moments, self.trace_times, along) for along in self.path.T], axis=-1)
         self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
+        self.tail.set_color(self._of_time(moments[1:]))
         self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
@@ -260,20 +308,15 @@ class Film:
                     self.points[frame, interaction.point], interaction.wall, (force, along), sticks
                 )
             elif interaction.kind == FRICTION and sticks:
-                self._add_line(
-                    self.points[frame, max(interaction.point - 1, 0)],
-                    "o",
-                    markeredgecolor=CHAIN,
-                    markersize=7,
-                )
+                joint = self.points[frame, max(interaction.point - 1, 0)]
+                self._add_line(joint, "o", markeredgecolor=INK, markersize=7)
             elif interaction.kind == JOINT_STOP and force > 0.0:
                 mark, (dx, dy) = touching_place(self.points[frame], interaction.point)
                 self._add_line(mark, "o", markersize=9)
                 across = np.array([dy, -dx])
                 self.numbers.append(Number(force, force_text(force, "N·m"), mark, across, FORCE))
         self._add_loads(frame)
-        drawn = np.asarray(self.trace.get_xydata())
-        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame), drawn)
+        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame), self.traced)
         if self.ground:
             self.ground.suit(self.moving)
         yield from self.moving
