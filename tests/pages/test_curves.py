@@ -103,6 +103,11 @@ def test_an_enlarged_chart_shows_a_part_of_the_time_and_hides_curves(show, resul
                 assert (page.evaluate(PIXELS, ["energy", "dissipated"]) > 20) is is_shown
         page.keyboard.press("Escape")
         page.locator(f"{where}.zoomed").first.wait_for(state="detached")
+        page.locator(where).first.focus()
+        page.keyboard.press("+")
+        page.locator(f"{where}.zoomed").first.wait_for()
+        page.keyboard.press("-")
+        page.locator(f"{where}.zoomed").first.wait_for(state="detached")
         page.keyboard.press("Escape")
         until(page, f"document.querySelector('{where}').clientWidth < 400")
         assert page.locator(where).first.bounding_box() | {"y": 0} == small | {"y": 0}

@@ -126,7 +126,7 @@ export class Chart {
 
   /**
    * Let the mouse, or the arrow keys while the chart has the focus, read values at a place of the horizontal axis; the key Enter goes to
-   * the time at this place.
+   * the time at this place. In an enlarged chart, the key + shows half of the axis around this place, and − the whole axis.
    */
   #connect() {
     const { element } = this;
@@ -140,6 +140,11 @@ export class Chart {
     element.addEventListener("keydown", (event) => {
       const direction = { ArrowLeft: -1, ArrowRight: 1, Escape: 0, Enter: 0 }[event.key];
       const { min, max } = this.plot.scales.x;
+      if (element.closest(".enlarged") && "+=-".includes(event.key)) {
+        const [middle, half] = [Math.min(Math.max(this.reading ?? this.at ?? min, min), max), (max - min) / 4];
+        this.zoom(event.key === "-" ? undefined : [Math.max(middle - half, min), Math.min(middle + half, max)]);
+        event.stopPropagation(); // these keys would enlarge the drawing
+      }
       if (event.key === "Escape" && this.reading === undefined) return;
       if (direction === undefined || event.shiftKey || !this.readingAt(min)) return;
       event.preventDefault();

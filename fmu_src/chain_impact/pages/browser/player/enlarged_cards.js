@@ -4,7 +4,6 @@ import { find, make } from "../base/dom.js";
 
 // [pixels] space around an enlarged card; with less height than LEAST_BELOW below the motion, the card covers the motion
 const [AROUND_CARD, LEAST_BELOW] = [8, 170];
-const [ENLARGE, MAKE_SMALL] = ["Enlarge", "Back to its place (Esc)"];
 
 /**
  * Give each card a button that enlarges it. `cards`: pairs [element, part]; `part.enlarge` is called with true when the card becomes large,
@@ -16,13 +15,14 @@ export function enlargeable(cards) {
     if (isLarge(card) === (card === large)) return;
     card.classList.toggle("enlarged", card === large);
     card.removeAttribute("style");
-    Object.assign(card.querySelector(".enlarge"), { title: card === large ? MAKE_SMALL : ENLARGE, ariaPressed: card === large });
+    card.querySelector(".enlarge").ariaPressed = card === large;
     part.enlarge(card === large);
   });
   const place = () => cards.filter(([card]) => isLarge(card)).forEach(([card]) => Object.assign(card.style, placeOf(card)));
   cards.forEach(([card, part]) => {
     const whole = make("button", { type: "button", className: "whole-time", textContent: "Whole time" });
-    const button = make("button", { type: "button", className: "enlarge", title: ENLARGE, ariaPressed: false });
+    const title = part.zoom ? "Enlarge; a drag in the chart then zooms in time" : "Enlarge, with more columns";
+    const button = make("button", { type: "button", className: "enlarge", title, ariaPressed: false });
     button.setAttribute("aria-describedby", card.getAttribute("aria-labelledby"));
     button.innerHTML = '<svg viewBox="0 0 12 12"><path d="M7 1h4v4M5 11H1V7M11 1 7 5M1 11l4-4"/></svg>';
     whole.addEventListener("click", () => part.zoom());
