@@ -8,8 +8,10 @@ first three. A test named by its node id on the command line always runs.
 import os
 import re
 import shutil
+import tomllib
 from collections import defaultdict
 from functools import cache
+from importlib import metadata
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -20,29 +22,17 @@ from hypothesis import settings
 from chain_impact.system import cores
 
 MOST_WORKERS = 8
-GROUPS = {
-    "compiler": ("llvmlite", "numba", "ziglang"),
-    "browser": ("marionette_driver", "playwright"),
-    "interop": (
-        "av",
-        "dask",
-        "distributed",
-        "ecospy",
-        "libcosimpy",
-        "mujoco",
-        "pyarrow",
-        "xarray",
-        "yourdfpy",
-    ),
-    "notebook": ("ipykernel", "nbconvert"),
-    "docs": ("mkdocstrings", "zensical"),
-    "dev": ("flint", "yaml"),
-}
-"""Extra of the package → its modules that ``pytest --full`` needs."""
-
 TESTS = Path(__file__).parent
 SOURCES = TESTS.parent / "fmu_src" / "chain_impact"
 """The package's sources. An installed package has files of its own beside them."""
+EXTRAS = {
+    extra: [re.match(r"[\w-]+", needed)[0] for needed in all_needed if not needed.startswith("chain-impact")]
+    for extra, all_needed in tomllib.loads((TESTS.parent / "pyproject.toml").read_text(encoding="utf-8"))[
+        "project"
+    ]["optional-dependencies"].items()
+    if extra != "bench"  # only benchmarks need it
+}
+"""Extra that ``pytest --full`` needs → the packages that it adds, without those of extras that it names."""
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
 
@@ -98,9 +88,14 @@ def pytest_configure(config):
     settings.load_profile("chain-impact")
 
 
+def is_installed(package):
+    """Return whether a package is installed, by its name in a registry."""
+    return any(metadata.distributions(name=package))
+
+
 def refuse_what_is_missing():
     """Raise an error with one sentence that names everything missing for --full."""
-    extras = [name for name, modules in GROUPS.items() if not all(map(find_spec, modules))]
+    extras = [extra for extra, packages in EXTRAS.items() if not all(map(is_installed, packages))]
     if extras:
         missing = f"the extras {', '.join(extras)}, which are not installed: pip install -e '.[dev]'"
     elif not (CHROMIUM and FIREFOX):
@@ -151,7 +146,7 @@ def not_importable():
 @cache
 def not_in_quick_tier():
     """Return the names of test files that the README's environment cannot import; it has the compilers."""
-    return set(chain.from_iterable(IMPORTING[name] for name in IMPORTING.keys() - {*GROUPS["compiler"]}))
+    return set(chain.from_iterable(IMPORTING[name] for name in IMPORTING.keys() - {*EXTRAS["compiler"]}))
 
 
 def leave_out(config, items):

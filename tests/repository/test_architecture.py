@@ -9,6 +9,7 @@ import sys
 import tomllib
 from collections import Counter, defaultdict
 from functools import cache
+from importlib import metadata
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,7 +18,7 @@ import pytest
 import chain_impact
 from tests import tiers
 from tests.scheduling import SLOWEST, WITH
-from tests.tiers import GROUPS, IMPORTING, subjects
+from tests.tiers import EXTRAS, IMPORTING, subjects
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "fmu_src" / "chain_impact"
@@ -276,7 +277,11 @@ def test_no_public_name_loads_what_draws():
 
 def test_files_that_import_what_the_quick_tier_lacks_are_named_with_it():
     """Files of the same name count as one."""
-    lacking, found = {*itertools.chain(*GROUPS.values())}, defaultdict(set)
+    others = itertools.chain(*(EXTRAS[extra] for extra in EXTRAS.keys() - {"check", "pandas", "test"}))
+    packages, found = {*map(metadata.Prepared.normalize, others)}, defaultdict(set)
+    homes = metadata.packages_distributions()
+    lacking = {name for name in homes if packages & {*map(metadata.Prepared.normalize, homes[name])}}
+    lacking |= IMPORTING.keys()  # also where they are not installed
     for file in (ROOT / "tests").rglob("test_*.py"):
         found[file.name] |= {module.partition(".")[0] for module in imported_with(file)} & lacking
     named = {name: {module for module in IMPORTING if name in IMPORTING[module]} for name in found}

@@ -3,10 +3,14 @@
 # Tests: kernel/record/ranges.py
 
 import math
+import re
+from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from chain_impact.kernel import record
 from chain_impact.kernel.record.fields import LARGEST, SMALLEST
 from chain_impact.kernel.record.ranges import (
     BOUNDED,
@@ -18,6 +22,7 @@ from chain_impact.kernel.record.ranges import (
     most_bound,
 )
 from chain_impact.kernel.status import PARAMETER_OUT_OF_RANGE
+from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.parameters import PARAMETERS
@@ -64,6 +69,33 @@ def test_a_parameter_has_the_range_of_its_key(name):
     kind = KINDS[name]
     path = tuple(map(str, kind.record_path[:2]))
     assert RANGES.get(path) == (None if path in OTHER_CHECKS else WIDER.get(path, expected(kind)))
+
+
+def units_in_comments():
+    """Yield (part, field), and the comment that begins with the unit, for the fields of the record."""
+    for file in Path(record.__file__).parent.glob("*.py"):
+        part, above = "", ""
+        for line in file.read_text("utf-8").splitlines():
+            if found := re.match(r"def (\w+)_dtype", line):
+                part = found[1]
+            if found := re.match(r'\s+\("(\w+)", [^#]*(?:# (.*))?$', line):
+                yield (part, found[1]), found[2] or above
+            above = found[1] if (found := re.match(r"\s+# (.*)", line)) and not above else above
+            above = above if re.match(r"\s+# (?!----)", line) else ""
+
+
+def test_the_comment_on_a_parameter_begins_with_the_unit_of_its_key():
+    """A row for the slider after those of joints may have no comment of its own."""
+    units, told = defaultdict(set), dict(units_in_comments())
+    for kind in KINDS.values():
+        units[tuple(map(str, kind.record_path[:2]))].add(unit_text(kind.unit))
+    wrong = {
+        path: told[path]
+        for path in units.keys() & told.keys()
+        if "" not in units[path] and told[path].partition(",")[0] not in units[path]
+    }
+    assert len(units.keys() & told.keys()) > 50
+    assert wrong == {}
 
 
 def test_no_other_field_has_a_range():
