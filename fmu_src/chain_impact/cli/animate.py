@@ -131,7 +131,7 @@ def record(options: argparse.Namespace) -> Recording:
 
     settings, inputs = settings_of(options.set), inputs_of(options)
     if inputs and is_csv(options.source):
-        raise UsageError(f"--inputs {inputs[0]}: {options.source} is a table of a run that is over")
+        raise UsageError(f"--inputs {inputs.file}: {options.source} is a table of a run that is over")
     if is_csv(options.source):
         return read_table(Path(options.source), options.scene, settings)
     if options.scene:

@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     scene = scene_with(options.source, options.set, inputs)
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
     if inputs:
-        given = {"--inputs": str(inputs[0]), "--interpolation": inputs[1]}
+        given = {"--inputs": str(inputs.file), "--interpolation": inputs.interpolation}
         command += [word for option, value in given.items() if value for word in (option, value)]
     with progress("writing") as advance:
         explore(scene, file, command=command)

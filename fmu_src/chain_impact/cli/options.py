@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
 from chain_impact.cli.progress import say
+from chain_impact.fmu.inputs import InputTable
 from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.files.models import model_names, scene_file_path
 from chain_impact.scene.scene import Scene, load_scene
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
 else:
     Verbs = object  # argparse's class is generic for type checkers only: at run time [...] is an error
 
-Inputs = tuple[Path, str | None]
-"""The file of a table of inputs, and how inputs are interpolated between the rows of the table; None for the
-default of each input."""
 TABLE_INTERPOLATIONS = ("hold", "linear", "spline")  # the choices of --interpolation for a table of inputs
 PICTURES = (".png", ".svg", ".pdf")  # the suffixes of files with pictures
 SETTING = "contact.stiffness=1e9"  # the example of a setting in errors
@@ -123,7 +121,7 @@ def scene_of_options(options: argparse.Namespace) -> Scene:
     return scene_with(options.source, options.set, inputs_of(options))
 
 
-def inputs_of(options: argparse.Namespace) -> Inputs | None:
+def inputs_of(options: argparse.Namespace) -> InputTable | None:
     """Return the table ``--inputs`` and its interpolation, or None without a table.
 
     Raises:
@@ -134,7 +132,7 @@ def inputs_of(options: argparse.Namespace) -> Inputs | None:
     if options.inputs is not None and not options.inputs.exists():
         hint = near_file(options.inputs) or "must be a CSV or Parquet table"
         raise UsageError(f"--inputs {options.inputs}: there is no such file; {hint}")
-    return None if options.inputs is None else (options.inputs, options.interpolation)
+    return None if options.inputs is None else InputTable(options.inputs, options.interpolation)
 
 
 def near_file(missing: Any) -> str:
@@ -147,7 +145,7 @@ def near_file(missing: Any) -> str:
     return f"the nearest is {near}" if near else ""
 
 
-def scene_with(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:
+def scene_with(source: str, settings: Sequence[str], inputs: InputTable | None) -> Scene:
     """Return the scene ``source`` with ``settings``, texts NAME=VALUE, and with a table of inputs, if any."""
     scene = with_settings(load_scene(source), settings_of(settings))
     return with_inputs(scene, *inputs) if inputs else scene

@@ -13,9 +13,10 @@ from functools import partial
 from pathlib import Path
 
 from chain_impact.cli.completers import is_fmu
-from chain_impact.cli.options import Inputs, UsageError, scene_with, settings_of
+from chain_impact.cli.options import UsageError, scene_with, settings_of
 from chain_impact.cli.progress import complain, progress
 from chain_impact.fmu.importer import read_fmu
+from chain_impact.fmu.inputs import InputTable
 from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.recording import Recording
 from chain_impact.results.ranking import Ranking
@@ -46,7 +47,7 @@ class Source:
 
     name: str
     settings: Sequence[str] = ()
-    inputs: Inputs | None = None
+    inputs: InputTable | None = None
 
     @property
     def is_fmu(self) -> bool:
@@ -56,7 +57,7 @@ class Source:
     @property
     def files(self) -> list[str | Path]:
         """The name of the source and, if there is one, the file of the table of inputs."""
-        return [self.name, *([self.inputs[0]] if self.inputs else [])]
+        return [self.name, *([self.inputs.file] if self.inputs else [])]
 
     def scene(self) -> Scene:
         """Return the scene with the settings and inputs; the source must not be an FMU."""

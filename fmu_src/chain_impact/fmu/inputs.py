@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from copy import copy
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,19 @@ from chain_impact.scene.words.names import AXES, input_key
 # An input jumps at a row if its values just before and just after the row's time differ by more than
 # LEAST_JUMP × the input's largest absolute value in the run; a smaller difference is round-off.
 LEAST_JUMP = 1e-9
+
+
+class InputTable(NamedTuple):
+    """A table of inputs over time.
+
+    Attributes:
+        file: the CSV or Parquet file.
+        interpolation: how its rows are interpolated: ``hold``, ``linear`` or ``spline``; None for the usual
+            interpolation of each input.
+    """
+
+    file: Path
+    interpolation: str | None
 
 
 def driven_rows(
