@@ -12,7 +12,7 @@ ROOT = Path(__file__).parent.parent
 PROGRAMS = (
     "-m docs.tools.generate",  # tables in the docs, the schema of scene files
     "packaging/c_header.py",  # shared.h
-    "tests/repository/test_public_api.py",  # public_api.txt
+    "tests/repository/test_public_api.py",  # public_api.txt, __init__.pyi
 )
 """The programs that write such files."""
 

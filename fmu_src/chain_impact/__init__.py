@@ -5,51 +5,7 @@ takes long.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from chain_impact.compilation.errors import BuildError as BuildError
-    from chain_impact.extras import MissingExtraError as MissingExtraError
-    from chain_impact.fmu.build import build_fmu as build_fmu, validate_fmu as validate_fmu
-    from chain_impact.fmu.run import record_fmu as record_fmu
-    from chain_impact.kernel.forces.contact_law import ContactLaw as ContactLaw
-    from chain_impact.kernel.forces.laws import CONTACT_LAWS as CONTACT_LAWS
-    from chain_impact.pages.explore import explore as explore
-    from chain_impact.recording.impacts import IMPACT_DTYPE as IMPACT_DTYPE, impacts_of as impacts_of
-    from chain_impact.recording.recording import Recording as Recording
-    from chain_impact.recording.sensitivity import Sensitivities as Sensitivities
-    from chain_impact.recording.stick_slip import STICK_SLIP_DTYPE as STICK_SLIP_DTYPE
-    from chain_impact.results.animate import AnimationError as AnimationError
-    from chain_impact.results.ranking import Effect as Effect, Ranking as Ranking
-    from chain_impact.results.result import Result as Result
-    from chain_impact.scene.errors import (
-        SceneError as SceneError,
-        SceneWarning as SceneWarning,
-        UnknownNameError as UnknownNameError,
-    )
-    from chain_impact.scene.files.models import model_names as model_names
-    from chain_impact.scene.scene import (
-        Scene as Scene,
-        load_scene as load_scene,
-        parse_scene as parse_scene,
-        with_values as with_values,
-    )
-    from chain_impact.scene.stiffness import sphere_plane_stiffness as sphere_plane_stiffness
-    from chain_impact.simulation.chain import Chain as Chain
-    from chain_impact.simulation.derivatives import (
-        Differentiated as Differentiated,
-        DifferentiatedRun as DifferentiatedRun,
-    )
-    from chain_impact.simulation.errors import RunError as RunError, SimulationError as SimulationError
-    from chain_impact.simulation.inputs import Signal as Signal
-    from chain_impact.simulation.simulate import simulate as simulate, with_law as with_law
-    from chain_impact.studies.animate import animate as animate, record_slowly as record_slowly
-    from chain_impact.studies.compare.compare import Comparison as Comparison, compare as compare
-    from chain_impact.studies.compare.runs import LawRun as LawRun
-    from chain_impact.studies.fit.fit import fit as fit
-    from chain_impact.studies.fit.result import Fit as Fit, LawFit as LawFit
-    from chain_impact.studies.sweep.sweep import sweep as sweep
-    from chain_impact.studies.sweep.table import Sweep as Sweep
+from typing import Any
 
 _MODULES = {
     "compilation.errors": ("BuildError",),
@@ -83,7 +39,7 @@ _MODULES = {
     "studies.sweep.sweep": ("sweep",),
     "studies.sweep.table": ("Sweep",),
 }
-"""Module → the public names that are defined in this module."""
+"""Module → the public names that are defined in this module; type checkers read the same in __init__.pyi."""
 _HOMES = {name: f"chain_impact.{module}" for module, names in _MODULES.items() for name in names}
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - the names of the table

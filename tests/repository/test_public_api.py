@@ -2,7 +2,8 @@
 
 These are the keys of scenes, variables of FMUs, contact laws, commands and options, and what is exported,
 with the attributes of exported classes, also deprecated ones. All else may change until version 1.0.
-``public_api.txt`` has the names; the command ``python tests/repository/test_public_api.py`` adds new ones.
+``public_api.txt`` has the names; the command ``python tests/repository/test_public_api.py`` adds new ones,
+and writes ``__init__.pyi``, in which type checkers find what is exported.
 """
 
 import argparse
@@ -10,6 +11,8 @@ import dis
 import re
 import sys
 from pathlib import Path
+
+import pytest
 
 import chain_impact
 from chain_impact import cli
@@ -19,6 +22,7 @@ from chain_impact.scene.scene import load_scene, scene_from_dict, scene_keys
 from chain_impact.variables.prepared import PreparedScene
 
 FILE = Path(__file__).with_name("public_api.txt")
+STUB = Path(chain_impact.__file__).with_suffix(".pyi")
 BODIES = {
     "name": "Cart",
     "chain": {
@@ -85,12 +89,27 @@ def test_public_names_are_listed_and_none_is_removed_or_changed():
     assert found - listed == set(), f"new: {HINT}"
 
 
+def stub():
+    """Return the text of STUB: an import for each public name."""
+    made = "# Made by tests/repository/test_public_api.py from the table in __init__.py.\n"
+    lines = [f"from {home} import {name} as {name}\n" for name, home in chain_impact._HOMES.items()]
+    return made + "".join(sorted(lines))
+
+
+def test_type_checkers_find_the_names_that_programs_do():
+    assert STUB.with_name("py.typed").is_file()
+    assert STUB.read_text(encoding="utf-8") == stub(), HINT
+    with pytest.raises(AttributeError, match="no attribute 'simulat'"):
+        chain_impact.simulat  # noqa: B018
+
+
 def main() -> int:
-    """Add the new names to the file; refuse to remove names."""
+    """Write STUB, and add the new names to the file; refuse to remove names."""
     listed = set(FILE.read_text(encoding="utf-8").splitlines()) if FILE.exists() else set()
     if gone := sorted(listed - set(names())):
         print("removed or changed, not written:", *gone, sep="\n", file=sys.stderr)
         return 1
+    STUB.write_text(stub(), encoding="utf-8")
     FILE.write_text("".join(f"{name}\n" for name in sorted(set(names()))), encoding="utf-8")
     return 0
 
