@@ -105,7 +105,10 @@ def test_an_output_that_is_not_there(swing):
 
 def test_the_legend_says_what_is_changed_and_by_how_much(page):
     (legend,) = page.legends
-    assert [text.get_text() for text in legend.get_texts()] == [f"{name} + 1 %" for name in FEW]
+    assert [text.get_text() for text in legend.get_texts()] == [
+        *(f"{name} + 1 %" for name in FEW),
+        "change in a run",
+    ]
 
 
 def test_the_most_important_of_many_parameters_have_colours():
@@ -131,12 +134,14 @@ def test_the_most_important_of_many_parameters_have_colours():
     ends = band.get_datalim(page.axes[1].transData).intervaly
     np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
     (legend,) = page.legends
-    (last,) = (text.get_text() for text in legend.get_texts() if "others" in text.get_text())
-    number, _, most = last.partition(" others, most ")
+    (last,) = (text.get_text() for text in legend.get_texts() if "smaller" in text.get_text())
+    number, _, most = last.partition(" with smaller effects, most ")
     assert (int(number), share[most]) == (count - LARGEST_EFFECTS, pytest.approx(largest[LARGEST_EFFECTS]))
 
 
-@pytest.mark.parametrize(("names", "told"), [("abcdef", "e, f"), ("abcdefg", "3 others, most e")])
+@pytest.mark.parametrize(
+    ("names", "told"), [("abcdef", "smaller effects: e, f"), ("abcdefg", "3 with smaller effects, most e")]
+)
 def test_the_legend_counts_the_other_parameters(names, told):
     found = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
     looks = looks_of(found, np.arange(len(names), 0.0, -1.0)[None])
@@ -303,7 +308,8 @@ def test_the_headline_has_the_change_of_a_run_that_differs():
     recording = simulate("four_link_box", 1.1, sensitivities=names)
     figure = recording.plot_sensitivities()
     headline = figure.get_suptitle().replace("\n", " ")
-    output, size, time = re.search(r"\+ 1 % changes (\S+) by ([\d.]+) mm at ([\d.]+) s", headline).groups()
+    pattern = r"\+ 1 % changes (\S+) by ([\d.]+) mm in a run, ([\d.]+) mm to first order, at ([\d.]+) s"
+    output, size, there, time = re.search(pattern, headline).groups()
     row = recording.row_at(float(time))
     last, shift = recording.impacts["onset"][-1], recording.sensitivities.impact_changes("onset")[-1, 0]
     assert abs(float(time) - last) >= abs(shift) > 0.02
@@ -311,11 +317,11 @@ def test_the_headline_has_the_change_of_a_run_that_differs():
     more = load_scene("four_link_box").with_values({names[0]: 1.01 * recording.parameters[names[0]]})
     (in_run,) = (simulate(more, 1.1)[output] - recording[output])[[row]]
     assert 1e-3 * float(size) == pytest.approx(abs(in_run), rel=0.02)
-    (there,) = re.findall(
-        r"to first order, ([\d.]+) mm there", " ".join(text.get_text() for text in figure.texts)
-    )
     assert 1e-3 * float(there) == pytest.approx(abs(first_order), rel=0.02)
     assert abs(first_order) > 1.25 * abs(in_run)
+    (mark,) = (line for axes in figure.axes for line in axes.lines if line.get_marker() == "D")
+    np.testing.assert_allclose(mark.get_xydata()[0], [recording.time[row], 1e3 * in_run], rtol=1e-6)
+    assert "change in a run" in [text.get_text() for text in figure.legends[0].get_texts()]
 
 
 def test_a_headline_that_no_run_can_check_tells_the_change_to_first_order(swing):
@@ -343,7 +349,10 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
     assert largest <= of_zero * step / 0.01
     alone = simulate("four_link_box", 1.1, sensitivities="contact.radius")
     page = alone.plot_sensitivities(outputs=["point[4].x"])
-    assert [text.get_text() for text in page.legends[0].get_texts()] == ["contact.radius + 0.01 m"]
+    assert [text.get_text() for text in page.legends[0].get_texts()] == [
+        "contact.radius + 0.01 m",
+        "change in a run",
+    ]
 
 
 @pytest.mark.parametrize("width", [84.0, 120.0])
@@ -354,5 +363,7 @@ def test_six_parameters_have_room_in_a_column_of_a_journal(width):
     (legend,) = page.legends
     title = page._suptitle.get_window_extent()
     assert title.height + legend.get_window_extent().height <= 0.15 * page.bbox.height
-    grey = next(text.get_text() for text in legend.get_texts() if "+" not in text.get_text())
-    assert grey == "contact.stiffness, contact.exponent"
+    grey = next(text.get_text() for text in legend.get_texts() if "smaller" in text.get_text())
+    assert grey == "smaller effects: contact.stiffness, contact.exponent"
+    names = [label.get_text() for label in page.axes[-1].get_yticklabels()]
+    assert {"contact.stiffness", "contact.exponent"} <= {*names}

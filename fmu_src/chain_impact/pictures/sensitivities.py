@@ -14,11 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band
 from chain_impact.pictures.drawing.figures import settle
@@ -43,7 +44,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
 from chain_impact.scene.words.names import AXES
 from chain_impact.scene.words.unit_text import in_brackets, with_unit
-from chain_impact.text import WHOLE, number, plural, readable
+from chain_impact.text import WHOLE, number, readable
 
 # a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12
@@ -61,7 +62,26 @@ LOW_TABLE = 0.6  # if the panels form one column: the height of the table below,
 SHIFT_NOTE = "gaps: the change shifts an impact"
 # the largest height of the sentences on missing derivatives at the foot, relative to that of the figure
 MOST_LIMITS = 0.4
+IN_RUN: dict[str, Any] = {"marker": "D", "markersize": 5.0, "linestyle": "", "color": INK, "zorder": 4.0}
+IN_RUN |= {"markeredgecolor": INK, "markeredgewidth": 0.8}
+"""The mark of a change in a run with a changed parameter, with matplotlib's names."""
 Looks = list[dict[str, Any]]
+
+
+class Checked(NamedTuple):
+    """The change of an output in a run with a changed parameter.
+
+    Attributes:
+        output: the name of the output.
+        parameter: the index of the parameter.
+        row: the row of the recording in which the outputs are compared.
+        change: the change, in the unit of the output.
+    """
+
+    output: str
+    parameter: int
+    row: int
+    change: float
 
 
 @styled()
@@ -77,16 +97,20 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     parts = np.stack([shares(recording, sensitivities, name) for name in names])
     relative = parts.max(axis=0)
     known = hold_to_first_order(relative)
-    message, first_order = finding(recording, sensitivities, names, parts)
+    message, checked = finding(recording, sensitivities, names, parts)
     start, end = recording.time[[0, -1]].tolist()
     lines = impact_lines(recording, start, end)
-    told = [first_order, SHIFT_NOTE if lines else "", "" if known.all() else ENDED]
+    told = [TO_FIRST_ORDER, SHIFT_NOTE if lines else "", "" if known.all() else ENDED]
     headline(figure, message, conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
     panels, table = panels_of(figure, len(names), across)
     for axes, name in zip(panels, names, strict=True):
-        draw_changes(axes, recording, sensitivities, name, looks, known=known)
+        scale = draw_changes(axes, recording, sensitivities, name, looks, known=known)
+        if checked and checked.output == name:
+            mark_run(
+                axes, float(recording.time[checked.row]), scale * checked.change, looks[checked.parameter]
+            )
         mark_impacts(axes, recording)
         mark_unknown(axes, recording, sensitivities)
         give_ticks(axes)
@@ -97,7 +121,10 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         else:
             axes.set_xlabel("; ".join(filter(None, (name_time(axes, end), lines))))
     draw_impact_changes(table, recording, sensitivities, looks, known)
-    legend_at_head(figure, panels[0].get_legend_handles_labels()[0])
+    handles = panels[0].get_legend_handles_labels()[0]
+    if checked:
+        handles = [*handles, Line2D([], [], label="change in a run", **IN_RUN)]
+    legend_at_head(figure, handles)
     if sensitivities.limits:
         write_foot(figure, "\n".join(sensitivities.limits), most=MOST_LIMITS)
     settle(figure)
@@ -181,23 +208,23 @@ def with_small_steps(
 
 def finding(
     recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], parts: np.ndarray
-) -> tuple[str, str]:
-    """Return the headline, which tells what the most important parameter does, and words on first order.
+) -> tuple[str, Checked | None]:
+    """Return the headline, which tells what the most important parameter does, and the change in a run.
 
     The most important parameter is the one by which a change of an output first exceeds the range of this
     output. If no change exceeds the range, it is the parameter with the largest change relative to the range;
     of all outputs with the unit of the output that changes so, the headline then names the one with the
-    largest change by this parameter. The change in the headline is that in a run with the changed parameter;
-    if it differs from the change to first order (``differs``), the words have the latter. A parameter
-    with the value 0 is named only if no other parameter has an effect, because its step cannot be compared
-    with a change by 1 %. The headline tells if no parameter has an effect, or if there are no derivatives
-    after the start.
+    largest change by this parameter. The change in the headline is that in a run with the changed parameter,
+    which is returned, too; if it differs from the change to first order (``differs``), the headline has both.
+    Without such a run, the second result is None. A parameter with the value 0 is named only if no other
+    parameter has an effect, because its step cannot be compared with a change by 1 %. The headline tells if
+    no parameter has an effect, or if there are no derivatives after the start.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
     """
     known = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
     if not known[1:].any():
-        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", ""
+        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", None
     factor, unit = time_unit(float(np.ptp(recording.time)))
     until = "" if known[-1] else f", known until {factor * recording.time[known][-1]:.3g} {unit}"
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
@@ -211,21 +238,22 @@ def finding(
         alike = [name for name in outputs if sensitivities.units[name] == sensitivities.units[output]]
         output = max(alike, key=lambda name: _change_sizes(recording, sensitivities, name, k).max())
     if relative[row, k] <= NO_CHANGE:
-        return f"{recording.name}: no parameter changes {', '.join(outputs)}", TO_FIRST_ORDER
+        return f"{recording.name}: no parameter changes {', '.join(outputs)}", None
     what = f"{recording.name}: {parameter} + {sensitivities.step_text(parameter)} changes {output} by"
     if beyond.any():
         whose = "the range of all energies" if output.startswith("energy.") else "its range"
         at = f"{factor * recording.time[row]:.3g} {unit}"
-        return f"{what} more than {whose} from {at} on, to first order{until}", TO_FIRST_ORDER
+        return f"{what} more than {whose} from {at} on, to first order{until}", None
     sizes, of_output = _change_sizes(recording, sensitivities, output, k), sensitivities.units[output]
     row = int(sizes.argmax())
     in_run = _change_in_run(recording, sensitivities, output, parameter, row)
     most, at = _size_text(sizes[row], of_output), f"{factor * recording.time[row]:.4g} {unit}"
     if in_run is None:
-        return f"{what} about {most} at {at}{until}", TO_FIRST_ORDER
+        return f"{what} about {most} at {at}{until}", None
     is_other = differs(sensitivities.changes(output)[row, k], in_run)
-    told = f"{TO_FIRST_ORDER}, {most} there" if is_other else TO_FIRST_ORDER
-    return f"{what} {_size_text(abs(in_run), of_output)} at {at}{until}", told
+    beside = f" in a run, {most} to first order," if is_other else ""
+    size = _size_text(abs(in_run), of_output)
+    return f"{what} {size}{beside} at {at}{until}", Checked(output, k, row, in_run)
 
 
 def _change_in_run(
@@ -272,9 +300,9 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     coloured = {k for k in order[:LARGEST_EFFECTS] if relative[:, k].max() > NO_CHANGE}
     others = sorted(set(order) - coloured)
     largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > NO_CHANGE), "")
-    rest = plural(len(others), "other") + (f", most {largest}" if largest else "")
+    rest = f"{len(others)} with smaller effects" + (f", most {largest}" if largest else "")
     if len(others) <= MOST_GREY:
-        rest = ", ".join(names[k] for k in others)
+        rest = f"smaller effects: {', '.join(names[k] for k in others)}"
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in coloured:
@@ -294,8 +322,8 @@ def draw_changes(
     looks: Looks,
     *,
     known: np.ndarray,
-) -> None:
-    """Draw the changes of an output over time, a curve for each parameter.
+) -> float:
+    """Draw the changes of an output over time, a curve for each parameter; return the factor of the unit.
 
     A curve has gaps within impacts that are too short to be visible, where a jump is ``shifted``, and where
     the derivative is unknown. A curve ends where ``known``, the result of ``hold_to_first_order``, is False.
@@ -321,6 +349,14 @@ def draw_changes(
     else:  # all changes are round-off
         axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
         axes.text(0.5, 0.6, "no change", transform=axes.transAxes, ha="center", color=INK)
+    return scale
+
+
+def mark_run(axes: Axes, time: float, change: float, look: dict[str, Any]) -> None:
+    """Draw a diamond at the change in a run, in the colour of the parameter's curve."""
+    low, high = axes.get_ylim()
+    axes.plot([time], [change], **IN_RUN | {"color": look["color"]})
+    axes.set_ylim(min(low, 1.1 * change), max(high, 1.1 * change))
 
 
 def scale_ends(changes: np.ndarray) -> tuple[float, float]:

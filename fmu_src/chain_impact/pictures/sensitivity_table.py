@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY
 from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, OUTSIDE_COLOUR, is_narrow
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
@@ -45,14 +46,16 @@ def draw_impact_changes(
     """Draw the change of each impact's peak force [%] by a step of each parameter, as a table.
 
     The table has a column for each impact. ``looks`` has the properties of each parameter's curves; a
-    parameter with a colour other than grey has a row in the table or, if all are grey, each parameter has a
-    row. If no change of a peak force is known, as in rigid impacts, the changes are those of the impulses.
+    parameter with a colour other than grey has a row in the table, and so has each grey one if at most
+    MOST_GREY, or all, are grey. If no change of a peak force is known, as in rigid impacts, the changes are
+    those of the impulses.
     ``known``, shape (T, P): whether changes to first order can hold, for each row of the recording and each
     parameter. A cell is blank if its change is not known, or cannot hold at the impact's onset.
     """
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
-    rows = [k for k, look in enumerate(looks) if look["color"] != GREY] or list(range(len(looks)))
+    grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
+    rows = sorted({*range(len(looks))} - {*grey}) + grey * (len(grey) <= MOST_GREY) or grey
     onsets = sensitivities.impacts["onset"]
     if not len(onsets):
         axes.set(xticks=[], yticks=[])
