@@ -9,8 +9,8 @@ from itertools import count
 
 import numpy as np
 
-# [1] colours, except those of counts, are logarithmic if the ratio of large to small values (``spread``) is
-# at least this; with linear colours, all values below a tenth of the largest one would look the same
+# [1] colours, except those of counts, are logarithmic if the ratio of the largest to the least value
+# (``spread``) is at least this; with linear colours, values below a tenth of the largest would look the same
 WIDE_COLOURS = 10.0
 # [1] the colours end at a quantile if the extreme value is farther from this quantile than BEYOND_QUANTILES
 # times the difference of both quantiles, if not 0; otherwise the colours end at the extreme value
@@ -23,13 +23,11 @@ MOST_COLOURS = 12
 
 
 def spread(values: np.ndarray) -> float:
-    """Return how much larger the large values are than the small ones, as a ratio.
+    """Return the ratio of the largest to the least value; 1 if any value is not positive.
 
-    The ratio is the quantile LARGE_QUANTILE divided by the quantile 1 − LARGE_QUANTILE; 1 if any value is not
-    positive.
+    The ratio does not depend on how many values lie between both, so that a finer map has the same scale.
     """
-    low, high = np.quantile(values, [1.0 - LARGE_QUANTILE, LARGE_QUANTILE])
-    return float(high / low) if values.min() > 0.0 else 1.0
+    return float(values.max() / values.min()) if values.min() > 0.0 else 1.0
 
 
 def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float, float]:

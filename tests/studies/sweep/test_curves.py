@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.studies.sweep.curves import COLOURS, course_text
+from chain_impact.studies.sweep.curves import COLOURS, broken_line, course_text
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number
@@ -25,12 +25,27 @@ def test_lines_are_the_columns():
         for line, law in zip(axes.lines, ("flores", "hertz"), strict=False):
             rows = found.table[found["contact.model"] == law][::-1]
             values = np.where(rows["status"] == "ok", quantity.factor * rows[quantity.column], np.nan)
-            assert np.array_equal(line.get_xdata(), rows["contact.restitution"])
-            assert np.array_equal(line.get_ydata(), values, equal_nan=True)
+            known = ~np.isnan(line.get_xdata())  # not a gap between runs with different numbers of impacts
+            assert np.array_equal(line.get_xdata()[known], rows["contact.restitution"])
+            assert np.array_equal(line.get_ydata()[known], values, equal_nan=True)
         assert axes.lines[2].get_xdata().tolist() == [0.0]  # the cross: flores with e = 0
     assert "1 failed (×: restitution not allowed)" in page.get_suptitle()
     labels = [text.get_text() for text in page.legends[0].get_texts()]
     assert labels == ["contact.model:", "flores", "hertz"]
+
+
+def test_lines_have_gaps_where_counts_change_and_counts_stand_side_by_side():
+    values, shown = broken_line(np.arange(4.0), np.arange(4.0), np.array([1, 1, 2, 2]))
+    assert np.array_equal(values, [0.0, 1.0, np.nan, 2.0, 3.0], equal_nan=True)
+    assert np.array_equal(values, shown, equal_nan=True)
+    page = drawn(
+        sweep(SCENE, {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,hunt_crossley"})
+    )
+    lines = page.axes[2].lines[:2]
+    first, second = (line.get_transform().transform((0.5, 2.0)) for line in lines)
+    assert second[0] - first[0] > 3.0
+    assert len({line.get_marker() for line in lines}) == 2
+    assert "lines break where the number of impacts changes" in page.texts[1].get_text().replace("\n", " ")
 
 
 @pytest.mark.parametrize(
@@ -97,7 +112,8 @@ def test_two_numbers_of_which_one_has_few_values_are_lines():
     for value in (1e7, 1e8):
         rows = found["contact.stiffness"] == value
         expected = np.stack([found["contact.restitution"], 1e-3 * found["peak_force"]], axis=1)[rows]
-        np.testing.assert_allclose(lines[number(value)], expected)
+        known = ~np.isnan(lines[number(value)][:, 0])
+        np.testing.assert_allclose(lines[number(value)][known], expected)
 
 
 def test_samples_of_one_number_are_points():

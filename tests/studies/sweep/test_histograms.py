@@ -26,7 +26,8 @@ def test_samples_of_several_parameters_are_histograms():
     )
     assert mark.get_xdata() == [SCENE.values["contact.stiffness"]] * 2
     told = correlation_text(rank_correlation(found["contact.stiffness"], found["peak_force"]))
-    assert f"follows contact.stiffness most (rank correlation {told})" in page.texts[1].get_text()
+    assert f"rank correlation of peak force: {told} with contact.stiffness" in page.texts[1].get_text()
+    assert page.get_suptitle().replace("\n", " ").endswith("rises mostly with contact.stiffness")
     texts = [correlation_text(value) for value in (1.0, -1.0, 0.9986, -0.99998, 0.5)]
     assert texts == ["1.00", "−1.00", "0.999", "−0.99998", "0.50"]
     force = 1e-3 * found["peak_force"][~found.failed]

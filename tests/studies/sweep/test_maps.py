@@ -1,6 +1,6 @@
 """Maps of a sweep: their cells, axes, colours, lines and marks."""
 
-# Tests: studies/sweep/contours.py
+# Tests: studies/sweep/contours.py, studies/sweep/map_marks.py
 
 import matplotlib.style
 import numpy as np
@@ -9,7 +9,8 @@ import pytest
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.contours import LEAST_ROOM
-from chain_impact.studies.sweep.maps import FAILED_COLOUR, beyond_ends
+from chain_impact.studies.sweep.maps import FAILED_COLOUR, _colours, beyond_ends
+from chain_impact.studies.sweep.quantities import QUANTITIES
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number
 from tests.studies.sweep.drawn_sweeps import SCENE, drawn
@@ -51,9 +52,11 @@ def test_colours_suit_wide_ranges_and_counts():
     assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
 
 
-@pytest.mark.parametrize("points", [4, 8], ids=["values in cells", "values at lines"])
+@pytest.mark.parametrize("points", [4, 10], ids=["values in cells", "values at lines"])
 def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
-    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.stiffness": f"1e6:1e9:{points}:log"})
+    found = sweep(
+        SCENE, {"contact.restitution": f"0.2:0.8:{points}", "contact.stiffness": f"1e6:1e9:{points}:log"}
+    )
     numbers, inks = [], []
     for style in ("default", "dark_background"):
         with matplotlib.style.context(style):
@@ -79,7 +82,11 @@ def test_three_parameters_have_a_map_for_each_value_of_one():
     found = sweep(SCENE, vary)
     page = found.plot()
     *maps, bar = page.axes
-    assert [axes.get_title() for axes in maps] == [f"contact.model = {law}" for law in laws]
+    assert [axes.get_title() for axes in maps] == laws
+    assert [text.get_text() for text in page.legends[0].get_texts()] == [
+        "above each map: contact.model",
+        "scene",
+    ]
     assert bar.get_ylabel() == "peak force [kN]"
     meshes = [axes.collections[0] for axes in maps]
     assert meshes[0].norm is meshes[1].norm
@@ -102,11 +109,50 @@ def test_maps_are_three_in_a_row_and_each_column_has_a_label():
     page = sweep(SCENE.with_values({"simulation.stop_time": 0.1}), vary).plot(size=(120 / 25.4, None))
     maps = page.axes[:5]
     assert len({round(axes.get_position().y1, 3) for axes in maps[:3]}) == 1
-    named = [axes.get_xlabel() != "" for axes in maps]
-    assert named == [False, False, True, True, True]  # the third is above an empty place
+    assert [axes.get_xlabel() != "" for axes in maps] == [False, False, False, True, False]
+    numbered = [axes.xaxis.get_tick_params()["labelbottom"] for axes in maps]
+    assert numbered == [False, False, True, True, True]  # the third is above an empty place
     assert page.get_figheight() < 220 / 25.4
     told = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
     assert "link[2].length 0.8 to 1.2 m, 0.5 in the scene (outside)" in told
+
+
+@pytest.mark.parametrize(("count", "rows"), [(5, [3, 2]), (7, [4, 3]), (9, [3, 3, 3])])
+@pytest.mark.parametrize("width", [84 / 25.4, 190 / 25.4])
+def test_no_map_is_alone_in_its_row_and_the_nearest_one_has_a_frame(count, rows, width):
+    vary = {"contact.restitution": "0.3:0.6:10", "contact.stiffness": "1e7:1e8:10"}
+    vary["initial.angle[1]"] = f"-1:1:{count}"
+    scene = SCENE.with_values({"simulation.stop_time": 0.01, "initial.angle[1]": -0.9})
+    page = sweep(scene, vary).plot(panels="energy.kinetic", size=(width, None))
+    maps = [axes for axes in page.axes if axes.get_title()]
+    heights = [round(axes.get_position().y1, 3) for axes in maps]
+    assert [heights.count(height) for height in sorted({*heights}, reverse=True)] == rows
+    framed = [axes.get_title() for axes in maps if axes.spines["top"].get_visible()]
+    assert framed == ["−1"]
+    assert "nearest to the scene" in [text.get_text() for text in page.legends[0].get_texts()]
+
+
+def test_runs_without_an_impact_are_hatched_and_not_in_the_scale():
+    vary = {"contact.restitution": "0.3:0.9:4", "initial.angle[1]": "-2.6:-1.8:5"}
+    found = sweep("pinned_arm", vary)
+    untouched = found["peak_force"] == 0.0
+    page = found.plot()
+    assert 0.0 < page.axes[0].collections[0].norm.vmin <= 1e-3 * found["peak_force"][~untouched].min()
+    hatched = [one for one in page.axes[0].collections if one.get_hatch()]
+    assert [len(one.get_paths()) for one in hatched] == [untouched.sum()]
+    assert "no impact" in [text.get_text() for text in page.legends[0].get_texts()]
+    message = page.get_suptitle().replace("\n", " ")
+    assert message.endswith("no impact at initial.angle[1] = −1.8 rad")
+    lines = sweep("pinned_arm", {"initial.angle[1]": "-2:-1.6:5"}).plot(panels="peak_force")
+    rings = [line.get_xdata() for line in lines.axes[0].lines if line.get_markerfacecolor() == "none"]
+    assert rings[0].tolist() == pytest.approx([-1.8, -1.7, -1.6])
+    assert lines.get_suptitle().replace("\n", " ").endswith("no impact at initial.angle[1] ≥ −1.8 rad")
+
+
+@pytest.mark.parametrize(("count", "kind"), [(5, "LogNorm"), (40, "LogNorm")])
+def test_more_values_do_not_change_the_scale(count, kind):
+    norm, *_ = _colours(QUANTITIES[-1], np.append(1.0, np.linspace(9.0, 11.0, count)))
+    assert type(norm).__name__ == kind
 
 
 def test_a_picture_has_at_most_nine_maps(tmp_path, monkeypatch):
@@ -129,16 +175,19 @@ def test_the_value_of_the_scene_is_marked(count):
 
 
 def test_a_fine_map_has_lines_with_their_values():
-    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:8:log", "contact.restitution": "0.4:0.8:4"})
+    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:10:log", "contact.restitution": "0.4:0.8:10"})
     panel = drawn(found).axes[0]
-    values = [float(text.get_text()) for text in panel.texts]
+    mark, *values = sorted((text.get_text() for text in panel.texts), key=str.isnumeric)
+    assert mark == "scene"
+    values = [float(value) for value in values]
     drawn_levels = [line.levels.tolist()[0] for line in panel.collections[1:]]
-    assert {*values} <= {*drawn_levels} <= {*panel.collections[0].colorbar.get_ticks().tolist()}
+    assert {*values} == {*drawn_levels} <= {*panel.collections[0].colorbar.get_ticks().tolist()}
     assert len(values) >= 2
     places = np.array(
         [
             panel.transAxes.inverted().transform(panel.transData.transform(text.get_position()))
             for text in panel.texts
+            if text.get_text() != mark
         ]
     )
     apart = np.hypot(*(places[:, None] - places[None]).T) + np.eye(len(places))
@@ -161,7 +210,7 @@ def test_only_the_map_of_the_own_value_is_marked_and_empty_maps_are_named():
     page = found.plot(panels=["impact.count"])
     crosses = [sum(line.get_marker() == "P" for line in axes.lines) for axes in page.axes[:3]]
     assert crosses == [0, 0, 1]
-    assert "1e-8" in page.axes[2].get_title()
+    assert page.axes[2].get_title() == "1e-8"
     page = found.plot(panels=["peak_force"])  # a rigid wall has impulses
-    assert "solver.tolerance" in page.axes[0].get_title()
+    assert "solver.tolerance" in page.legends[0].get_texts()[0].get_text()
     assert any("peak force" in text.get_text() for text in page.axes[0].texts)

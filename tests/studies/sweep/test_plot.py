@@ -1,6 +1,6 @@
 """The picture of a sweep: every kind fits its page, and what cannot be drawn is refused."""
 
-# Tests: studies/sweep/layout.py
+# Tests: studies/sweep/layout.py, studies/sweep/message.py
 
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -41,7 +41,7 @@ def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
         assert not any(one.overlaps(other) for other in panels + others[k + 1 :]), kind
         assert one.x0 >= 0.0
         assert one.x1 <= page.bbox.x1
-    assert f"FourLinkBox: {len(found)} run" in page.get_suptitle()
+    assert page.get_suptitle().startswith("FourLinkBox: ")
 
 
 @pytest.mark.full("more cases", but=1)

@@ -30,10 +30,9 @@ def test_a_scene_without_walls_has_no_panels_for_them():
     scene = load_scene("kneed_leg").with_values({"outputs.loads": True})
     page = drawn(sweep(scene, {"stop.restitution": "0.0,0.5"}))
     assert labels_of(page) == ["impacts", "energy dissipated [mJ]"]
-    assert (
-        "the same in all runs: largest rotation beyond a stop 0 rad, largest force"
-        in page.texts[1].get_text()
-    )
+    assert "the same in all runs: largest rotation beyond a stop 0 rad, largest force" in page.texts[
+        1
+    ].get_text().replace("\n", " ")
     assert "peak force" not in page.get_suptitle()
 
 
@@ -56,7 +55,7 @@ def test_the_unit_of_a_force_suits_its_values():
     (axes,) = found.plot(panels="peak_force").axes
     assert 1.0 <= most < 1000.0
     assert axes.get_title() == "peak force [N]"
-    assert axes.lines[0].get_ydata().max() == most
+    assert np.nanmax(axes.lines[0].get_ydata()) == most
 
 
 def test_outputs_that_were_asked_for_have_panels():

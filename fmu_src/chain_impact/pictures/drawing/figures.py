@@ -308,6 +308,8 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
             told = label.get_text()
             if label.get_window_extent().height > inside.height and broken not in told:
                 label.set_text(told.replace(whole, broken, 1))
+        if label.get_window_extent().height > inside.height:
+            label.set_fontsize("small")
         thin_ticks(axes)
         label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
         # the label is centred on its axes, and must not reach beyond the figure's edges

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.pictures.drawing.dark_ground import PLUM, UMBER
+from chain_impact.pictures.drawing.dark_ground import UMBER
 from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, INK, PURPLE, VERMILLION
 
 LAW_LOOKS: dict[str, dict[str, Any]] = {
@@ -13,7 +13,7 @@ LAW_LOOKS: dict[str, dict[str, Any]] = {
     "hunt_crossley": {"color": VERMILLION},
     "lankarani_nikravesh": {"color": GREEN},
     "flores": {"color": PURPLE},
-    "kelvin_voigt": {"color": PLUM},
+    "kelvin_voigt": {"color": "#608040"},
     "gharib_hurmuzlu": {"color": UMBER},
     "carvalho_martins": {"color": "#590043", "linestyle": "-."},
     "jankowski": {"color": "#e60000", "linestyle": "-."},

@@ -31,7 +31,6 @@ from chain_impact.pictures.drawing.style import (
     give_ticks,
     headline,
     is_narrow,
-    load_unit,
     raised,
     styled,
 )
@@ -39,10 +38,11 @@ from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
-from chain_impact.scene.words.unit_text import of_power, with_unit
+from chain_impact.scene.words.unit_text import of_power
+from chain_impact.studies.compare.headline import laws_with_e, message, peaks
 from chain_impact.studies.compare.runs import LawRuns, grows_again, has_jump, with_jump
 from chain_impact.studies.law_exchange import LOSSLESS, compared_impact
-from chain_impact.text import number, plural, prefixed, span_text
+from chain_impact.text import number, plural, prefixed
 from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
@@ -76,7 +76,7 @@ def plot_comparison(
     check_alone(path, size)
     with drawn_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
-        ax.legend(handles=legend_handles(looks_of(comparison), ax))
+        ax.legend(handles=legend_handles(with_dashes(looks_of(comparison), ax), ax))
         fit_into_figure([ax])
     return ax
 
@@ -90,44 +90,9 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
     loops, energy = figure.subplots(*((2, 1) if small else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
+    looks = with_dashes(looks, loops, energy)
     legend_at_foot(figure, legend_handles(looks, energy, loops))
     settle(figure)
-
-
-def message(comparison: LawRuns, *, small: bool = False) -> str:
-    """Return the headline: ranges of the peak forces and of the realised restitutions e′ in the first impact.
-
-    If the e′ do not describe the contact alone (``has_restitution``), the headline has only the peak forces.
-    A law under which the impact does not end has no e′; if no law has an e′, the headline tells only that the
-    impact does not end.
-    ``small``: whether the headline is for a narrow figure, and must be short.
-    """
-    restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
-    e, name = comparison.contact.restitution, comparison.scene.name
-    if not comparison.has_restitution:
-        ran = sum(math.isfinite(run.peak_force) for run in comparison.runs)
-        where = "" if small else f" in the {compared_impact(comparison.scene)}"
-        return f"{name}: {peaks(comparison)}{where}, {plural(ran, 'law')}"
-    if not restitutions:
-        return f"{name}: the first impact does not end under any law"
-    span = f"{min(restitutions):.2f} to {max(restitutions):.2f}"
-    told = ", ".join(filter(None, (peaks(comparison), f"restitution {span} for e = {e:g}")))
-    return (
-        f"{name}: {told}"
-        if small
-        else f"{name}: {told} in the first impact, {plural(len(restitutions), 'law')}"
-    )
-
-
-def peaks(comparison: LawRuns) -> str:
-    """Return words for the range of the peak forces or moments that are above 0; "" if there is none."""
-    found = [run.peak_force for run in comparison.runs if run.peak_force > 0.0]
-    unit = unit_at("peak_force", stop=comparison.at_stop)
-    if not found:
-        return ""
-    factor, unit = load_unit(max(found), unit)
-    ends = with_unit(span_text(factor * min(found), factor * max(found)), unit)
-    return f"peak {'moment' if comparison.at_stop else 'force'} {ends}"
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
@@ -136,7 +101,8 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
     describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without
     losses, if e′ is known, the contact is not ``pressed_again``, and e′ is not 1.00 or the impact not free;
-    stiffness and tolerance; the number of grey lines, unless the grey lines are drawn as a band.
+    stiffness and tolerance; the peak force of the law without e; the number of grey lines, unless the grey
+    lines are drawn as a band.
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
@@ -153,8 +119,10 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
     if math.isfinite(most) and not comparison.pressed_again and (limits or f"{most:.2f}" != "1.00"):
         limits = f"{limits or 'with other forces during the impact'}: e′ = {most:.2f} without losses"
+    lossless = [run for run in comparison.runs if run.law == LOSSLESS and laws_with_e(comparison) != [run]]
+    without_e = f"{LOSSLESS}, without e: {top}" if lossless and (top := peaks(comparison, lossless)) else ""
     return SEPARATOR.join(
-        filter(None, (hit, comparison.no_restitution, limits, stiffness, tolerance, *others))
+        filter(None, (hit, comparison.no_restitution, limits, stiffness, tolerance, without_e, *others))
     )
 
 
@@ -364,24 +332,34 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
-    """Draw a line for each law; ``lines``: law → points of the line, shape (2, S).
-
-    Coloured lines that lie on each other get alternating dashes, so that each of them is visible.
-    """
-    order = sorted(lines, key=lambda law: looks[law]["zorder"] != REFERENCE_LAYER)
-    coloured = [law for law in order if looks[law]["color"] not in (GREY, INK)]
-    dashes = dict(zip(coloured, merged_dashes([lines[law] for law in coloured]), strict=True))
+    """Draw a line for each law; ``lines``: law → points of the line, shape (2, S)."""
     for law, (along, up) in lines.items():
-        (line,) = axes.plot(along, up, **looks[law])
-        if dashes.get(law):
-            line.set_linestyle(dashes[law])
+        axes.plot(along, up, **looks[law])
+
+
+def with_dashes(looks: Looks, *panels: Axes) -> Looks:
+    """Give dashes to coloured lines that lie on others in any panel, so that each of them is visible.
+
+    A law has the same dashes in all panels. Returns the looks with these dashes.
+    """
+    order = sorted(looks.values(), key=lambda look: look["zorder"] != REFERENCE_LAYER)
+    coloured = [look["label"] for look in order if look["color"] not in (GREY, INK)]
+    styles: dict[str, Any] = {}
+    for axes in panels:
+        lines = {line.get_label(): np.array(line.get_data(), float) for line in axes.lines}
+        drawn = [label for label in coloured if label in lines]
+        dashes = zip(drawn, merged_dashes([lines[label] for label in drawn]), strict=True)
+        styles = {label: dash for label, dash in dashes if dash} | styles
+    for line in (line for axes in panels for line in axes.lines if line.get_label() in styles):
+        line.set_linestyle(styles[str(line.get_label())])
+    return {
+        law: look | {"linestyle": dash} if (dash := styles.get(look["label"])) else look
+        for law, look in looks.items()
+    }
 
 
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
-    """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, grey band.
-
-    A dash that ``draw_lines`` gives a line, because the line lies on another line, is not in the legend.
-    """
+    """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, a band."""
     styles = {look["label"]: Line2D([], [], **look) for look in looks.values() if look["color"] != GREY}
     lines = dict.fromkeys(line.get_label() for axes in panels for line in axes.lines)
     bands = [collection for axes in panels for collection in axes.collections]

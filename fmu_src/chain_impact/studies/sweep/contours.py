@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.path import Path
 from matplotlib.patheffects import Normal, Stroke
 
 from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
 
 # MOST_PIECES: a contour in more pieces is left out; LEAST_CELLS: the least number of cells on each axis for
 # contours; LEAST_ROOM: the least distance of the value of a contour from the next line, relative to the map
-MOST_PIECES, LEAST_CELLS, LEAST_ROOM = 2, 4, 0.07
+MOST_PIECES, LEAST_CELLS, LEAST_ROOM = 2, 10, 0.07
+MARK_AND_NAME = np.array([[0.0, 0.0], [0.0, 0.05]])  # the places of the scene's mark and name, from the mark
 
 
 @dataclass(frozen=True)
@@ -48,36 +50,45 @@ def draw_contours(
     *,
     own: Sequence[float | None],
 ) -> None:
-    """Draw contours at ``levels`` in a map, with their values where these have room.
+    """Draw contours at ``levels`` in a map, each piece of a contour with its value.
 
-    A contour with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion. A map with fewer
-    than LEAST_CELLS cells on an axis has no contours. The value of a contour stands at the place that is
-    farthest from other contours, other values, the edges and the scene's mark at ``own``.
+    A contour with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion, and so is a
+    piece without room for its value. A map with fewer than LEAST_CELLS cells on an axis has no contours. The
+    value stands at the place that is farthest from other contours, other values, the edges and the scene's
+    mark at ``own``.
     """
-    drawn: dict[float, list[np.ndarray]] = {}
+    found: dict[float, list[np.ndarray]] = {}
     for level in levels if min(shown.shape) >= LEAST_CELLS else ():
-        look: dict[str, Any] = {"colors": "white", "linewidths": 0.9}
-        line = axes.contour(*(scale.middles for scale in scales), shown, [level], **look)
+        line = axes.contour(*(scale.middles for scale in scales), shown, [level])
         pieces = [piece for piece in line.allsegs[0] if len(piece)]
-        if 0 < len(pieces) <= MOST_PIECES:
-            line.set_path_effects([Stroke(linewidth=2.1, foreground="black"), Normal()])
-            drawn[level] = pieces
-        else:
-            line.remove()
-    places = {level: [_in_axes(piece, scales) for piece in pieces] for level, pieces in drawn.items()}
-    taken = [] if None in own else [_in_axes(np.array([own], float), scales)]
-    for level, pieces in drawn.items():
-        k = int(np.argmax([len(piece) for piece in pieces]))
+        line.remove()
+        if len(pieces) <= MOST_PIECES:
+            found[level] = pieces
+    places = {level: [_in_axes(piece, scales) for piece in pieces] for level, pieces in found.items()}
+    taken = [] if None in own else [_in_axes(np.array([own], float), scales) + MARK_AND_NAME]
+    for level, pieces in found.items():
         others = [piece for other, there in places.items() if other != level for piece in there]
-        row = _roomy(places[level][k], [*others, *taken])
-        if row is None:
-            continue
-        taken.append(places[level][k][row : row + 1])
-        right, up = pieces[k][row]
-        ground = mesh.to_rgba(np.asarray(level))
-        halo = [Stroke(linewidth=5.0, foreground=ground), Stroke(linewidth=1.8, foreground="black"), Normal()]
-        text = axes.text(right, up, f"{level:g}", color="white", fontsize="small", path_effects=halo)
-        text.set(ha="center", va="center", clip_on=True, gid=ON_COLOUR)
+        kept = []
+        for piece, place in zip(pieces, places[level], strict=True):
+            row = _roomy(place, [*others, *taken])
+            if row is None:
+                continue
+            kept.append(Path(piece))
+            taken.append(place[row : row + 1])
+            right, up = piece[row]
+            ground = mesh.to_rgba(np.asarray(level))
+            halo = [
+                Stroke(linewidth=5.0, foreground=ground),
+                Stroke(linewidth=1.8, foreground="black"),
+                Normal(),
+            ]
+            text = axes.text(right, up, f"{level:g}", color="white", fontsize="small", path_effects=halo)
+            text.set(ha="center", va="center", clip_on=True, gid=ON_COLOUR)
+        if kept:
+            look: dict[str, Any] = {"colors": "white", "linewidths": 0.9}
+            line = axes.contour(*(scale.middles for scale in scales), shown, [level], **look)
+            line.set_paths([Path.make_compound_path(*kept)])
+            line.set_path_effects([Stroke(linewidth=2.1, foreground="black"), Normal()])
 
 
 def _in_axes(points: np.ndarray, scales: tuple[Scale, Scale]) -> np.ndarray:

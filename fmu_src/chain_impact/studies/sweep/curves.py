@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.map_colours import spread
 from chain_impact.pictures.drawing.distinct_curves import merged_dashes
@@ -18,6 +19,7 @@ from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
 from chain_impact.studies.sweep.maps import (
     NEVER,
+    NO_IMPACT,
     SCENE_LINE,
     WIDE_RANGE,
     is_logarithmic,
@@ -25,17 +27,22 @@ from chain_impact.studies.sweep.maps import (
     number_few_decades,
     own_value,
 )
-from chain_impact.studies.sweep.quantities import EQUAL_RESULTS, Quantity, results_of
+from chain_impact.studies.sweep.quantities import COUNT, EQUAL_RESULTS, Quantity, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import number
 
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
+RING: dict[str, Any] = CROSS | {"marker": "o", "markerfacecolor": "none"}
+"""The marks at the foot of a panel, with matplotlib's names: of a failed run, of a run without impact."""
 FOOT = 0.05  # the distance of the crosses from an edge of the panel, relative to the size of the panel
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
-# [points] the size of a mark, and the difference of the sizes of the marks of two lines with counts
-MARK_SIZE, MARK_STEP = 3.0, 1.6
+MARK_SIZE, DOT_SIZE = 3.0, 2.0  # [points] the sizes of a mark and of a dot
+MARKERS = "os^Dv<>phX"  # the marks of counts of several lines
+# COUNT_GAP: the largest distance of marks of equal counts [inch]; PART_FOR_MARKS: the part of the distance of
+# two values that all marks of a value take
+COUNT_GAP, PART_FOR_MARKS = 0.055, 0.75
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
 # the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest
 # value: a power law is then a straight line.
@@ -59,9 +66,9 @@ def draw_curves(
     numbers or choices of ``choice`` has a line, but choices with equal results share a line (``lines_of``).
     """
     values = runs[across.name]
-    lines = lines_of(runs, across, choice)
+    lines, has_missed = lines_of(runs, across, choice), False
     for axes, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.of(runs)
+        shown = quantity.known(runs)
         curves = [np.array([values[rows], shown[rows]]) for rows in lines.values()]
         drawn = [curve[:, np.isfinite(curve[1])] for curve in curves]
         usable = [curve.shape[1] > 1 and runs.design.samples is None for curve in drawn]
@@ -75,29 +82,70 @@ def draw_curves(
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
             elif len(rows) <= FEW_VALUES:
                 marks = {"marker": "o", "markersize": MARK_SIZE}
-            # a count has no line, which would show numbers that no run has; of equal counts, the larger marks
-            # stand around the smaller ones
+            across_up = values[rows], shown[rows]
+            # a count has no line, which would show numbers that no run has; marks of equal counts stand side
+            # by side
             if quantity.is_count and runs.design.samples is None:
-                size = MARK_SIZE + MARK_STEP * (len(lines) - 1 - place)
-                marks = {"marker": "o", "linestyle": "", "markersize": size}
-            (line,) = axes.plot(values[rows], shown[rows], label=label, linewidth=1.4, **look | marks)
+                marks = {"marker": MARKERS[place % len(MARKERS)], "linestyle": "", "markersize": MARK_SIZE}
+            elif runs.design.samples is None:
+                across_up = broken_line(*across_up, runs[COUNT][rows])
+                marks = marks or (
+                    {"marker": ".", "markersize": DOT_SIZE} if len(across_up[0]) > len(rows) else {}
+                )
+            (line,) = axes.plot(*across_up, label=label, linewidth=1.4, **look | marks)
+            if quantity.is_count and runs.design.samples is None:
+                line.set_transform(axes.transData + _beside(axes, place, len(lines), len(rows)))
             if use and (dash := next(dashes)) and not quantity.is_count:
                 line.set(linestyle=dash, marker="None")  # marks would hide those of the line below
-        failed = values[runs.failed]
-        if len(failed):
-            axes.plot(failed, np.full(len(failed), FOOT), transform=axes.get_xaxis_transform(), **CROSS)
+        mark_at_foot(axes, values[runs.failed], CROSS)
+        missed = quantity.missed(runs)
+        has_missed |= bool(missed.any())
+        mark_at_foot(axes, values[missed], RING)
         axes.set_xscale("log" if is_logarithmic(across) else "linear")
         axes.set_xlabel(label_of(runs, across))
         give_ticks(axes)
         _dress(axes, quantity, shown)
         if (own := own_value(runs, across)) is not None:
             axes.axvline(own, **SCENE_LINE)
+    entries: list[Any] = [Line2D([], [], label=NO_IMPACT, **RING)] if has_missed else []
     if choice:
-        handles, _ = panels[0].get_legend_handles_labels()
-        figure = panels[0].get_figure(root=True)
-        assert figure is not None
-        name = Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:")
-        legend_at_foot(figure, [name, *handles])
+        # marks of counts have no lines
+        lined = [axes for axes, quantity in zip(panels, quantities, strict=True) if not quantity.is_count]
+        handles, _ = (lined or panels)[0].get_legend_handles_labels()
+        entries = [Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:"), *handles, *entries]
+    figure = panels[0].get_figure(root=True)
+    if entries and figure is not None:
+        legend_at_foot(figure, entries)
+
+
+def broken_line(values: np.ndarray, shown: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points of a line with a gap, NaN, wherever the number of impacts changes.
+
+    Args:
+        values: the values of the parameter, shape (R,), in ascending order.
+        shown: the results, shape (R,).
+        counts: the numbers of impacts, shape (R,); NaN if a run failed.
+    """
+    gaps = np.flatnonzero(np.diff(np.nan_to_num(counts.astype(float), nan=-1.0))) + 1
+    return np.insert(values.astype(float), gaps, np.nan), np.insert(shown.astype(float), gaps, np.nan)
+
+
+def _beside(axes: Axes, place: int, count: int, points: int) -> ScaledTranslation:
+    """Return the shift of the marks of a line that stand beside those of ``count`` − 1 other lines.
+
+    The distance of two marks is at most COUNT_GAP, and all marks of a value have room between two of
+    ``points`` values.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    room = PART_FOR_MARKS * axes.get_window_extent().width / figure.dpi / max(points, 1) / count
+    return ScaledTranslation((place - 0.5 * (count - 1)) * min(COUNT_GAP, room), 0.0, figure.dpi_scale_trans)
+
+
+def mark_at_foot(axes: Axes, values: np.ndarray, mark: dict[str, Any]) -> None:
+    """Draw a mark at the foot of a panel at each value of the horizontal axis."""
+    if len(values):
+        axes.plot(values, np.full(len(values), FOOT), transform=axes.get_xaxis_transform(), **mark)
 
 
 def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list[dict[str, Any]]:

@@ -7,15 +7,18 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, spread
 from chain_impact.pictures.drawing.figures import name_above
-from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.studies.sweep.curves import RING, mark_at_foot
 from chain_impact.studies.sweep.maps import (
     NEVER,
+    NO_IMPACT,
     SCENE_LINE,
     WIDE_RANGE,
     is_logarithmic,
@@ -26,6 +29,7 @@ from chain_impact.studies.sweep.maps import (
 from chain_impact.studies.sweep.quantities import LOADS, Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
+from chain_impact.text import plural
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """Quantile → matplotlib's style of the line that marks the quantile in each histogram."""
@@ -48,7 +52,7 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
     run has a finite value, the panel has the words NEVER.
     """
     for axes, quantity in zip(panels, quantities, strict=True):
-        values = quantity.of(runs)
+        values = quantity.known(runs)
         values = values[np.isfinite(values)]
         axes.set(xlabel=quantity.label, ylabel="runs")
         if not values.size:
@@ -66,6 +70,8 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         positions = (low, middle, high)
         for quantile, line, label in zip(positions, QUANTILES.values(), labels, strict=True):
             axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2, label=label)
+        if untouched := int(quantity.missed(runs).sum()):
+            axes.plot([], [], linestyle="", label=f"{NO_IMPACT}: {plural(untouched, 'run')}, not drawn")
         legend_above(axes)
         give_ticks(axes)
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
@@ -80,6 +86,9 @@ def draw_samples(
     for k, quantity in enumerate(quantities):
         for axes, variation in zip(panels[each * k + 1 : each * (k + 1)], drawn, strict=True):
             _scatter(axes, runs, quantity, variation)
+    figure = panels[0].get_figure(root=True)
+    if figure is not None and any(quantity.missed(runs).any() for quantity in quantities):
+        legend_at_foot(figure, [Line2D([], [], label=NO_IMPACT, **RING)])
 
 
 def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation]:
@@ -114,18 +123,17 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
-    """Return words for each quantity: the number with the largest |rank correlation|, and this correlation.
+    """Return words with the number of runs and, for each quantity, rank correlations with varied numbers.
 
-    Quantities without a correlation are left out; the result is "" if none is left.
+    The largest |correlation| comes first. Quantities without a correlation are left out.
     """
-    numbers, parts = [variation.name for variation in varying if not variation.choices], []
+    numbers, parts = [variation.name for variation in varying if not variation.choices], [f"{len(runs)} runs"]
     for quantity in quantities:
-        found = {name: rank_correlation(runs[name], quantity.of(runs)) for name in numbers}
-        most = max(found, key=lambda name: abs(found[name]), default="")
-        if most and found[most]:
-            parts.append(
-                f"{quantity.name} follows {most} most (rank correlation {correlation_text(found[most])})"
-            )
+        found = {name: rank_correlation(runs[name], quantity.known(runs)) for name in numbers}
+        order = sorted(filter(found.get, found), key=lambda name: -abs(found[name]))
+        if order:
+            told = ", ".join(f"{correlation_text(found[name])} with {name}" for name in order)
+            parts.append(f"rank correlation of {quantity.name}: {told}")
     return "; ".join(parts)
 
 
@@ -134,12 +142,12 @@ def correlation_text(value: float) -> str:
     texts = (f"{value:.{decimals}f}" for decimals in range(2, 6))
     exact = abs(value) == 1.0
     text = next((text for text in texts if exact or abs(float(text)) < 1.0), f"{value:.0f}")
-    return text.replace("-", "−")
+    return text.replace("-", "−") if float(text) else "0.00"
 
 
 def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
     """Draw a quantity over a varied parameter, with a dot for each run and a line at ``own_value``."""
-    shown, given = quantity.of(runs), runs[variation.name]
+    shown, given = quantity.known(runs), runs[variation.name]
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()
         # the dots of a choice lie side by side, at places that repeat in each run of the program
@@ -150,6 +158,7 @@ def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -
     else:
         axes.set_xscale("log" if is_logarithmic(variation) else "linear")
     axes.plot(given, shown, ".", color=BLUE, markersize=4.0, rasterized=True)
+    mark_at_foot(axes, np.asarray(given)[quantity.missed(runs)], RING)
     axes.set_xlabel(label_of(runs, variation))
     name_above(axes, quantity.label)
     finite = shown[np.isfinite(shown)]

@@ -30,10 +30,10 @@ MOST_SPLIT = 3
 # without samples, the largest number of varied parameters that a picture can show
 MOST_VARIED = 3
 # three panels without dots stand in one row of a figure that is wide enough (``columns``)
-IN_ONE_ROW = 3
+IN_ONE_ROW, SMALL_MAPS = 3, 4  # SMALL_MAPS: the largest number of maps of one result in a row
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
-# [inch] the least width of a figure with three maps in a row: THREE_MAPS for maps of three results, each with
-# its own colours; THREE_SMALL for maps of one result, which share numbers and colours
+# [inch] the least width of a figure: THREE_MAPS with maps of three results in a row, each with its own
+# colours; THREE_SMALL with SMALL_MAPS maps of one result in a row, which share numbers and colours
 THREE_MAPS, THREE_SMALL = 9.0, 4.0
 # [inch] default heights of a row: ROW_HEIGHT of panels, MAP_HEIGHT of maps of one result
 ROW_HEIGHT, MAP_HEIGHT = 2.7, 2.2
@@ -102,14 +102,17 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
 def columns(design: Design, count: int, width: float) -> int:
     """Return the number of panels in a row of a figure with ``count`` panels and a width [inches].
 
-    - Maps of one result: 3, but 2 if there are 2 or 4 maps, or if the figure is narrower than THREE_SMALL.
+    - Maps of one result: as few as at most SMALL_MAPS in a row allow, or IN_ONE_ROW in a figure narrower
+      than THREE_SMALL; one more if otherwise the last row would have a single map.
     - Other panels in a figure that is too narrow for two columns (WIDE): 1.
     - Panels with dots: as few as the least possible number of rows allows.
     - Other panels: 3 of 3, but 1 of 3 maps in a figure narrower than THREE_MAPS; at most 2 of another count.
     """
     kind = kind_of(design)
     if have_third(varying_in(design), kind):
-        return 2 if width < THREE_SMALL or count in (2, 4) else 3
+        most = IN_ONE_ROW if width < THREE_SMALL else SMALL_MAPS
+        across = math.ceil(count / math.ceil(count / most))
+        return across + int(across > 1 and count % across == 1)
     if width < WIDE:
         return 1
     if kind == DOTS:

@@ -14,17 +14,19 @@ from matplotlib.axis import Axis
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
 from chain_impact.pictures.drawing.figures import name_above
-from chain_impact.pictures.drawing.legends import legend_at_foot
+from chain_impact.pictures.drawing.legends import legend_at_foot, legend_at_head
 from chain_impact.pictures.drawing.style import INK, TICK_STEPS, is_narrow, raised
-from chain_impact.scene.words.unit_text import in_brackets, of_scene, unit_text, with_unit
+from chain_impact.scene.words.unit_text import in_brackets, of_scene
 from chain_impact.studies.sweep.contours import Scale, draw_contours
-from chain_impact.studies.sweep.quantities import Quantity
+from chain_impact.studies.sweep.map_marks import HATCHED, SCENE_MARK, hatch, mark_scene
+from chain_impact.studies.sweep.quantities import Quantity, number_text
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import number
@@ -39,9 +41,6 @@ WIDE_PARAMETER, WIDE_RANGE = 1e2, 1e3
 # on a logarithmic axis with ends in a ratio below WIDE_RANGE, labels stand at each power of ten, and at the
 # multiples FEW_TICKS of each power of ten
 FEW_TICKS = (2.0, 5.0)
-SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
-SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
-"""The mark of the scene's own values in a map, with matplotlib's names."""
 SCENE_LINE: dict[str, Any] = {"color": INK, "linestyle": (0.0, (4.0, 3.0)), "linewidth": 0.8, "zorder": 1.0}
 """The line at the scene's own value in panels that are no maps, with matplotlib's names."""
 # FEW_CELLS: a map with fewer cells on both axes has no contours, but a number in each cell, unless it shares
@@ -51,8 +50,9 @@ FEW_CELLS, WIDE_CELLS = 8, 4
 # the place in the range of the colours above which texts are black instead of white
 LIGHT_COLOUR = 0.5
 MOST_LEVELS = 5  # the largest number of intervals between the ticks of a linear bar
+NEAREST_FRAME = 2.0  # [points] the width of the frame of the map nearest to the scene
 SLIM_BAR = 40.0  # the length of a bar for several maps, relative to the bar's width
-NEVER = "no run has a finite value"
+NEVER, NO_IMPACT = "no run has a finite value", "no impact"
 
 
 def draw_maps(
@@ -69,10 +69,13 @@ def draw_maps(
     """
     first, second, *third = over
     scales, own = (axis_of(first), axis_of(second)), [own_value(runs, first), own_value(runs, second)]
-    every = [_tables(runs, quantity, over) for quantity in quantities]
+    missed = [_tables(runs, quantity.missed(runs), over).astype(bool) for quantity in quantities]
+    every = [_tables(runs, quantity.known(runs), over) for quantity in quantities]
     of_each = [list(panels)] if third else [[axes] for axes in panels]
-    for quantity, group, tables in zip(quantities, of_each, every, strict=True):
+    for quantity, group, tables, untouched in zip(quantities, of_each, every, missed, strict=True):
         _draw_group(group, scales, quantity, tables, own)
+        for axes, cells in zip(group, untouched, strict=True):
+            hatch(axes, scales, cells)
     for axes in panels:
         for axis, scale, variation in zip((axes.xaxis, axes.yaxis), scales, (first, second), strict=True):
             if scale.names:
@@ -83,57 +86,88 @@ def draw_maps(
         if scales[0].names:
             axes.tick_params(axis="x", rotation=90)
     if third:
-        _name_maps(panels, runs, third[0], "\n" if is_narrow(figure) else " ")
-    marked = [panels[k] for k in own_maps(runs, third[0])] if third else panels
+        _name_maps(panels, runs, third[0])
+    near = nearest_map(runs, third[0]) if third else None
+    # a map with numbers in its cells, or a small one, has no room for the name of the mark
+    is_named = not third and not has_numbers(every[0])
+    marked = [panels[near[0]]] if near else [] if third else panels
     for axes in marked if None not in own else ():
-        axes.plot(*np.array(own, float)[:, None], **SCENE_MARK)
-    blank, failed = max(int(np.ma.getmaskarray(table).sum()) for table in every), int(runs.failed.sum())
-    if blank:
-        causes = ["failed"] * (failed > 0) + ["only impulses"] * (blank > failed)
-        legend_at_foot(figure, [Patch(facecolor=FAILED_COLOUR, label=" or ".join(causes))])
+        mark_scene(axes, own, named=is_named)
+    blank = max(
+        int(np.ma.getmaskarray(table).sum() - cells.sum()) for table, cells in zip(every, missed, strict=True)
+    )
+    failed = int(runs.failed.sum())
+    causes = ["failed"] * (failed > 0) + ["only impulses"] * (blank > failed)
+    entries: list[Any] = [Patch(facecolor=FAILED_COLOUR, label=" or ".join(causes))] if blank else []
+    if marked and None not in own and not is_named:
+        entries.append(Line2D([], [], **SCENE_MARK | {"label": "scene"}))
+    if any(cells.any() for cells in missed):
+        entries.append(Patch(label=NO_IMPACT, **HATCHED))
+    if entries:
+        legend_at_foot(figure, entries)
 
 
-def _tables(runs: Runs, quantity: Quantity, over: Sequence[Variation]) -> Any:
-    """Return the values of a quantity in maps, shape (number of maps, rows, columns), masked without a value.
+def _tables(runs: Runs, values: np.ndarray, over: Sequence[Variation]) -> Any:
+    """Return a value of each run in maps, shape (number of maps, rows, columns), masked if it is not finite.
 
     ``over`` is as in ``draw_maps``. Rows and columns are in the order of the axes, maps in that of the third
     parameter; without a third parameter there is a single map.
     """
     indices = [list(runs.varied).index(variation.name) for variation in reversed(over)]
-    values = quantity.of(runs).reshape(runs.design.shape)
+    values = values.reshape(runs.design.shape)
     spare = tuple(k for k in range(values.ndim) if k not in indices)
     values = values.transpose(*indices, *spare).reshape([len(each.values) for each in reversed(over)])
     values = values[np.ix_(*(axis_of(each).order for each in reversed(over)))]
     return np.ma.masked_invalid(values.reshape(-1, *values.shape[-2:]))
 
 
-def own_maps(runs: Runs, third: Variation) -> list[int]:
-    """Return a list with the index of the map of the scene's own value of the third parameter, if any."""
-    own, choice = number_in_scene(runs, third), runs.scene.values.get(third.name)
-    values = third.shown(third.values[axis_of(third).order]).tolist()
-    if own is None:
-        return [k for k, value in enumerate(values) if value == choice]
-    return [k for k, value in enumerate(values) if math.isclose(value, own)]
+def nearest_map(runs: Runs, third: Variation) -> tuple[int, bool] | None:
+    """Return the index of the map nearest to the scene's own value of the third parameter, if any.
 
-
-def _name_maps(panels: Sequence[Axes], runs: Runs, third: Variation, gap: str) -> None:
-    """Write the value of the third parameter above each map, and labels only beside and below the grid.
-
-    ``gap``: the text between the parameter's name and the value.
+    The second result tells whether the map has exactly this value. Without such a map the result is None, as
+    for a value outside of the varied range or for a choice that does not vary.
     """
-    values, unit = third.shown(third.values[axis_of(third).order]).tolist(), unit_of(runs, third)
-    for axes, value in zip(panels, values, strict=True):
-        text = value if third.choices else number(value)
-        axes.set_title(f"{third.name}{gap}= {with_unit(text, raised(unit_text(unit)))}", fontsize="small")
+    own, choice = own_value(runs, third), runs.scene.values.get(third.name)
+    values = third.shown(third.values[axis_of(third).order]).tolist()
+    if third.choices:
+        return next(((k, True) for k, value in enumerate(values) if value == choice), None)
+    if own is None:
+        return None
+    along = np.log if is_logarithmic(third) else np.asarray
+    k = int(np.abs(along(values) - along(own)).argmin())
+    return k, math.isclose(values[k], own)
+
+
+def _name_maps(panels: Sequence[Axes], runs: Runs, third: Variation) -> None:
+    """Write the value of the third parameter above each map, and its name above all maps.
+
+    The map nearest to the scene's value has a frame. Only the map in the middle of the last row names the
+    horizontal axis; numbers stand beside and below the grid.
+    """
+    values, near = third.shown(third.values[axis_of(third).order]).tolist(), nearest_map(runs, third)
+    entries: list[Any] = [Line2D([], [], linestyle="", label=f"above each map: {label_of(runs, third)}")]
+    if near:
+        label = "scene" if near[1] else "nearest to the scene"
+        entries.append(Patch(facecolor="none", edgecolor=INK, linewidth=NEAREST_FRAME, label=label))
+    figure = panels[0].get_figure(root=True)
+    assert figure is not None
+    legend_at_head(figure, entries)
+    for k, (axes, value) in enumerate(zip(panels, values, strict=True)):
+        text = value if third.choices else number_text(value)
+        if near and k == near[0]:
+            axes.spines[:].set(visible=True, color=INK, linewidth=NEAREST_FRAME)
+        axes.set_title(text, fontsize="small")
         cell = axes.get_subplotspec()
         assert cell is not None
-        columns, place = cell.get_gridspec().ncols, int(cell.num1)
+        (rows, columns), place = cell.get_gridspec().get_geometry(), int(cell.num1)
+        start = (rows - 1) * columns
+        if place != start + (len(panels) - 1 - start) // 2:
+            axes.set_xlabel("")
         if place % columns:
             axes.set_ylabel("")
             axes.tick_params(which="both", labelleft=False)
-        # a map above an empty place has label and numbers, too
+        # a map above an empty place has numbers, too
         if place + columns < len(panels):
-            axes.set_xlabel("")
             axes.tick_params(which="both", labelbottom=False)
 
 
@@ -178,10 +212,12 @@ def _draw_group(
         None if isinstance(norm, LogNorm | BoundaryNorm) else MaxNLocator(MOST_LEVELS, steps=TICK_STEPS)
     )
     bar = figure.colorbar(meshes[0], ax=panels, extend=extend, **look)
+    scale = "log" if isinstance(norm, LogNorm) else ""
     if len(panels) > 1:
-        bar.set_label(label)
+        bar.set_label(", ".join(filter(None, (label, scale))))
     else:
         name_above(panels[0], label)
+        bar.ax.set_title(scale, fontsize="small")
     few_decades = isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]
     if few_decades:
         axis = bar.long_axis
@@ -189,17 +225,22 @@ def _draw_group(
         # when the bar gets new colours, as for a dark ground, matplotlib sets the bar's axis from these two
         # attributes
         bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
-    has_numbers, is_smooth = max(tables.shape[1:]) < FEW_CELLS, not (quantity.is_count or x.names or y.names)
+    is_smooth = not (quantity.is_count or x.names or y.names)
     levels = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if few_decades else [])]
     within = [level for level in levels if ends[0] < level < ends[1]]
     for axes, table, mesh in zip(panels, tables, meshes, strict=True):
-        if has_numbers and len(panels) == 1:
+        if has_numbers(tables) and len(panels) == 1:
             _write_values(axes, scales, table, mesh, own)
-        elif is_smooth and not has_numbers:
+        elif is_smooth:
             draw_contours(axes, scales, table, mesh, within, own=own)
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
         bar.ax.tick_params(which="both", length=0)
+
+
+def has_numbers(tables: Any) -> bool:
+    """Return whether maps have so few cells that a single map has a number in each cell."""
+    return bool(max(tables.shape[1:]) < FEW_CELLS)
 
 
 def _colours(

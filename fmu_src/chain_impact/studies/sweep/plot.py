@@ -21,8 +21,7 @@ from chain_impact.pictures.drawing.sizes import Size, figure_size
 from chain_impact.pictures.drawing.style import COUNT_STEPS, headline, is_narrow, raised, styled
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.words.unit_text import unit_text
-from chain_impact.studies.sweep.computation import STATUS_WORD
-from chain_impact.studies.sweep.curves import COLOURS, FOOT, course_text, distinct_texts, draw_curves
+from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves
 from chain_impact.studies.sweep.histograms import draw_samples, drawn_parameters, influence
 from chain_impact.studies.sweep.layout import (
     CURVES,
@@ -39,15 +38,31 @@ from chain_impact.studies.sweep.layout import (
     usual_size,
     varying_in,
 )
-from chain_impact.studies.sweep.maps import draw_maps, number_in_scene, own_maps, own_value, unit_of
-from chain_impact.studies.sweep.quantities import LOADS, Quantity, Results, constants, results_of
+from chain_impact.studies.sweep.maps import (
+    NO_IMPACT,
+    draw_maps,
+    nearest_map,
+    number_in_scene,
+    own_value,
+    unit_of,
+)
+from chain_impact.studies.sweep.message import headline_parts
+from chain_impact.studies.sweep.quantities import (
+    COUNT,
+    LEADING_HYPHEN,
+    LOADS,
+    Quantity,
+    Results,
+    constants,
+    number_text,
+    results_of,
+)
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.text import few, number, plural
+from chain_impact.text import plural
 
 MOST_MAPS = 9  # the largest number of maps if three parameters vary
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
-MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists
 
 
 def check_picture(varied: Sequence[Variation], samples: int | None, runs: int, source: str) -> None:
@@ -112,13 +127,14 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     quantities, kind = results.drawn, kind_of(runs.design)
     varying = varying_in(runs.design)
     told = [conditions(runs, varying), constants(runs, results)]
+    has_lines = kind == CURVES and runs.design.samples is None
+    if has_lines and len({*runs[COUNT][~runs.failed].tolist()}) > 1:
+        told.append("lines break where the number of impacts changes")
     if kind == HISTOGRAMS:
         told.insert(0, influence(runs, quantities, varying))
     mark = "×: " if kind == CURVES else ""
-    head, *parts = title(runs, results, mark, small=is_narrow(figure))
-    kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure, the headline has two parts at most
-    told = [", ".join(parts[kept:]), *told]
-    headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
+    message = ", ".join(headline_parts(runs, results, mark, small=is_narrow(figure)))
+    headline(figure, message, "; ".join(filter(None, told)))
     # the parameter ``first`` gets the horizontal axis
     first, *others = in_order(varying, kind)
     count = len(quantities) * panels_of_each(runs.design)
@@ -165,33 +181,7 @@ def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
         return []
     first, second, *third = in_order(varying, kind)
     is_in_map = all(own_value(runs, variation) is not None for variation in (first, second))
-    return varying if is_in_map and all(own_maps(runs, variation) for variation in third) else []
-
-
-def title(runs: Runs, results: Results, mark: str, *, small: bool = False) -> list[str]:
-    """Return the parts of the headline: the number of runs, ranges of results, and how many runs failed.
-
-    The results are those with ``in_headline`` that are known and not 0 in at least one run; over one number,
-    their course (``course_text``) stands behind the range, with ``small`` as words that can stand alone. The
-    reasons of
-    failed runs stand in brackets after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
-    """
-    parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
-    varying = varying_in(runs.design)
-    is_curve = kind_of(runs.design) == CURVES and len(varying) == 1 and runs.design.samples is None
-    course = varying if is_curve else []
-    for quantity in results.every:
-        values = quantity.of(runs)
-        values = values[~np.isnan(values)]
-        if quantity.in_headline and values.any():
-            parts.append(quantity.range_text(values))
-            if course and np.ptp(values) > 0.0:
-                told = course_text(runs[course[0].name], quantity.of(runs), course[0].name)
-                parts += [f"{quantity.name} {told}" if small else told] if told else []
-    reasons = few(
-        [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])], MOST_REASONS
-    )
-    return parts + ([f"{failed} failed ({mark}{reasons})"] if failed else [])
+    return varying if is_in_map and all(nearest_map(runs, variation) for variation in third) else []
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
@@ -206,10 +196,11 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
     mark = " (+)" if kind_of(runs.design) == MAPS else " (dashed line)"
     for variation in varying:
         ends = " to ".join(distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
+        ends = LEADING_HYPHEN.sub("−", ends)
         interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
         own = number_in_scene(runs, variation)
         marked = " (outside)" if own_value(runs, variation) is None else mark if variation in shown else ""
-        told = "" if own is None else f", {number(own)} in the scene{marked}"
+        told = "" if own is None else f", {number_text(own)} in the scene{marked}"
         count = f"{variation.name}: {plural(count_of(variation), 'choice')}"
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
@@ -240,13 +231,13 @@ def _draw_dots(panels: list[Axes], runs: Runs, quantities: list[Quantity], choic
     names = choice.shown(choice.values).tolist()
     rows = np.arange(len(runs))
     for axes, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.of(runs)
+        shown, missed = quantity.known(runs), quantity.missed(runs)
         finite = shown[np.isfinite(shown)]
         axes.grid(axis="y", color="0.92")
         axes.plot(shown, rows, "o", color=COLOURS[0], markersize=4.0)
         missing = "impulse" if quantity.column in LOADS else "unknown"
         for row in rows[~np.isfinite(shown)]:
-            word = "failed" if runs.failed[row] else missing
+            word = "failed" if runs.failed[row] else NO_IMPACT if missed[row] else missing
             axes.text(
                 FOOT, row, word, transform=axes.get_yaxis_transform(), va="center", color="0.4", size="small"
             )

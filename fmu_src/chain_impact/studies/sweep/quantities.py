@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,7 +14,7 @@ from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
-from chain_impact.text import few, prefixed, span_text
+from chain_impact.text import few, number, prefixed, span_text
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene
@@ -29,6 +30,7 @@ LEAST_RANGE = 0.1
 # two choices (`_equal` of curves.py) are compared run by run: two results are equal if they differ by at most
 # 1e-8 (`atol` of NumPy) plus EQUAL_RESULTS times the |second result|.
 EQUAL_RESULTS = 1e-9
+LEADING_HYPHEN = re.compile(r"(?<![\w.])-(?=\d)")  # before a number, but not before its exponent
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,22 @@ class Quantity:
         within = float(np.ptp(values) / largest)
         return within if EQUAL_RESULTS < within < LEAST_RANGE else 0.0
 
+    def missed(self, runs: Runs) -> np.ndarray:
+        """Return whether each run has no value because nothing touches, shape (R,).
+
+        The table has 0 for a load, a penetration or a dissipated energy of such a run.
+        """
+        if peak := PEAKS.get(self.column):
+            loads = {each.at_stops: name for name, each in PEAKS.items() if each.is_load}
+            load = loads[peak.at_stops]
+            return np.asarray(~runs.failed & (runs[load] == 0.0))
+        is_energy = self.column == "energy.dissipated"
+        return np.asarray(~runs.failed & (runs[self.column] == 0.0) & (runs[COUNT] == 0.0) & is_energy)
+
+    def known(self, runs: Runs) -> np.ndarray:
+        """Return the values as ``of`` does, but NaN for runs that are ``missed``."""
+        return np.where(self.missed(runs), np.nan, self.of(runs))
+
     def of(self, runs: Runs) -> np.ndarray:
         """Return the values in all runs, shape (R,), in the unit of the picture; NaN if a run failed.
 
@@ -102,7 +120,15 @@ class Quantity:
 
     def range_text(self, values: np.ndarray) -> str:
         """Return words with the smallest and the largest of ``values``: "peak force 1.2 to 3.4 kN"."""
-        return with_unit(f"{self.name} {span_text(np.nanmin(values), np.nanmax(values))}", self.unit)
+        least, most = float(np.nanmin(values)), float(np.nanmax(values))
+        counts = " to ".join(dict.fromkeys((f"{least:g}", f"{most:g}")))
+        ends = counts if self.is_count else LEADING_HYPHEN.sub("−", span_text(least, most))
+        return with_unit(f"{self.name} {ends}", self.unit)
+
+
+def number_text(value: float) -> str:
+    """Return a number as ``number`` does, with a minus sign in place of a hyphen at the start."""
+    return LEADING_HYPHEN.sub("−", number(value))
 
 
 COUNT = "impact.count"
@@ -222,9 +248,13 @@ def constants(runs: Runs, results: Results) -> str:
 
 
 def _at_end(name: str, prepared: PreparedScene) -> Quantity:
-    """Return the quantity for the column ``name``, an output or ``time``, at the end of each run."""
+    """Return the quantity for the column ``name``, an output or ``time``, at the end of each run.
+
+    An output with the peak or the time of a peak is not called "at the end", because it holds for the run.
+    """
     unit = "s" if name == ENDED else prepared.units[name]
-    return Quantity(name, f"{name} at the end", unit_text(unit))
+    is_peak = name.rpartition(".")[2].startswith(("peak_", "max_"))
+    return Quantity(name, name if is_peak else f"{name} at the end", unit_text(unit))
 
 
 def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:

@@ -86,8 +86,7 @@ export function colourScale(outputs, areCounts) {
     const shareOf = (value) => bins.findLastIndex((limit) => limit < value) / (bins.length - 2);
     return { extremes, ends: [bins[0], bins.at(-1)], bins, shareOf };
   }
-  const [low, high] = quantilesOf(values);
-  const isLogarithmic = extremes[0] > 0 && high / low >= WIDE_COLOURS;
+  const isLogarithmic = extremes[0] > 0 && extremes[1] / extremes[0] >= WIDE_COLOURS;
   const ends = colourEnds(values, isLogarithmic);
   const knots = isLogarithmic ? undefined : knotsOf(values, ends);
   if (knots?.length > 3) return { extremes, ends, isLogarithmic, knots, shareOf: shareBetween(knots) };

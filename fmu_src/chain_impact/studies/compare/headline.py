@@ -1,0 +1,58 @@
+"""The headline of the picture of a comparison: what the laws with a force that depends on e reach."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.drawing.style import load_unit
+from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.studies.compare.runs import LawRun, LawRuns
+from chain_impact.studies.law_exchange import LOSSLESS, compared_impact
+from chain_impact.text import plural, span_text
+from chain_impact.variables.impact_units import unit_at
+
+
+def message(comparison: LawRuns, *, small: bool = False) -> str:
+    """Return the headline: ranges of realised restitutions e′ and peak forces in the first impact.
+
+    The ranges are those of the laws with a force that depends on e (``laws_with_e``). If the e′ do not
+    describe the contact alone (``has_restitution``), the headline has only the peak forces. A law under which
+    the impact does not end has no e′; if no law has an e′, the headline tells only that the impact does not
+    end.
+    ``small``: whether the headline is for a narrow figure, and must be short.
+    """
+    runs, e, name = laws_with_e(comparison), comparison.contact.restitution, comparison.scene.name
+    restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
+    if not comparison.has_restitution:
+        ran = sum(math.isfinite(run.peak_force) for run in runs)
+        where = "" if small else f" in the {compared_impact(comparison.scene)}"
+        return f"{name}: {peaks(comparison, runs)}{where}, {plural(ran, 'law')}"
+    if not restitutions:
+        return f"{name}: the first impact does not end under any law"
+    ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
+    told = ", ".join(filter(None, (f"restitution {' to '.join(ends)}", peaks(comparison, runs))))
+    where = "" if small else f" in the first impact, {plural(len(restitutions), 'law')}"
+    return f"{name}: {told} for e = {e:g}{where}"
+
+
+def laws_with_e(comparison: LawRuns) -> list[LawRun]:
+    """Return the runs of laws with a force that depends on e; all runs if there are none.
+
+    The law without losses ignores e, and a law of impulses has no force.
+    """
+    impulsive = {law for law, each in CONTACT_LAWS.items() if each.impulsive}
+    runs = [run for run in comparison.runs if run.law not in {LOSSLESS, *impulsive}]
+    return runs or list(comparison.runs)
+
+
+def peaks(comparison: LawRuns, runs: Sequence[LawRun]) -> str:
+    """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
+    found = [run.peak_force for run in runs if run.peak_force > 0.0]
+    unit = unit_at("peak_force", stop=comparison.at_stop)
+    if not found:
+        return ""
+    factor, unit = load_unit(max(found), unit)
+    ends = with_unit(span_text(factor * min(found), factor * max(found)), unit)
+    return f"peak {'moment' if comparison.at_stop else 'force'} {ends}"
