@@ -148,5 +148,12 @@ def test_the_overview_names_what_there_is():
     assert [pair for pair in pairs if not re.search(definition.format(pair[0]), defined[pair[1]], re.M)] == []
 
 
+def test_the_recipes_name_files_that_exist():
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+    ends = {*re.findall(r"`([\w/]*\w\.(?:py|js|c|h))\b", text)}
+    assert len(ends) > 50
+    assert {end for end in ends if not any(file.as_posix().endswith(f"/{end}") for file in FILES)} == set()
+
+
 def test_each_abbreviation_is_in_use():
     assert WORDS - {name for file in FILES for text in read(file)[0] for name in NAME.findall(text)} == set()
