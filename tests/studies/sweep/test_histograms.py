@@ -30,6 +30,11 @@ def test_samples_of_several_parameters_are_histograms():
     assert page.get_suptitle().replace("\n", " ").endswith("rises mostly with contact.stiffness")
     texts = [correlation_text(value) for value in (1.0, -1.0, 0.9986, -0.99998, 0.5)]
     assert texts == ["1.00", "−1.00", "0.999", "−0.99998", "0.50"]
+    assert [axes.get_title().replace("\n", " ") for axes in dots[1:]] == [
+        "peak force divided by its trend over contact.stiffness"
+    ] * 2
+    ratios = dots[1].lines[0].get_ydata()
+    assert np.ptp(np.log(ratios)) < 0.5 * np.ptp(np.log(found["peak_force"]))
     force = 1e-3 * found["peak_force"][~found.failed]
     bars = edges_of(force, logarithmic=False, whole=False)
     assert [bar.get_x() for bar in panel.patches] == pytest.approx(bars[:-1])

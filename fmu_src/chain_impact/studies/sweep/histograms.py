@@ -39,6 +39,8 @@ MOST_SCATTERS = 3  # the largest number of parameters over which each quantity o
 # GOLDEN: the distance of successive dots over a choice, of which the fractions are evenly spread; DOTS_PART:
 # the width of the dots of a choice, relative to the distance of two choices
 GOLDEN, DOTS_PART = 0.618034, 0.5
+# a trend counts with at least the squared rank correlation TRENDING, and LEAST_TREND runs
+TRENDING, LEAST_TREND = 0.5, 12
 FEWEST = 3  # the correlation of fewer than FEWEST pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
@@ -80,12 +82,19 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
 def draw_samples(
     panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]
 ) -> None:
-    """Draw each quantity in successive panels: a histogram, then dots over each of ``drawn_parameters``."""
+    """Draw each quantity in successive panels: a histogram, then dots over each of ``drawn_parameters``.
+
+    If the quantity follows the first of these closely (TRENDING), the dots over the others show the quantity
+    divided by its trend over the first, because this trend would hide all other effects.
+    """
     each, drawn = len(panels) // len(quantities), drawn_parameters(runs, varying)
     draw_histograms(panels[::each], runs, quantities)
     for k, quantity in enumerate(quantities):
         for axes, variation in zip(panels[each * k + 1 : each * (k + 1)], drawn, strict=True):
-            _scatter(axes, runs, quantity, variation)
+            trend = None if variation is drawn[0] else trend_over(runs, quantity, drawn[0])
+            _scatter(axes, runs, quantity, variation, trend)
+            if trend is not None:
+                name_above(axes, f"{quantity.name} divided by its trend over {drawn[0].name}")
     figure = panels[0].get_figure(root=True)
     if figure is not None and any(quantity.missed(runs).any() for quantity in quantities):
         legend_at_foot(figure, [Line2D([], [], label=NO_IMPACT, **RING)])
@@ -145,9 +154,32 @@ def correlation_text(value: float) -> str:
     return text.replace("-", "−") if float(text) else "0.00"
 
 
-def _scatter(axes: Axes, runs: Runs, quantity: Quantity, variation: Variation) -> None:
-    """Draw a quantity over a varied parameter, with a dot for each run and a line at ``own_value``."""
+def trend_over(runs: Runs, quantity: Quantity, variation: Variation) -> np.ndarray | None:
+    """Return the trend of a quantity over a parameter in each run: a parabola through logarithms, shape (R,).
+
+    The result is None if the parameter is a choice, if a value is not positive, for fewer than LEAST_TREND
+    values, or if the squared rank correlation is below TRENDING.
+    """
+    values, given = quantity.known(runs), runs[variation.name]
+    known = np.isfinite(values)
+    if variation.choices or known.sum() < LEAST_TREND or (values[known] <= 0.0).any():
+        return None
+    if rank_correlation(given, values) ** 2 < TRENDING:
+        return None
+    along = np.log(given) if is_logarithmic(variation) else given
+    parabola = np.polynomial.Polynomial.fit(along[known], np.log(values[known]), 2)
+    return np.asarray(np.exp(parabola(along)))
+
+
+def _scatter(
+    axes: Axes, runs: Runs, quantity: Quantity, variation: Variation, trend: np.ndarray | None
+) -> None:
+    """Draw a quantity over a varied parameter, with a dot for each run and a line at ``own_value``.
+
+    ``trend``: if given, the quantity is divided by this, shape (R,).
+    """
     shown, given = quantity.known(runs), runs[variation.name]
+    shown = shown if trend is None else shown / trend
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()
         # the dots of a choice lie side by side, at places that repeat in each run of the program
