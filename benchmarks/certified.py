@@ -55,7 +55,7 @@ HIDDEN = 1e-8
 
 def missing(d: Any) -> str:
     """Return the feature of the last step that the certificate lacks, in words; "" if it lacks none."""
-    course, touch = d["inputs"]["piece"], d["touch"]
+    course, touch = d["inputs"]["piece"], d["contacts"]
     varied = [course[name][1:] for name in course.dtype.names if name.startswith(("joint_", "tip_"))]
     active = touch["active_index"][: touch["active_count"]]
     drawn = (d["law"]["approach_only"] & (d["law"]["friction"] > 0.0))[active]

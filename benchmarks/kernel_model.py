@@ -92,11 +92,11 @@ def happen(d, time, y, found):
         d.step.state_end[j] = y[j]
     for c in range(d.candidates):
         kind = RELATCH if found[d.candidates + c] < 0 else NONE
-        if d.touch.active[c] and found[c] > 0:
+        if d.contacts.active[c] and found[c] > 0:
             kind = END
-        elif not d.touch.active[c] and found[c] < 0:
+        elif not d.contacts.active[c] and found[c] < 0:
             kind = ONSET
-        d.touch.event[c] = kind
+        d.contacts.event[c] = kind
     apply_events(d)
 
 
@@ -137,11 +137,11 @@ def least_event(d, y):
     locate_points(d, y)
     for c in range(d.candidates):
         gap, gap_rate = clearance(d, c)
-        sign = -1.0 if d.touch.active[c] else 1.0
+        sign = -1.0 if d.contacts.active[c] else 1.0
         if sign * gap < lowest:
             lowest, slope = sign * gap, sign * gap_rate
-        fast = RELATCH_RATIO * d.touch.law_speed[c] + gap_rate
-        if d.touch.active[c] and fast < lowest:
+        fast = RELATCH_RATIO * d.contacts.law_speed[c] + gap_rate
+        if d.contacts.active[c] and fast < lowest:
             lowest, slope = fast, 0.0
     return lowest + CLEAR, slope
 
@@ -169,24 +169,24 @@ def switch(d, clock, values, found):
     locate_points(d, y)
     for c in range(d.candidates):
         gap, gap_rate = clearance(d, c)
-        active = d.touch.active[c]
+        active = d.contacts.active[c]
         sign = -1.0 if active else 1.0
         falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
         found[c] = (1 if active else -1) if falls else 0
-        fast = active and -gap_rate >= RELATCH_RATIO * d.touch.law_speed[c] * (1.0 - 1e-9)
+        fast = active and -gap_rate >= RELATCH_RATIO * d.contacts.law_speed[c] * (1.0 - 1e-9)
         found[d.candidates + c] = -1 if fast and not falls else 0
         if falls:
             hop = min(hop, abs(gap_rate) * HOP / 9.81)
     d.step.next_size = clock[1]
     happen(d, clock[0], y, found)
-    if d.touch.active_count == 0:
+    if d.contacts.active_count == 0:
         clock[1] = min(clock[1], hop)
         return 0
     clock[1] = d.step.next_size
     for c in range(d.candidates):
-        if found[c] < 0 and d.touch.active[c]:
-            clock[1] = min(clock[1], FIRST_STEP * d.touch.depth_scale[c] / d.touch.law_speed[c])
-    return d.touch.active_count
+        if found[c] < 0 and d.contacts.active[c]:
+            clock[1] = min(clock[1], FIRST_STEP * d.contacts.depth_scale[c] / d.contacts.law_speed[c])
+    return d.contacts.active_count
 
 
 # --- for stability.py: the energy and depth of a state, and fixed steps -----------------------------------
@@ -201,7 +201,7 @@ def looked_at(d, y):
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
         deepest = max(deepest, -gap)
-        if not d.touch.active[c]:
+        if not d.contacts.active[c]:
             outside = max(outside, -gap)
     return kinetic + potential + stored_energy(d, y), deepest, outside
 
@@ -244,9 +244,9 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
         any_event = False
         for c in range(d.candidates):
             gap, gap_rate = clearance(d, c)
-            active = d.touch.active[c]
+            active = d.contacts.active[c]
             found[c] = (1 if active else 0) if gap >= 0.0 else (0 if active else -1)
-            fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.touch.law_speed[c]
+            fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.contacts.law_speed[c]
             found[d.candidates + c] = -1 if fast else 0
             any_event = any_event or found[c] != 0 or fast
         if any_event:
@@ -306,10 +306,10 @@ def cvode_roots(d, careful, y, value):
     locate_points(d, vector(y, len(d.step.state) - CVODE))
     for c in range(d.candidates):
         gap, gap_rate = clearance(d, c)
-        active = d.touch.active[c]
+        active = d.contacts.active[c]
         value[c] = gap - margin if active else gap
         # δ̇ = −ġ
-        value[d.candidates + c] = RELATCH_RATIO * d.touch.law_speed[c] + gap_rate if active else 1.0
+        value[d.candidates + c] = RELATCH_RATIO * d.contacts.law_speed[c] + gap_rate if active else 1.0
     return 0
 
 
@@ -327,7 +327,7 @@ def cvode_weights(d, careful, y, weight):
     """
     n, tolerance = d.links, d.solver.tolerance
     position = tolerance * d.chain.longest_link
-    if careful and d.touch.active_count > 0:
+    if careful and d.contacts.active_count > 0:
         position = min(position, POSITION_ERROR * static_depth(d))
     for j in range(2 * n + 5):
         if j < n + 2:

@@ -32,7 +32,7 @@ class Step:
 
     def __init__(self, d: Any) -> None:
         """Copy the needed data from the record."""
-        step, touch, chain, own = d["step"], d["touch"], d["chain"], d["inputs"]
+        step, touch, chain, own = d["step"], d["contacts"], d["chain"], d["inputs"]
         self.links, self.pinned = int(d["links"]), bool(chain["has_base_joint"])
         self.size, self.kept = float(step["size"]), float(step["end_fraction"])
         self.regularized, self.lever = int(step["regularized"]), float(chain["longest_link"])
@@ -53,7 +53,9 @@ class Step:
             if mode or (i == 0 and not self.pinned):
                 self.joints[i] = [float(mode * d["drive"]["torque_limit"][i]) if mode else 0.0, 0, 0, 0, 0]
         self.candidates = d["candidate"][["point", "stop", "normal_x", "normal_y"]].tolist()
-        self.offsets = [arb(float(o)) + float(d["contact"]["radius"]) for o in d["candidate"]["offset"]]
+        self.offsets = [
+            arb(float(o)) + float(d["contact_settings"]["radius"]) for o in d["candidate"]["offset"]
+        ]
         self.active = touch["active_index"][: touch["active_count"]].tolist()
         rubbing = d["element"]["index"][: d["friction"]["count"]].tolist()
         # element → −1 or 1: the sign of the dry friction, against the direction of sliding

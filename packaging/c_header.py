@@ -34,7 +34,7 @@ def header() -> str:
         f"enum {{ LARGEST_COUNT = {LARGEST_COUNT} }};",
         "/* kernel/status.py: statuses of the kernel that are no faults */\n"
         f"enum {{ PAUSED = {PAUSED}, ONSET_DUE = {ONSET_DUE} }};",
-        "/* kernel/chain/inputs.py: the value of given.changed with which the solver re-initializes */\n"
+        "/* kernel/chain/inputs.py: the value of given.pending with which the solver re-initializes */\n"
         f"enum {{ REINITIALIZE = {REINITIALIZE} }};",
         "/* compilation/signatures.py: the functions of the kernel */\n"
         f"typedef union {{ double real; int64_t integer; }} Word;\n{declarations()}",

@@ -37,7 +37,7 @@ class Taylor(OnKernel):
 
     def integrator(self) -> Any:
         """Return the integrator for the contacts that are active; it is compiled at its first use."""
-        key = tuple(int(c) for c in np.flatnonzero(self.touch["active"]))
+        key = tuple(int(c) for c in np.flatnonzero(self.contacts["active"]))
         if key not in self.integrators:
             self.integrators[key] = self.compiled(key)
         return self.integrators[key]
@@ -128,16 +128,16 @@ class Taylor(OnKernel):
             solver.time, solver.state[:] = t, self.y
             if solver.with_events:
                 solver.reset_cooldowns()
-            solver.pars[:] = self.touch["law_speed"][: len(solver.pars)]
+            solver.pars[:] = self.contacts["law_speed"][: len(solver.pars)]
             outcome, _, _, count, *_ = solver.propagate_until(self.stop)
             t, steps = solver.time, steps + count
             if outcome == hy.taylor_outcome.time_limit:
                 break
             if outcome in {hy.taylor_outcome.err_nf_state, hy.taylor_outcome.step_limit}:
                 return steps, str(outcome)
-            touched = self.touch["active_count"]
+            touched = self.contacts["active_count"]
             t, _ = self.switch(t, solver.state)
-            if self.touch["active_count"] > touched:
+            if self.contacts["active_count"] > touched:
                 solver.time, solver.state[:] = t, self.y
                 solver.propagate_for(SKIP)
                 t = solver.time

@@ -17,7 +17,7 @@ class OnKernel(OnInstance):
 
     def __init__(self, scene: Scene, stop: float) -> None:
         super().__init__(scene, stop)
-        self.tolerance, self.touch = scene.solver.tolerance, self.instance.record["touch"]
+        self.tolerance, self.contacts = scene.solver.tolerance, self.instance.record["contacts"]
         self.model = kernel_model.load(len(scene.chain.links))
         self.y = np.zeros(2 * len(scene.chain.links) + 4)
         self.found = np.zeros(2 * self.instance.record["candidates"], np.int32)

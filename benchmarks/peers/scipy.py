@@ -69,7 +69,7 @@ class Scipy(OnKernel):
             if sol.status != 1:
                 self.message = "" if sol.status == 0 else sol.message
                 break
-            if not self.touch["active_count"] and len(sol.t) > 2:
+            if not self.contacts["active_count"] and len(sol.t) > 2:
                 flight = sol.t[-2] - sol.t[-3]
             self.time, first = self.switch(self.time, self.y, flight)
             first = min(first, max(self.stop - self.time, 1e-15))

@@ -14,7 +14,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.contact_law import ContactLaw
-from chain_impact.kernel.forces.laws import CONTACT_LAWS, lossless_depth
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.forces.lossless_contact import lossless_depth
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import DPI, GREY, STYLE, headline

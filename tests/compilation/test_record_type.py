@@ -76,13 +76,13 @@ def test_tables_of_candidates_and_elements_are_last_in_the_record():
             if place[:1] == (path,):
                 assert {per(field.offset, count) for count in ("candidates", "elements")} == {0}
                 assert {per(field.size, count) for count in ("candidates", "elements")} == {0}
-    assert per(TABLE["touch", "active_count"].offset, "candidates") == 0
-    for path in ("touch", "law", "search", "contact_log"):
+    assert per(TABLE["contacts", "active_count"].offset, "candidates") == 0
+    for path in ("contacts", "law", "search", "contact_log"):
         assert per(TABLE[path,].offset, "elements") == 0
     moving = (("given_channel",), ("channel",), ("wall_motion",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():
         if place[:1] not in ((), ("output",), ("transmitted",), *moving):
-            assert (per(field.offset, "loads"), per(field.size, "loads")) == (0, 0)
+            assert (per(field.offset, "transmitted_rows"), per(field.size, "transmitted_rows")) == (0, 0)
 
 
 def test_a_size_that_is_not_affine_is_refused():

@@ -104,14 +104,14 @@ def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
 
 def touch(d: Plain, candidates: Iterable[int]) -> None:
     """Let exactly these candidates be in contact, listed as the solver lists contacts."""
-    d.touch.active[:] = 0
-    d.touch.active[[int(c) for c in candidates]] = 1
+    d.contacts.active[:] = 0
+    d.contacts.active[[int(c) for c in candidates]] = 1
     pack(d)
 
 
 def press_in(d: Plain, c: int, depth: float) -> None:
     """Move the wall of candidate c so that its located point is ``depth`` [m] inside the wall."""
-    d.candidate.offset[c] = along(normal_row(d, c), d.scratch.position) - d.contact.radius + depth
+    d.candidate.offset[c] = along(normal_row(d, c), d.scratch.position) - d.contact_settings.radius + depth
 
 
 def struck(rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth: float = 1e-3) -> np.ndarray:

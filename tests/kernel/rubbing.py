@@ -43,8 +43,8 @@ def rubbing_chain(
     first = 1 if base == "free" else 0
     candidates = [first + 5 * k for k in range(contacts)]
     touch(d, candidates)
-    d.touch.onset[:] = -1.0  # the contacts began long ago
-    d.touch.law_speed[:], d.touch.damping[:], d.touch.depth_scale[:] = 1.0, 0.0, 1.0
+    d.contacts.onset[:] = -1.0  # the contacts began long ago
+    d.contacts.law_speed[:], d.contacts.damping[:], d.contacts.depth_scale[:] = 1.0, 0.0, 1.0
     for c in candidates:
         press_in(d, c, 1e-4)
     d.element.mode[:] = NO_FRICTION
@@ -132,12 +132,12 @@ class AtRest:
         """Return µ_s F_n and µ F_n of all elements."""
         d = self.d
         held = [
-            d.law.static_friction[e] * d.touch.force[e]
+            d.law.static_friction[e] * d.contacts.force[e]
             if e < d.candidates
             else d.drive.friction_moment[e - d.candidates] / d.chain.longest_link
             for e in self.elements
         ]
-        own = [d.law.friction[e] * d.touch.force[e] if e < d.candidates else 0.0 for e in self.elements]
+        own = [d.law.friction[e] * d.contacts.force[e] if e < d.candidates else 0.0 for e in self.elements]
         return np.array(held), np.where(np.array(self.elements) < d.candidates, own, held)
 
     def consistent(self) -> dict[tuple[int, ...], np.ndarray]:

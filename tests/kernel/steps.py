@@ -88,7 +88,7 @@ def normals_of(d: Plain) -> np.ndarray:
 def gaps_of(d: Plain, y: np.ndarray, candidates: Iterable[int] | None = None) -> np.ndarray:
     """Return the clearances of candidates for states, shape (…, count), for the offsets of their walls."""
     chosen = list(range(d.candidates)) if candidates is None else list(candidates)
-    return along_normals(d, y, chosen) - d.candidate.offset[chosen] - d.contact.radius
+    return along_normals(d, y, chosen) - d.candidate.offset[chosen] - d.contact_settings.radius
 
 
 def along_normals(d: Plain, y: np.ndarray, candidates: list[int]) -> np.ndarray:
@@ -99,7 +99,7 @@ def along_normals(d: Plain, y: np.ndarray, candidates: list[int]) -> np.ndarray:
 
 def wall_at(d: Plain, c: int, y: np.ndarray, clearance: float) -> None:
     """Move the wall of candidate c so that its point has this clearance [m] in a state."""
-    d.candidate.offset[c] = along_normals(d, y, [c])[0] - d.contact.radius - clearance
+    d.candidate.offset[c] = along_normals(d, y, [c])[0] - d.contact_settings.radius - clearance
 
 
 def walls_away(d: Plain) -> None:

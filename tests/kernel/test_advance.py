@@ -81,7 +81,7 @@ def test_the_log_of_changes_is_full_without_room_for_each_element(logged, full):
 
 def at_end_of_a_step(events=(), **more):
     _, d = chain(np.random.default_rng(2), 2, **more)
-    d.touch.event[: len(events)] = events
+    d.contacts.event[: len(events)] = events
     return d
 
 
@@ -102,7 +102,7 @@ def test_an_onset_is_due_at_the_end_of_the_step_only():
     d.step.communication_point = 0.4
     assert not loop.onset_due(d)
     d.step.communication_point = 0.5
-    d.touch.event[1] = KINK
+    d.contacts.event[1] = KINK
     assert not loop.ends_in_onset(d)
     assert not loop.onset_due(d)
 
@@ -143,7 +143,7 @@ def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, complia
     d = at_end_of_a_step()
     if compliant:
         touch(d, [0])
-    d.contact.any_rigid, d.step.method = rigid, EXPLICIT
+    d.contact_settings.any_rigid, d.step.method = rigid, EXPLICIT
     monkeypatch.setattr(loop, "apply_pending_events", lambda _: (events, True))
     monkeypatch.setattr(loop.control, "size_in_flight", lambda *_: 1e-3)
     for size in (1e-2, 1e-4):
@@ -204,7 +204,7 @@ def test_a_change_that_jumps_is_applied_at_the_communication_point(
     monkeypatch, status, given, goes_on, right
 ):
     d = at_end_of_a_step()
-    d.statistics.status, (d.given.motor[0], d.given.changed) = status, given
+    d.statistics.status, (d.given.motor[0], d.given.pending) = status, given
     monkeypatch.setattr(loop, "inputs_continue", lambda _: goes_on)
     monkeypatch.setattr(loop, "reinit", lambda _: 77)
     assert loop.reinit_if_changed(d, 0.0) == d.statistics.status == right

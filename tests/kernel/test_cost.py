@@ -20,7 +20,12 @@ def d():
     _, d = chain(np.random.default_rng(0), 3)
     d.solver.work_limit = 100.0
     d.statistics.rhs_evaluations, d.budget.other_cost = 500, 200
-    d.budget.cost_count, d.budget.call_count, d.budget.cost_start, d.step.end = 700, 600, 5.0, 5.0
+    d.budget.cost_at_window, d.budget.cost_at_communication_step, d.budget.cost_start, d.step.end = (
+        700,
+        600,
+        5.0,
+        5.0,
+    )
     return d
 
 
@@ -39,14 +44,14 @@ def test_a_second_begins_where_the_last_one_has_ended(d):
     for end, start, count in ((5.999, 5.0, 700), (6.0, 6.0, 790), (6.5, 6.0, 790), (7.25, 7.25, 790)):
         d.step.end = end
         assert cost.check_cost(d) == OK
-        assert (d.budget.cost_start, d.budget.cost_count) == (start, count)
+        assert (d.budget.cost_start, d.budget.cost_at_window) == (start, count)
     d.statistics.rhs_evaluations += 101
     assert cost.check_cost(d) == TOO_MUCH_WORK
 
 
 def test_a_communication_step_may_take_as_much_as_twenty_seconds_may(d):
-    d.budget.cost_count = d.budget.call_count + int(cost.LONGEST_CALL) * 100
-    d.statistics.rhs_evaluations, d.budget.other_cost = d.budget.cost_count, 0
+    d.budget.cost_at_window = d.budget.cost_at_communication_step + int(cost.LONGEST_COMMUNICATION_STEP) * 100
+    d.statistics.rhs_evaluations, d.budget.other_cost = d.budget.cost_at_window, 0
     assert cost.check_cost(d) == OK
     d.budget.other_cost = 1
     assert cost.check_cost(d) == STEP_TOO_LONG

@@ -12,7 +12,14 @@ from chain_impact.kernel.chain.state import dissipated_at, time_at, velocity_at
 from chain_impact.kernel.events import crossing, marks, search
 from chain_impact.kernel.forces import force_formula, holding
 from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_anchor
-from chain_impact.kernel.ode import collocation, control, dense, explicit, last_step, maximum, sundman
+from chain_impact.kernel.ode import (
+    collocation,
+    control,
+    explicit,
+    last_step,
+    maximum,
+    sundman_rate,
+)
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent import duals, event_times, rules
 from chain_impact.scene.scene import scene_from_dict
@@ -97,7 +104,7 @@ def test_a_value_of_zero_keeps_its_derivatives():
 def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
     d = resting()
     c = 0
-    d.touch.event[:] = marks.NONE
+    d.contacts.event[:] = marks.NONE
     marks.mark_contact_event(d, c, marks.ONSET)
     d.step.size = 1e-3
     with np.errstate(all="ignore"):
@@ -148,7 +155,9 @@ def test_forces_slopes_and_sizes_of_a_contact_are_finite(size, speed):
     d = resting()
     for rate in (speed, -speed):
         assert finite(*force_formula.law_force(d, 0, size, rate), *force_formula.law_slopes(d, 0, size, rate))
-    assert finite(dense.time_rate(size), sundman.time_rate_change(size, speed))
+    assert finite(
+        sundman_rate.regularized_time_rate(size), sundman_rate.regularized_time_rate_change(size, speed)
+    )
 
 
 # ---- what is held ---------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ def prepared(base, count, **more):
     candidates = [1, d.candidates - 1]
     y = struck(rng, d, candidates)
     for k, c in enumerate(candidates):
-        if not d.contact.any_rigid:
+        if not d.contact_settings.any_rigid:
             active_contacts.latch_onset(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     active_contacts.set_kink_sides(d)
@@ -76,7 +76,7 @@ def test_stored_energy_is_that_of_springs_and_pressed_contacts(base, count):
 def test_no_motion_changes_the_energy_balance(base, count, law):
     """The reference is a central difference along ẏ, under gravity, springs, dampers, inputs and contacts."""
     _, d, y, _ = prepared(base, count, model=law, stiffness=1e5)
-    if d.contact.any_rigid:
+    if d.contact_settings.any_rigid:
         touch(d, [])
     rate, h, ends, scale = np.zeros(len(y)), 1e-6, [], []
     equations.rate_from_state(d, y, rate)

@@ -86,7 +86,7 @@ def test_a_run_that_ends_in_a_contact_has_its_peaks_so_far():
     runs = Runs(stop=2e-3)
     _, rows = runs.run([STIFFNESS], [runs.word("peaks", name) for name in ("force", "penetration")])
     d = alone(STIFFNESS, 2e-3)
-    assert d.touch.active_count == 1
+    assert d.contacts.active_count == 1
     assert rows[0, 0] == pytest.approx(d.output.force[0], rel=1e-9)  # the force still rises
     assert rows[0, 1] == pytest.approx(d.output.penetration[0], rel=1e-9)
 
@@ -148,7 +148,7 @@ def test_a_set_value_is_tried_until_a_step_takes_it():
     observe(d)
     before = float(d.output.total)
     for value, status in ((-1.0, PARAMETER_OUT_OF_RANGE), (2e4, OK)):
-        d.given.stiffness, d.given.changed = value, 1
+        d.given.stiffness, d.given.pending = value, 1
         tried = Plain(runs.block.copy()[0])
         assert observe_now(tried) == status
         assert tried.output.total == before

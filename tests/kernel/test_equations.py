@@ -146,14 +146,14 @@ def test_rigid_walls_hold_what_touches_them_by_forces_that_do_no_work(base, touc
     y = struck(rng, d, candidates, 0.0)
     rate, expected = np.full((2, len(y)), np.nan)
     equations.rate_from_points(d, y, rate)
-    forces = d.touch.force[candidates].tolist()
+    forces = d.contacts.force[candidates].tolist()
     equations.free_rate_from_inputs(d, y, expected)
     if touching:
         assert np.abs(rate[:-2] - expected[:-2]).max() > 0.1
-        d.touch.force[:] = np.nan
+        d.contacts.force[:] = np.nan
         holding.add_constraint_forces(d, y, expected)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
-    np.testing.assert_array_equal(d.touch.force[candidates], forces)
+    np.testing.assert_array_equal(d.contacts.force[candidates], forces)
     assert rate[state.dissipated_at(4)] == 0.0
 
 

@@ -1,6 +1,6 @@
 """The hooks: without effect in a plain kernel, and carriers of derivatives in a kernel with derivatives."""
 
-# Tests: kernel/functions.py
+# Tests: kernel/function_marks.py, kernel/combinators.py, kernel/record_operations.py
 
 import inspect
 import math
@@ -21,18 +21,18 @@ SIZES = {name: 2 + k for k, name in enumerate(COUNTS)}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # calls of each hook for every instance of dual numbers: the kernel's functions, in their order
 DONE = {
-    hooks.on_observe: ["set_own_communication_point", "fill_outputs", "is_trusted"],
-    hooks.on_observe_trial: ["return_to_stored_state", "refill_motion", "is_trusted"],
+    hooks.on_observe: ["set_communication_point_in_step", "fill_outputs", "is_trusted"],
+    hooks.on_observe_trial: ["return_to_stored_state", "refill_outputs_but_integrals", "is_trusted"],
     hooks.on_truncate: [
-        "set_own_communication_point",
+        "set_communication_point_in_step",
         "store_output_state",
-        "update_own_to_communication_point",
+        "update_instance_to_communication_point",
         "move_end",
     ],
     hooks.indices_valid: ["within_bounds"],
-    hooks.words_behind: [],
+    hooks.tangent_words: [],
 }
-ANSWERS = {hooks.indices_valid: 1, hooks.words_behind: 0}
+ANSWERS = {hooks.indices_valid: 1, hooks.tangent_words: 0}
 # the hooks that make one call for each instance
 ONE = {hooks.on_start: start_tangent, hooks.on_reinit: reinit_tangent, hooks.on_step: replay}
 
@@ -79,11 +79,11 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     # the first instance gets the earliest end of all, and the other instances get it from the first
     pairs = [(first, other) for other in others] + [(other, first) for other in others]
     assert shared == ([] if function in ANSWERS else pairs)
-    assert answer == {hooks.indices_valid: 1, hooks.words_behind: 15}.get(function)
+    assert answer == {hooks.indices_valid: 1, hooks.tangent_words: 15}.get(function)
     assert [(name, id(t)) for name, t, _ in called] == [
         (name, id(t)) for t in tangents for name in DONE[function]
     ]
-    assert all(last == 1.5 for name, _, last in called if name == "set_own_communication_point")
+    assert all(last == 1.5 for name, _, last in called if name == "set_communication_point_in_step")
 
 
 def test_an_instance_of_duals_that_does_not_fit_is_not_sound(monkeypatch):
@@ -115,7 +115,7 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, missing, kept, 
     t = SimpleNamespace(output=SimpleNamespace(words=words), trust=trust)
     d = SimpleNamespace(tangents=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))
     d.step = SimpleNamespace(communication_point=0.0)
-    monkeypatch.setattr(entry, "set_own_communication_point", lambda t, time: None)
+    monkeypatch.setattr(entry, "set_communication_point_in_step", lambda t, time: None)
     monkeypatch.setattr(entry, "fill_outputs", lambda t: None)
     monkeypatch.setattr(entry, "is_trusted", lambda t: trusted)
     HOOKS[hooks.on_observe](d)

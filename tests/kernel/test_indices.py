@@ -104,12 +104,12 @@ def test_no_index_is_negative_where_inputs_and_parameters_change(model):
     d.given.tip_force[1] = -30.0
     assert initialize(d, 0.0) == OK
     assert advance(d, 0.1, UNLIMITED, UNLIMITED) == OK
-    assert d.touch.active_count == 1
-    d.given.restitution, d.given.changed = 0.7, REINITIALIZE
+    assert d.contacts.active_count == 1
+    d.given.restitution, d.given.pending = 0.7, REINITIALIZE
     d.given.piece.degree, d.given.piece.until, d.given.piece.scale = 2, 0.2, 1.0
     d.given.piece.motor[1] = 0.5
     assert advance_to_onset(d, 0.12) == OK
-    d.given.tip_force[1], d.given.changed = 60.0, REINITIALIZE
+    d.given.tip_force[1], d.given.pending = 60.0, REINITIALIZE
     assert trajectory(d, np.zeros(1), np.array([0.15, 0.2]), np.array([[0, 1]]), np.zeros((2, 1)), 0) == 2
-    assert d.touch.active_count == 0
+    assert d.contacts.active_count == 0
     assert d.impact.count > 0

@@ -89,10 +89,10 @@ def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
 
 IMPACTS = ("onset", "impact_speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse")
 CLEARED = {
-    "touch": ("active", "active_index", "impact_number", "active_count", "compliant_count"),
+    "contacts": ("active", "active_index", "impact_number", "active_count", "compliant_count"),
     "impact": ("count", "last_wall", "last_speed"),
     "statistics": ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps"),
-    "budget": ("event_count", "cost_count", "call_count", "other_cost"),
+    "budget": ("event_count", "cost_at_window", "cost_at_communication_step", "other_cost"),
     "contact_log": ("count", "collected"),
     "peaks": ("force", "penetration", "moment", "rotation"),
     "fault": ("part",),
@@ -103,7 +103,7 @@ CLEARED = {
     "latest": ("wall", *IMPACTS),
 }
 LEFT = {(record, field): 0 for record, fields in CLEARED.items() for field in fields}
-LEFT |= {("touch", "event"): NONE, ("impact", "last_point"): -1, ("latest", "point"): -1}
+LEFT |= {("contacts", "event"): NONE, ("impact", "last_point"): -1, ("latest", "point"): -1}
 LEFT |= dict.fromkeys([("impact", "last_time"), ("budget", "event_start"), ("budget", "cost_start")], 3.0)
 
 
@@ -131,7 +131,7 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     }
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
     d.budget.event_start = d.budget.cost_start = 9.0
-    d.step.breaks, d.statistics.steps, d.given.changed, d.scratch.state[:] = 7, 7, 1, 9.0
+    d.step.breaks, d.statistics.steps, d.given.pending, d.scratch.state[:] = 7, 7, 1, 9.0
     monkeypatch.setattr(hooks, "on_start", told.append)
     assert initialize(d, 2.0) == OK
     assert told == [d]
@@ -139,7 +139,7 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
         assert d.numpy_record[name].tobytes() == values, name
     assert d.step.communication_point == d.step.start == d.step.end == d.impact.last_time == 2.0
     assert d.budget.event_start == d.budget.cost_start == 2.0
-    assert d.given.changed == 0
+    assert d.given.pending == 0
     assert d.step.method == EXPLICIT
 
 
@@ -167,11 +167,11 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
     assert d.step.next_size == d.step.flight_size == (size if method == "implicit" else stable_size(d, size))
 
 
-POSITIVE = [("solver", "tolerance"), ("solver", "work_limit"), ("contact", "minimum_impact_speed")]
-POSITIVE += [("contact", "exponent"), ("chain", "length"), ("chain", "mass")]
+POSITIVE = [("solver", "tolerance"), ("solver", "work_limit"), ("contact_settings", "minimum_impact_speed")]
+POSITIVE += [("contact_settings", "exponent"), ("chain", "length"), ("chain", "mass")]
 NOT_NEGATIVE = [("chain", "inertia"), ("chain", "joint_armature")]
 NOT_NEGATIVE += [("given", name) for name in ("drive_damping", "drive_stiffness")]
-NOT_NEGATIVE += [("contact", "radius")]
+NOT_NEGATIVE += [("contact_settings", "radius")]
 FINITE = [("given", "target"), ("chain", "center_of_mass"), ("chain", "box_wall")]
 FINITE += [("walls", name) for name in ("x", "y", "angle")]
 

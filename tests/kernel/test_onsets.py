@@ -104,7 +104,7 @@ def test_the_restitution_set_at_an_onset_is_that_of_its_impact():
         stopping.instance.observe()
         speed = -stopping.record["output"]["point_velocity"][0, 1]
         stopping.record["given"]["restitution"] = restitution
-        stopping.record["given"]["changed"] = 1
+        stopping.record["given"]["pending"] = 1
         stopping.instance.observe()
         # still before the impact
         assert stopping.record["output"]["point_velocity"][0, 1] == pytest.approx(-speed, rel=1e-14)
@@ -122,8 +122,8 @@ def test_a_law_set_at_an_onset_is_that_of_its_impact():
     for law in (CONTACT_LAWS[name].number for name in ("newton_impact", "hunt_crossley")):
         assert stopping.to_onset(10.0) == ONSET_DUE
         stopping.record["given"]["law"] = law
-        stopping.record["given"]["changed"] = 1
+        stopping.record["given"]["pending"] = 1
         assert stopping.event_update() == OK
-        lasting.append(int(stopping.record["touch"]["active_count"]))
+        lasting.append(int(stopping.record["contacts"]["active_count"]))
     assert lasting == [0, 2]
     assert stopping.count == 4

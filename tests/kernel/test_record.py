@@ -1,6 +1,7 @@
 """The layout of an instance: the offsets of all fields in the record."""
 
-# Tests: kernel/record/counts.py, kernel/record/instance.py, kernel/record/given.py, kernel/record/motions.py
+# Tests: kernel/record/counts.py, kernel/record/instance.py
+# Tests: kernel/record/given.py, kernel/record/prescribed_motion.py
 # Tests: kernel/record/friction.py, kernel/record/signals.py, kernel/record/solver.py
 
 import ast
@@ -19,7 +20,7 @@ from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
 from chain_impact.variables.indices import HEAD
 
-# links N, candidates C, elements F, loads L, channels K, sites P
+# links N, candidates C, elements F, transmitted rows L, channels K, sites P
 SIZES = [
     (1, 0, 0, 0),
     (1, 1, 0, 3),
@@ -121,7 +122,7 @@ def several_units(source):
 def test_the_same_field_name_has_the_same_unit_in_each_part():
     modules = sorted(Path(fields.__file__).parent.glob("*.py"))
     source = "\n".join(file.read_text("utf-8") for file in modules if file.name != "fields.py")
-    assert {name for _, name, *_ in declared_fields(source)} > {*instance_dtype(1, 0)["touch"].names}
+    assert {name for _, name, *_ in declared_fields(source)} > {*instance_dtype(1, 0)["contacts"].names}
     assert set(several_units(source)) == ANY_UNIT - {"y"}
 
 
@@ -136,6 +137,6 @@ def test_the_same_field_name_has_the_same_unit_in_each_part():
     ],
 )
 def test_another_unit_is_found(other, found):
-    declared = "def {}_dtype():\n    return record(\n        {}\n    )\n".format
+    declared = "def {}_dtype():\n    return layout(\n        {}\n    )\n".format
     one = declared("chain", '# m, the largest\n        # distance\n        ("reach", REAL),')
     assert several_units(one + declared("other", f'("reach", {other}')) == found

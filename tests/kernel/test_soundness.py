@@ -54,7 +54,7 @@ def test_without_candidates_no_contact_is_regularized():
 
 
 def test_each_candidate_has_a_law_once_a_run_has_started(d):
-    d.touch.active_count = d.touch.compliant_count = 0
+    d.contacts.active_count = d.contacts.compliant_count = 0
     d.law.number[3] = 0
     assert is_sound(d) == 0
     d.statistics.status = UNKNOWN_LAW  # a start that failed
@@ -75,12 +75,12 @@ BOUNDS = {
     ("statistics", "status"): (OK, LAST_STATUS),
     ("latest", "requested"): (0, LATEST),
     ("contact_log", "count"): (0, None),
-    ("touch", "active_count"): (0, 16),
-    ("touch", "compliant_count"): (0, 0),
-    ("touch", "active_index"): (0, 15),
-    ("touch", "active"): (0, 1),
-    ("touch", "event"): (0, NEIGHBOUR),
-    ("touch", "impact_number"): (0, 7),
+    ("contacts", "active_count"): (0, 16),
+    ("contacts", "compliant_count"): (0, 0),
+    ("contacts", "active_index"): (0, 15),
+    ("contacts", "active"): (0, 1),
+    ("contacts", "event"): (0, NEIGHBOUR),
+    ("contacts", "impact_number"): (0, 7),
     ("candidate", "point"): (0, 3),
     ("candidate", "wall"): (0, 4 + 15),
     ("candidate", "place"): (0, 6),
@@ -145,7 +145,7 @@ def test_each_index_has_its_least_and_its_most(record, field):
 def test_no_more_contacts_have_a_force_than_there_are():
     _, d = chain(np.random.default_rng(0), 3)
     touch(d, [1, 4, 7])
-    assert_fits(d, "touch", "compliant_count", None, ((0, True), (3, True), (4, False), (-1, False)))
+    assert_fits(d, "contacts", "compliant_count", None, ((0, True), (3, True), (4, False), (-1, False)))
 
 
 def test_a_law_may_be_missing_only_before_a_start_without_contacts():
@@ -232,7 +232,7 @@ def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
         (2, ("candidates",), 1 << 20),
         (12, ("candidates",), 1 << 20),
         (12, ("links",), 1 << 20),  # in the kernel for any number of links
-        (2, ("touch", "active_count"), -2),
+        (2, ("contacts", "active_count"), -2),
         (12, ("step", "method"), 7),
     ],
 )

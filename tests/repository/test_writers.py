@@ -49,7 +49,7 @@ def assignments(function):
 
 
 def way(node):
-    """Return the names of an attribute chain from its variable on: d.touch.event[c] has d, touch, event."""
+    """Return the names of an attribute chain: d.contacts.event[c] has d, contacts, event."""
     names = []
     while isinstance(node, (ast.Attribute, ast.Subscript)):
         if isinstance(node, ast.Attribute):
@@ -136,7 +136,7 @@ def test_derivatives_change_nothing_in_the_run_itself(writers):
 def test_every_form_of_a_write_is_found():
     source = """
 def f(d, law, y):
-    own, n = d.touch, d.links
+    own, n = d.contacts, d.links
     latest = d.latest
     own.event[0], latest.onset[n] = 1, 2.0
     law.number[0] += 1
@@ -146,9 +146,9 @@ def f(d, law, y):
 """
     function = ast.parse(source).body[0]
     assert {f"{part}.{field}" for _, part, field in writes(function)} == {
-        "touch.event",
+        "contacts.event",
         "latest.onset",
         "law.number",
         "step.end",
-        "touch.onset",
+        "contacts.onset",
     }

@@ -175,7 +175,7 @@ def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
     record = instance.record
     while record["impact"]["count"] < 2:
         assert instance.advance(math.nextafter(record["step"]["end"], math.inf)) == OK
-    assert record["touch"]["active_count"] == 2
+    assert record["contacts"]["active_count"] == 2
     used = record["scratch"]["rate_start"].copy()
     record["step"]["communication_point"] = record["step"]["start"]
     instance.observe()
@@ -211,7 +211,7 @@ def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
     instance = Instance(scene)
     inputs = instance.record["given"]
     for k in range(20000):
-        inputs["motor"][3], inputs["changed"] = 1e-3 * math.sin(5e-5 * k), 1
+        inputs["motor"][3], inputs["pending"] = 1e-3 * math.sin(5e-5 * k), 1
         assert instance.advance(1e-5 * (k + 1)) == OK
     record = instance.record["balance"]
     assert abs(record["at_end"] - record["reference"]) < 5.0 * record["least_allowed"]
@@ -220,9 +220,9 @@ def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e10])
 def test_a_new_stiffness_in_an_impact_is_a_change_of_energy_and_no_error(stiffness):
     instance = Instance(chain(1, {"position": [0.0, 0.2], "angles": [0.5]}))
-    while instance.record["touch"]["active_count"] == 0:
+    while instance.record["contacts"]["active_count"] == 0:
         assert instance.advance(instance.time + 1e-4) == OK
-    instance.record["given"]["stiffness"], instance.record["given"]["changed"] = stiffness, 1
+    instance.record["given"]["stiffness"], instance.record["given"]["pending"] = stiffness, 1
     assert instance.advance(instance.time + 0.3) == OK
 
 

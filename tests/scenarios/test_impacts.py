@@ -211,7 +211,7 @@ def test_five_points_with_unlike_speeds_get_moreaus_impulses():
         floor = WALLS.index("y_min")
         arriving = [(k, "y_min") for k in range(5) if before[1] + 0.5 * sum(spins[:k]) < 0.0]
         for point, _ in arriving:
-            instance.record["touch"]["event"][instance.prepared.candidates.index((point, floor))] = 1
+            instance.record["contacts"]["event"][instance.prepared.candidates.index((point, floor))] = 1
         instance.advance(1e-15)
         after = instance.record["step"]["state"][rates]
         expected = moreau_impact(scene, [0.0] * 4, before, arriving, 0.4)
@@ -294,7 +294,7 @@ def test_the_record_holds_everything():
     """A copy of the record's bytes, taken while points are held, continues bit-equal to the original."""
     instance, other = (Instance(default_scene(model=RIGID, restitution=0.3)) for _ in range(2))
     assert instance.advance(1.5) == 0
-    assert instance.record["touch"]["active_count"] > 0
+    assert instance.record["contacts"]["active_count"] > 0
     other.words[:] = instance.words
     for copy in (instance, other):
         assert copy.advance(6.0) == 0

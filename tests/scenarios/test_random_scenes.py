@@ -111,7 +111,7 @@ def test_a_run_that_takes_too_long_is_ended_and_found():
 def test_a_wrong_load_is_found(field, factor, kinds):
     run = account(scene(51), 51)
     assert not judge(run)
-    run.outputs["load"][field] *= factor
+    run.outputs["transmitted"][field] *= factor
     assert {finding.kind for finding in judge(run)} >= kinds
 
 

@@ -102,7 +102,7 @@ def test_the_default_chain_comes_to_rest_for_next_to_nothing(restitution):
     after = instance.statistics
     assert after["steps"] - before["steps"] < 50
     assert after["rhs_evaluations"] - before["rhs_evaluations"] < 1000
-    assert instance.record["touch"]["active"].reshape(5, 4)[:, 2].all()
+    assert instance.record["contacts"]["active"].reshape(5, 4)[:, 2].all()
 
 
 # ---- rest ---------------------------------------------------------------------------------------------
@@ -134,7 +134,7 @@ def resting(request):
         instance.record["contact_log"]["collected"] = instance.record["contact_log"]["count"]
         if force is not None:
             instance.record["given"]["tip_force"] = force
-            instance.record["given"]["changed"] = 1
+            instance.record["given"]["pending"] = 1
         assert instance.trajectory(np.array([time]), out) == 1
         return out[0].copy()
 
@@ -172,7 +172,7 @@ def test_torques_that_switch_every_millisecond_keep_the_energy_balance(law):
     out = np.zeros(2000, record.dtype["output"])
     for k in range(2000):
         record["given"]["motor"][:2] = [3.0 * (-1.0) ** k + 2.0, -2.0 * (-1.0) ** (k // 2)]
-        record["given"]["changed"] = 1
+        record["given"]["pending"] = 1
         record["contact_log"]["collected"] = record["contact_log"]["count"]
         assert instance.trajectory(np.array([(k + 1) * 1e-3]), out[k : k + 1]) == 1
     balance = out["total"] + out["dissipated"] - out["supplied"]
@@ -219,7 +219,7 @@ def test_a_second_hit_inside_a_step_is_noticed(stiffness, restitution, onsets, t
 
 def change_law(instance, law):
     instance.record["given"]["law"] = CONTACT_LAWS[law].number
-    instance.record["given"]["changed"] = 1
+    instance.record["given"]["pending"] = 1
 
 
 def test_in_flight_the_law_may_change_to_it():
@@ -244,7 +244,7 @@ def test_while_a_point_is_in_a_wall_it_may_not():
 def test_held_contacts_pass_to_another_law():
     instance = Instance(default_scene(model=RIGID, restitution=0.3))
     assert instance.advance(8.0) == 0
-    assert instance.record["touch"]["active_count"] == 5
+    assert instance.record["contacts"]["active_count"] == 5
     change_law(instance, "zhang_sharf")
     out = np.zeros(1, instance.record.dtype["output"])
     instance.record["contact_log"]["collected"] = instance.record["contact_log"]["count"]

@@ -1,6 +1,6 @@
 """A wall that reaches a pinned base ends the run at that time, however short the overlap would last."""
 
-# Tests: kernel/events/base.py
+# Tests: kernel/events/base_at_wall.py
 
 import math
 

@@ -82,7 +82,7 @@ def test_a_new_instance_holds_nothing_but_the_scene():
     instance[0]["step"]["regularized"] = 0
     for field in (
         "step",
-        "touch",
+        "contacts",
         "search",
         "implicit",
         "constraints",

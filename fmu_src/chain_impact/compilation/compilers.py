@@ -95,7 +95,7 @@ LAW: OpenFunctions = {
 HOOKS: OpenFunctions = {
     **{name: ("ptr", ("ptr",), 0) for name in vars(hooks) if name.startswith("on_")},
     "indices_valid": ("i64", ("ptr",), 1),
-    "words_behind": ("i64", ("ptr",), 0),
+    "tangent_words": ("i64", ("ptr",), 0),
 }
 REGISTERS = """declare hidden i64 @usual_registers()
 declare hidden void @put_registers_back(i64)

@@ -43,7 +43,7 @@ def log_contacts(d):
 
 def record_words(d):
     """Return the number of words of 8 bytes of an instance and of the tangent instances after it."""
-    return len(as_words(d)) + hooks.words_behind(d)
+    return len(as_words(d)) + hooks.tangent_words(d)
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # noqa: PLR0917

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.fmu.versions import FMI_2, FMI_3
-from chain_impact.kernel.forces.laws import lossless_depth
+from chain_impact.kernel.forces.lossless_contact import lossless_depth
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.angles import DEGREES
 from chain_impact.scene.words.names import DataPath

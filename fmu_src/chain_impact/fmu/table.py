@@ -144,7 +144,7 @@ def _words(prepared: PreparedScene) -> dict[str, int]:
     """
     paths: dict[str, DataPath] = {
         "time_word": ("step", "communication_point"),
-        "changed_word": ("given", "changed"),
+        "changed_word": ("given", "pending"),
         "tolerance_word": ("solver", "tolerance"),
         "part_word": ("fault", "part"),
     }

@@ -13,13 +13,13 @@ from chain_impact.kernel.chain.inputs import (
     belts_jump,
     inputs_continue,
     inputs_in_use,
-    interpolate_motion,
+    interpolate_prescribed_motions,
     limit_to_piece,
     withdraw_request,
 )
 from chain_impact.kernel.cost import (
     UNLIMITED,
-    begin_call,
+    begin_communication_step,
     check_cost,
     check_events,
     cost_exceeded,
@@ -28,7 +28,7 @@ from chain_impact.kernel.cost import (
     count_step,
 )
 from chain_impact.kernel.equations import clear_stage_notes
-from chain_impact.kernel.events.base import check_base, end_at_base
+from chain_impact.kernel.events.base_at_wall import check_base_at_walls, end_where_wall_meets_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_communication_point
 from chain_impact.kernel.events.handlers import apply_events, force_has_kink, reinit_contacts_and_modes
 from chain_impact.kernel.events.marks import (
@@ -71,11 +71,11 @@ from chain_impact.kernel.ode.last_step import (
     make_last_step,
     reset_step,
     roll_back,
-    set_own_communication_point,
+    set_communication_point_in_step,
     truncate_step,
 )
 from chain_impact.kernel.ode.methods import attempt, choose_method, prepare
-from chain_impact.kernel.ode.sundman import regularize, time_rate_now
+from chain_impact.kernel.ode.sundman import regularize, time_rate_for_sizes
 from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_unsolved
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
@@ -166,7 +166,7 @@ def reinit_if_changed(d, time):
     Return the status of the run; after an earlier fault nothing is done.
     """
     if d.channels > 0 and d.statistics.status == OK:
-        set_status(d, interpolate_motion(d, time))
+        set_status(d, interpolate_prescribed_motions(d, time))
     if d.statistics.status == OK and must_reinit(d):
         set_status(d, reinit(d))
     return d.statistics.status
@@ -175,12 +175,12 @@ def reinit_if_changed(d, time):
 def must_reinit(d):
     """Return whether an input or parameter has changed so that the solver must re-initialize.
 
-    If values were set and then set back, the mark ``given.changed`` is cleared. A new piece of the inputs
+    If values were set and then set back, the mark ``given.pending`` is cleared. A new piece of the inputs
     that continues the present piece without a jump needs no re-initialization: the next step applies it.
     """
-    if d.given.changed == REINITIALIZE and inputs_in_use(d) and laws_in_use(d):
+    if d.given.pending == REINITIALIZE and inputs_in_use(d) and laws_in_use(d):
         withdraw_request(d)
-    return d.given.changed and not inputs_continue(d)
+    return d.given.pending and not inputs_continue(d)
 
 
 def advance_one_step(d):
@@ -196,14 +196,14 @@ def advance_one_step(d):
 
 def set_communication_point(d, time):
     """Set the communication point to ``time`` [s] in the last step; count the next call's cost from 0."""
-    set_own_communication_point(d, time)
-    begin_call(d)
+    set_communication_point_in_step(d, time)
+    begin_communication_step(d)
 
 
 def reinit(d):
     """Cut the last step at the communication point, and use new inputs and parameters; return a status."""
     update_to_communication_point(d)
-    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # from the step's variable to seconds
+    control.scale_next_size(d, time_rate_for_sizes(d, d.step.state_end))
     reset_step(d, d.step.communication_point, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
@@ -234,8 +234,8 @@ def apply_pending_inputs(d):
 
 def latch_again(d):
     """Latch damping and expected penetration again, for contacts with a force law: laws may have changed."""
-    for k in range(d.touch.compliant_count):
-        latch(d, d.touch.active_index[k])
+    for k in range(d.contacts.compliant_count):
+        latch(d, d.contacts.active_index[k])
 
 
 def apply_laws(d):
@@ -247,7 +247,7 @@ def apply_laws(d):
 def take_step(d):
     """Take one accepted step, up to the first event in the step; return a status."""
     clear_unsolved(d)
-    status = check_base(d) if d.channels > 0 else OK
+    status = check_base_at_walls(d) if d.channels > 0 else OK
     if d.signals > 0 and status == OK:
         status = check_segments(d)
     if status == OK:
@@ -258,7 +258,7 @@ def take_step(d):
         count_step(d, d.step.last_method == IMPLICIT)
         status = check_balance(d)
     if status == OK and d.channels > 0:
-        end_at_base(d)
+        end_where_wall_meets_base(d)
     if status == OK and d.signals > 0:
         end_at_segment(d)
     return status if status != OK else check_cost(d)
@@ -350,13 +350,13 @@ def land(d, theta):
 def begin_step(d):
     """Apply events and inputs at the last step's end, set up the next step; return the number of events."""
     events, kinked = apply_pending_events(d)
-    if d.given.changed:
+    if d.given.pending:
         apply_next_piece(d)
         if d.channels > 0:
             evaluate_start(d)
     if d.signals > 0 and begin_segments(d):
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
-    landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
+    landed = events > 0 and d.contact_settings.any_rigid and d.contacts.compliant_count == 0
     if landed and d.step.method != IMPLICIT:
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
@@ -375,8 +375,8 @@ def apply_pending_events(d):
     """
     events, kinked = d.drive.mode_ends + pending_changes(d), d.drive.mode_ends > 0
     for c in range(d.candidates):
-        events += d.touch.event[c] != NONE
-        kinked = kinked or d.touch.event[c] == KINK
+        events += d.contacts.event[c] != NONE
+        kinked = kinked or d.contacts.event[c] == KINK
 
     ensure_rate(d)
     update_peaks(d)

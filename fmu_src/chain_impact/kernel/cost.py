@@ -8,10 +8,10 @@ from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_
 
 UNLIMITED = 1 << 62  # value of a limit, of the cost or of the log, that means: no limit
 COST_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits the cost
-# A communication step of any length may cost at most as much as `solver.work_limit` allows for LONGEST_CALL
-# [s] of simulated time, unless ``allow_any_length`` removes this limit. The limit in each COST_WINDOW of
-# simulated time holds in any case.
-LONGEST_CALL = 20.0
+# A communication step of any length may cost at most as much as `solver.work_limit` allows for
+# LONGEST_COMMUNICATION_STEP [s] of simulated time, unless ``allow_any_length`` removes this limit. The limit
+# in each COST_WINDOW of simulated time holds in any case.
+LONGEST_COMMUNICATION_STEP = 20.0
 # The cost, in evaluations times N + 1 for N links, after which a long call returns, so that its caller can
 # stop the run. An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_COST = 20_000_000
@@ -73,7 +73,7 @@ def cost_exceeded(d):
 
     Searches and iterations that may take long call this function, to end early.
     """
-    return cost_so_far(d) - d.budget.cost_count > d.solver.work_limit * COST_WINDOW
+    return cost_so_far(d) - d.budget.cost_at_window > d.solver.work_limit * COST_WINDOW
 
 
 def cost_of_a_call(d):
@@ -84,30 +84,30 @@ def cost_of_a_call(d):
     return CALL_COST // (d.links + 1)
 
 
-def begin_call(d):
+def begin_communication_step(d):
     """Begin to count the cost of the next communication step."""
-    d.budget.call_count = cost_so_far(d)
+    d.budget.cost_at_communication_step = cost_so_far(d)
 
 
 def allow_any_length(d):
     """Remove the limit on the cost of a communication step, for a caller that can stop the run."""
-    d.budget.call_count = UNLIMITED
+    d.budget.cost_at_communication_step = UNLIMITED
 
 
 def check_cost(d):
     """Return TOO_MUCH_WORK, STEP_TOO_LONG or OK, and begin a new window of cost when one has passed.
 
     TOO_MUCH_WORK: the present window costs more than `solver.work_limit` allows. STEP_TOO_LONG: the present
-    communication step costs more than `solver.work_limit` allows for LONGEST_CALL.
+    communication step costs more than `solver.work_limit` allows for LONGEST_COMMUNICATION_STEP.
     """
     budget = d.budget
     if cost_exceeded(d):
         return TOO_MUCH_WORK
-    if cost_so_far(d) - budget.call_count > d.solver.work_limit * LONGEST_CALL:
+    if cost_so_far(d) - budget.cost_at_communication_step > d.solver.work_limit * LONGEST_COMMUNICATION_STEP:
         return STEP_TOO_LONG
     if d.step.end >= budget.cost_start + COST_WINDOW:
         budget.cost_start = d.step.end
-        budget.cost_count = cost_so_far(d)
+        budget.cost_at_window = cost_so_far(d)
     return OK
 
 

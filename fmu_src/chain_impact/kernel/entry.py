@@ -22,7 +22,7 @@ from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.forces.user_law import is_present
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.observe import observe, observe_state, refill_motion
+from chain_impact.kernel.observe import observe, observe_state, refill_outputs_but_integrals
 from chain_impact.kernel.ode.last_step import return_to_stored_state, store_output_state
 from chain_impact.kernel.record.ranges import BOUNDED, bounded_field, least_bound, most_bound
 from chain_impact.kernel.rows.geometry import candidate_within_bounds
@@ -59,14 +59,14 @@ def indices_within_bounds(d):
 def relations_hold(d):
     """Return whether indices and counts whose bounds depend on other numbers are within these bounds."""
     laws = LAW_COUNT + is_present()
-    fits = d.contact_log.count >= 0 and is_within(d.touch.compliant_count, 0, d.touch.active_count)
+    fits = d.contact_log.count >= 0 and is_within(d.contacts.compliant_count, 0, d.contacts.active_count)
     fits = fits and is_within(d.chain.base_moves, 0, d.channels // 2)
     for c in range(d.candidates):
         fits = fits and candidate_within_bounds(d, c)
         fits = fits and is_within(d.wall_motion.first_channel[c], -1, max(-1, d.channels - 2))
         fits = fits and is_within(d.law.number[c], least_law(d), laws)
         fits = fits and is_within(d.law.same_as[c], 0, c)
-        fits = fits and is_within(d.touch.impact_number[c], 0, d.impact.count)
+        fits = fits and is_within(d.contacts.impact_number[c], 0, d.impact.count)
     return fits and friction_counts_fit(d) and signals_fit(d)
 
 
@@ -106,7 +106,7 @@ def least_law(d):
     no contact is active.
     """
     started = d.chain.longest_link != 0.0 and d.statistics.status == OK
-    return 1 if started or d.touch.active_count > 0 else 0
+    return 1 if started or d.contacts.active_count > 0 else 0
 
 
 def is_within(number, least, most):
@@ -160,7 +160,7 @@ def observe_trial(d):
         # ``reinit`` lets rigid walls correct the state, as at the start of a step; the outputs show the state
         # before this correction
         return_to_stored_state(d)
-        refill_motion(d)
+        refill_outputs_but_integrals(d)
         hooks.on_observe_trial(d)
     uncount_cost(d, counted)
     return status
@@ -255,6 +255,6 @@ def finish_run(d, end_time, cost_limit):
         clear_changes(d)
     if status == OK:
         observe(d)
-    if status != PAUSED and d.touch.active_count > 0:
+    if status != PAUSED and d.contacts.active_count > 0:
         update_to_communication_point(d)
     return status

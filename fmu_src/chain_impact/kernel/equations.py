@@ -38,7 +38,7 @@ from chain_impact.kernel.forces.active_contacts import apply_contacts, apply_tru
 from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.rows.compliance import accelerations_with_armatures
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
 from chain_impact.kernel.rows.geometry import clearance
@@ -65,8 +65,8 @@ def stored_energy(d, y):
     The points must be located.
     """
     energy = spring_energy(d, y) if d.chain.has_springs else 0.0
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         gap, _ = clearance(d, c)
         if gap < 0.0:
             energy += elastic_energy(d, c, -gap)
@@ -109,7 +109,7 @@ def rate_from_state(d, y, rate):
     has inputs other than motions of walls.
     """
     # in free flight no force acts at a point, so points and walls are not located
-    if d.touch.active_count > 0 or d.chain.has_inputs or d.friction.count > 0:
+    if d.contacts.active_count > 0 or d.chain.has_inputs or d.friction.count > 0:
         rate_and_points_from_state(d, y, rate)
     else:
         set_link_vectors(d, y)

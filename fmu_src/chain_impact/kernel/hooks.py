@@ -44,6 +44,6 @@ def indices_valid(_d):
     return 1
 
 
-def words_behind(_d):
+def tangent_words(_d):
     """Return 0: the number of words (8 bytes each) of tangent instances after the instance's record."""
     return 0

@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.inertia import (
     loose_links,
     middle_of_rod,
 )
-from chain_impact.kernel.chain.inputs import apply_inputs, begin_motion
+from chain_impact.kernel.chain.inputs import apply_inputs, begin_prescribed_motions
 from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
@@ -20,15 +20,13 @@ from chain_impact.kernel.cost import (
     begin_windows,
 )
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
-from chain_impact.kernel.events.base import check_base
+from chain_impact.kernel.events.base_at_wall import check_base_at_walls
 from chain_impact.kernel.events.contact_log import clear_log
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_friction_modes
 from chain_impact.kernel.events.saturation import choose_saturation, clear_saturation
 from chain_impact.kernel.forces.active_contacts import clear_impacts, clear_loads
 from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
-from chain_impact.kernel.functions import clear_numbers
-from chain_impact.kernel.loads import start_loads
 from chain_impact.kernel.mathematics.angles import direction
 from chain_impact.kernel.ode.balance import start_balance
 from chain_impact.kernel.ode.control import (
@@ -52,6 +50,7 @@ from chain_impact.kernel.record.ranges import (
     in_range,
     ranged_field,
 )
+from chain_impact.kernel.record_operations import clear_numbers
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
 from chain_impact.kernel.rows.geometry import OVERLAP, at_joint_stop, clearance, set_candidate_rows
 from chain_impact.kernel.status import (
@@ -69,6 +68,7 @@ from chain_impact.kernel.status import (
     refuse_link,
     set_status,
 )
+from chain_impact.kernel.transmitted_forces import start_transmitted_forces
 
 
 def initialize(d, time):
@@ -78,7 +78,7 @@ def initialize(d, time):
     if d.signals > 0:
         derive_signals(d, time)
     if d.channels > 0:
-        begin_motion(d, time)
+        begin_prescribed_motions(d, time)
     apply_inputs(d)
     derive_drives(d)
     if set_status(d, check_parameters(d)) != OK or set_status(d, start_laws(d)) != OK:
@@ -95,13 +95,13 @@ def initialize(d, time):
 
 
 def set_start(d, time):
-    """Set walls, state, loads, and modes of drives and friction at the start of a run, at ``time`` [s]."""
+    """Set walls, state, forces, and modes of drives and friction at the start of a run, at ``time`` [s]."""
     set_candidate_rows(d)
     set_initial_state(d, d.scratch.state)
     reset_step(d, time, d.scratch.state)
     clear_loads(d)
-    if d.loads > 0:
-        start_loads(d, time)
+    if d.transmitted_rows > 0:
+        start_transmitted_forces(d, time)
     choose_saturation(d)
     reinit_friction_modes(d, True)
 
@@ -135,7 +135,7 @@ def clear_run(d, time):
     clear_numbers(d.implicit.pairs.load)
     clear_numbers(d.implicit.pairs.impedance)
     clear_numbers(d.search)
-    clear_numbers(d.touch)
+    clear_numbers(d.contacts)
     clear_numbers(d.element)
     clear_numbers(d.friction)
     clear_numbers(d.peaks)
@@ -158,7 +158,7 @@ def derive_chain(d):
     All of these follow from the given parameters of chain, slider, sites, stops and contact.
     """
     chain = d.chain
-    d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact.exponent)
+    d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact_settings.exponent)
     # `meeting_joint`, the middle joint, must be the same joint as in `accelerations` (chain/elimination.py)
     chain.meeting_joint = 0 if chain.has_base_joint else len(chain.length) // 2
     chain.longest_link, chain.reach = 0.0, 0.0
@@ -211,7 +211,7 @@ def derive_sites(d):
                 d.site.x[s], d.site.y[s] = corner_of_box(d.site.corner[s], length, chain.height[i])
             x, y = d.site.x[s], d.site.y[s]
             d.site.along[s], d.site.beside[s] = x / length, y / length
-            d.site.radius[s] = given_or_derived(d.site.given_radius[s], d.contact.radius)
+            d.site.radius[s] = given_or_derived(d.site.given_radius[s], d.contact_settings.radius)
             chain.reach = max(chain.reach, before + math.sqrt(x * x + y * y))
             s += 1
         before += chain.length[i]
@@ -293,8 +293,8 @@ def check_start(d):
     """Return a fault status if the run cannot start in its initial state, else OK.
 
     A run cannot start if the state, its rate or its energy is not finite, if the clearance of a candidate is
-    below −OVERLAP, if motions are prescribed and the pinned base is beyond a wall (``check_base``), or if no
-    forces are found.
+    below −OVERLAP, if motions are prescribed and the pinned base is beyond a wall (``check_base_at_walls``),
+    or if no forces are found.
     """
     locate_points(d, d.step.state)
     for j in range(len(d.scratch.state)):
@@ -307,6 +307,6 @@ def check_start(d):
         gap, _ = clearance(d, c)
         if not gap >= -OVERLAP:
             return refuse_candidate(d, c, STARTS_INSIDE_WALL)
-    if d.channels > 0 and check_base(d) != OK:
+    if d.channels > 0 and check_base_at_walls(d) != OK:
         return BASE_BEYOND_WALL
     return FORCES_NOT_FOUND if d.constraints.unsolved == UNSOLVED else OK

@@ -27,7 +27,6 @@ from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.active_contacts import apply_true_contacts
 from chain_impact.kernel.forces.friction import STICKS, drive_of_element
 from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, store_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.rows.constraints import any_constraint
@@ -37,6 +36,12 @@ from chain_impact.kernel.rows.geometry import (
     first_stop,
     joint_stop_moment,
     lever_of_candidate,
+)
+from chain_impact.kernel.transmitted_forces import (
+    fill_joint_force_peaks,
+    fill_joint_impulses,
+    fill_transmitted_forces,
+    store_tip_impulse,
 )
 
 
@@ -63,35 +68,36 @@ def fill_outputs(d):
     the solver has already found, is not visible yet.
     """
     counted, theta = counted_cost(d), fraction(d, d.step.communication_point)
-    fill_motion(d, theta)
+    fill_outputs_but_integrals(d, theta)
     fill_quadratures(d, theta)
-    if d.loads > 0:
-        fill_load_impulses(d)
+    if d.transmitted_rows > 0:
+        fill_joint_impulses(d)
     list_latest(d)
     if d.chain.has_joint_stops:
         combine_forces(d)
         combine_impulses(d)
-    if d.loads > 0:
-        fill_load_peaks(d)
+    if d.transmitted_rows > 0:
+        fill_joint_force_peaks(d)
     uncount_cost(d, counted)
 
 
-def refill_motion(d):
+def refill_outputs_but_integrals(d):
     """Fill the outputs of motion, forces and energies again, at the communication point.
 
     Impulses, peaks, the list of impacts and the energy of friction do not change.
     """
     counted = counted_cost(d)
-    fill_motion(d, fraction(d, d.step.communication_point))
+    fill_outputs_but_integrals(d, fraction(d, d.step.communication_point))
     if d.chain.has_joint_stops:
         combine_forces(d)
     uncount_cost(d, counted)
 
 
-def fill_motion(d, theta):
+def fill_outputs_but_integrals(d, theta):
     """Fill the outputs of motion, forces and energies at the fraction θ of the last step.
 
-    If loads are requested, the loads of joints and walls are filled, too, but not their impulses and peaks.
+    If requested, the transmitted forces of joints and walls are filled, too, but not their impulses and
+    peaks.
     """
     n, out, scratch, y, rate = d.links, d.output, d.scratch, d.scratch.state, d.scratch.rate
     fill_state(d, theta)
@@ -106,8 +112,8 @@ def fill_motion(d, theta):
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)
-    if d.loads > 0:
-        fill_loads(d, y, rate)
+    if d.transmitted_rows > 0:
+        fill_transmitted_forces(d, y, rate)
 
 
 def fill_points(d, vectors, out):
@@ -161,13 +167,13 @@ def fill_forces(d):
     out = d.output
     for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.active_count):
+        c = d.contacts.active_index[k]
         gap, gap_rate = clearance(d, c)
         if d.law.impulsive[c]:
             out.force[c] = max(0.0, d.constraints.impulse[k])
         elif gap < 0.0:
-            out.force[c] = d.touch.force[c]
+            out.force[c] = d.contacts.force[c]
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
 
 

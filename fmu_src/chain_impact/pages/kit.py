@@ -217,7 +217,7 @@ def _output_row(kind: Kind) -> dict[str, Any]:
         "text": kind.text.format_map(words).rstrip(": "),
         "integer": not kind.unit,
         "word": word_terms(kind.record_path),
-        "isPeakLoad": kind.owner_kind == "joint" and kind.record_path[1:3] == ("load", "peak"),
+        "isPeakLoad": kind.owner_kind == "joint" and kind.record_path[1:3] == ("transmitted", "peak"),
         "drawn": DRAWN.get((kind.parts.owner, kind.parts.quantity)),
     }
 
@@ -281,7 +281,7 @@ def _layout() -> dict[str, Any]:
         "part": word_terms(("fault", "part")),
         "time": word_terms(("step", "communication_point")),
         "impulses": word_terms(("quadrature", "computed")),
-        "loads": word_terms(("loads",)),
+        "loads": word_terms(("transmitted_rows",)),
         "contactLog": {
             "count": word_terms(("contact_log", "count")),
             "collected": word_terms(("contact_log", "collected")),
@@ -290,8 +290,8 @@ def _layout() -> dict[str, Any]:
         },
         "peaks": {name: word_terms(peak.path) for name, peak in PEAKS.items()},
         "changes": word_terms(("changes", "count")),
-        "inputsChanged": word_terms(("given", "changed")),
-        "active": word_terms(("touch", "active_count")),
+        "inputsChanged": word_terms(("given", "pending")),
+        "active": word_terms(("contacts", "active_count")),
         "statistics": {name: word_terms(("statistics", name)) for name in statistics},
     }
 

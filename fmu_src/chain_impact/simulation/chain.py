@@ -80,7 +80,7 @@ class Chain:
         self._accesses = {v.name: access_to(v, prepared.table_row(v)) for v in prepared.variables}
         self._signal_of = prepared.signals_by_input
         self._time_word = word_index(dtype, ("step", "communication_point"))
-        self._changed_word = word_index(dtype, ("given", "changed"))
+        self._changed_word = word_index(dtype, ("given", "pending"))
         self._ended_word = word_index(dtype, ("contact_log", "count"))
         self._collected_word = word_index(dtype, ("contact_log", "collected"))
         self._contradiction_word = word_index(dtype, ("channel", "contradiction"))

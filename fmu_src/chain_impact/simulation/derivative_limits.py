@@ -1,40 +1,46 @@
 """Texts that tell users why derivatives end (``trust.reason``, kernel/tangent/trust.py), lack or err."""
 
 from chain_impact.kernel.tangent.trust import (
-    AT_FLOOR,
-    AT_LIMIT,
-    AT_ONE_TIME,
-    FROM_REST,
+    AT_FRICTION_LIMIT,
+    AT_LEAST_SPEED,
+    FORCE_JUMPS,
     GRAZING,
-    JUMP,
-    NOT_SOLVED,
+    NOT_CONVERGED,
+    SIMULTANEOUS_CHANGES,
+    SIMULTANEOUS_ONSETS,
+    SLIDES_FROM_REST,
     SLOW_CHANGE,
-    TOGETHER,
 )
 
 REASONS = {
     GRAZING: "its point arrives so slowly that the tolerance leaves open whether it arrives at all",
-    AT_FLOOR: "its approach speed is contact.minimum_impact_speed, which the law takes for a smaller speed",
-    AT_ONE_TIME: "several points arrive at one moment, and the motion afterwards depends on which is first",
-    JUMP: "the force of its contact law jumps where the point turns",
-    NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
+    AT_LEAST_SPEED: "its approach speed is contact.minimum_impact_speed, which the law takes for a "
+    "smaller speed",
+    SIMULTANEOUS_ONSETS: "several points arrive at one moment, and the motion afterwards depends on which is "
+    "first",
+    FORCE_JUMPS: "the force of its contact law jumps where the point turns",
+    NOT_CONVERGED: "the implicit step from there on is too long for them: their iteration does not converge",
 }
-"""Code → reason why derivatives end. NOT_SOLVED can apply at any time, the other reasons at an impact at a
+"""Code → reason why derivatives end. NOT_CONVERGED can apply at any time, the other reasons at an impact at a
 wall or at a stop of the slider."""
 
 REASONS_AT_STOPS = REASONS | {
     GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
-    AT_FLOOR: "its joint's speed is stop.minimum_impact_speed, which the law takes for a smaller speed",
-    AT_ONE_TIME: "several contacts begin at one moment, and the motion afterwards depends on which is first",
-    JUMP: "the moment of its contact law jumps where the joint turns back",
+    AT_LEAST_SPEED: "its joint's speed is stop.minimum_impact_speed, which the law takes for a smaller speed",
+    SIMULTANEOUS_ONSETS: "several contacts begin at one moment, and the motion afterwards depends on which "
+    "is first",
+    FORCE_JUMPS: "the moment of its contact law jumps where the joint turns back",
 }
 """Code → reason why derivatives end at an impact at a stop of a joint."""
 
 REASONS_OF_FRICTION = {
     SLOW_CHANGE: "its sliding or sticking ends so slowly that the tolerance leaves open whether it ends",
-    AT_LIMIT: "the force that would hold it is as large as static friction can be, so it may stick or slide",
-    TOGETHER: "the sliding or sticking of several ends at one moment, and it matters which is first",
-    FROM_REST: "it begins to slide from rest, and a small speed against its direction would first be stopped",
+    AT_FRICTION_LIMIT: "the force that would hold it is as large as static friction can be, so it may stick "
+    "or slide",
+    SIMULTANEOUS_CHANGES: "the sliding or sticking of several ends at one moment, and it matters which is "
+    "first",
+    SLIDES_FROM_REST: "it begins to slide from rest, and a small speed against its direction would first be "
+    "stopped",
 }
 """Code → reason why derivatives end because of dry friction."""
 

@@ -40,7 +40,7 @@ from chain_impact.simulation.inputs import Given, InputSchedule, by_name, input_
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
-from chain_impact.variables.listing import BEHIND
+from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import columns_named, varied_by
 from chain_impact.variables.variable import Variable
@@ -119,7 +119,9 @@ class DifferentiatedInstance(Instance):
         layout, tangent = self._memory.dtype, self._tangents.dtype
         tangents, directions = np.divmod(np.arange(len(self.parameters)), DIRECTIONS)
         first = (
-            first_word(layout, BEHIND) + tangents * (tangent.itemsize // WORD) + first_word(tangent, "output")
+            first_word(layout, TANGENTS)
+            + tangents * (tangent.itemsize // WORD)
+            + first_word(tangent, "output")
         )
         index = np.array(words, int) - first_word(layout, "output")
         indices: np.ndarray = 1 + first + directions + index[:, np.newaxis] * (1 + DIRECTIONS)
@@ -137,7 +139,7 @@ class DifferentiatedInstance(Instance):
     @property
     def _tangents(self) -> np.ndarray:
         """The tangent instances: records of dual numbers, each with derivatives in DIRECTIONS directions."""
-        tangents: np.ndarray = self.record[BEHIND]
+        tangents: np.ndarray = self.record[TANGENTS]
         return tangents
 
     def collect(self) -> np.ndarray:

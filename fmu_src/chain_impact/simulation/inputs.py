@@ -138,7 +138,7 @@ class InputSchedule:
                 piece[name] = value
         if changed:
             anew = row != self.first[at] or self.restarts[at]
-            given["changed"] = REINITIALIZE if anew else CONTINUES
+            given["pending"] = REINITIALIZE if anew else CONTINUES
 
 
 def input_schedule(

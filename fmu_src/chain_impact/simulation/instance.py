@@ -19,7 +19,7 @@ from chain_impact.simulation.kernels import kernel_for
 from chain_impact.simulation.output_rows import Rows, spans_of
 from chain_impact.variables.indices import HEAD, log_words
 from chain_impact.variables.kind import MOTION
-from chain_impact.variables.listing import BEHIND
+from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.parameters import DERIVED_DURING_RUN
 from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
@@ -80,7 +80,7 @@ class Instance:
 
     def observe(self) -> int:
         """Compute the outputs of the record at the present time; return the status."""
-        if not self.record["given"]["changed"]:
+        if not self.record["given"]["pending"]:
             status: int = self._kernel.observe_now(self._address)
             return status
         # outputs are computed in a copy, because reading them must not change the run
@@ -90,7 +90,7 @@ class Instance:
         for part, field in DERIVED_DURING_RUN:
             self.record[part][field] = tried[0][part][field]
         if self.record["tangents"]:
-            self._memory[0][BEHIND]["output"] = tried[0][BEHIND]["output"]
+            self._memory[0][TANGENTS]["output"] = tried[0][TANGENTS]["output"]
         return status
 
     def is_sound(self, words: np.ndarray) -> bool:
@@ -211,7 +211,7 @@ class Instance:
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
         if not self._integers.item(at.integrates):
             rows["impulse"] = np.nan
-        if not self.prepared.counts.loads:
+        if not self.prepared.counts.transmitted_rows:
             rows["joint_force"] = np.nan
         return rows
 

@@ -1,8 +1,9 @@
 """The motions of base, walls and belts over time, from the inputs that give them.
 
-A channel of the kernel (kernel/chain/motion.py) follows a position, and the velocity and acceleration that
-are its derivatives. If no input gives the position, the position is the integral of the given velocity over
-time, or else the double integral of the given acceleration from rest; it begins with ``Channel.start``.
+A channel of the kernel (kernel/chain/prescribed_motion.py) follows a position, and the velocity and
+acceleration that are its derivatives. If no input gives the position, the position is the integral of the
+given velocity over time, or else the double integral of the given acceleration from rest; it begins with
+``Channel.start``.
 """
 
 from __future__ import annotations

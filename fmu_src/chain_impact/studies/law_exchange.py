@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.forces.laws import CONTACT_LAWS, lossless_depth
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.forces.lossless_contact import lossless_depth
 from chain_impact.recording.joint_stops import at_joint_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.keys.tables import Contact

@@ -29,7 +29,7 @@ from chain_impact.scene.words.names import AT, ENTRY_AT, DataPath
 from chain_impact.variables.cache import MOST_CACHED, SharedData, changed_numbers
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
-from chain_impact.variables.listing import BEHIND
+from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.signal_filling import fill_signals
@@ -270,7 +270,7 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
-    """Return a copy of the instance ``memory``, with tangent instances after it, in the field BEHIND.
+    """Return a copy of the instance ``memory``, with tangent instances after it, in the field TANGENTS.
 
     ``paths`` are the paths in the record of the parameters and inputs with respect to which the kernel
     computes derivatives. Each of these numbers has a direction of its own, in which its derivative is 1 and
@@ -278,14 +278,14 @@ def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
     """
     layout, count = memory.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()
-    behind = (BEHIND, tangent_dtype(layout), (count,))
-    whole = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), behind]))
+    tangents = (TANGENTS, tangent_dtype(layout), (count,))
+    whole = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), tangents]))
     memory["tangents"] = count
     for name in names:
         whole[name] = memory[name]
-    _copy_values(memory[0], whole[0][BEHIND])
+    _copy_values(memory[0], whole[0][TANGENTS])
     for number, path in enumerate(paths):
-        field: Any = whole[0][BEHIND][number // DIRECTIONS]
+        field: Any = whole[0][TANGENTS][number // DIRECTIONS]
         for step in path:
             field = field[step]
         field["slope"][number % DIRECTIONS] = 1.0

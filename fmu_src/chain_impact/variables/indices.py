@@ -131,7 +131,7 @@ def log_words(counts: Counts) -> LogWords:
         ("statistics", "status"),
         ("contact_log", "count"),
         ("contact_log", "collected"),
-        ("touch", "active_count"),
+        ("contacts", "active_count"),
         ("changes", "count"),
         ("quadrature", "computed"),
         ("contact_log", "point", 0),

@@ -25,7 +25,7 @@ from chain_impact.variables.variable import Item, Variable
 from chain_impact.variables.words import owner_words, scene_words
 
 KEPT_STRUCTURES = 64  # largest number of structures of scenes whose lists of outputs are cached
-BEHIND = "behind"
+TANGENTS = "tangent_instances"
 """The field of a record's type with the tangent instances, records of dual numbers that come after an
 instance in memory (filling.py)."""
 _METHODS = tuple(
@@ -127,7 +127,7 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
                 variability="continuous",
                 unit=quotient(output.unit, parameter.unit),
                 description=f"derivative of {output.name} with respect to {parameter.name}",
-                record_path=(BEHIND, tangent, *output.record_path, "slope", direction),
+                record_path=(TANGENTS, tangent, *output.record_path, "slope", direction),
                 base_at_rest=output.base_at_rest,
             )
 

@@ -223,11 +223,11 @@ OUTPUTS = (
         owner_kind="joint",
         prefix="joint[{n}]",
         rows="""
-        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                         | field=load.{axis} nominal=inertial_force feedthrough
-        moment         | N.m | moment of {parent} on link {n}: of drive, dry friction and stops    | field=load.moment nominal=inertial_moment feedthrough
-        impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start       | field=load.impulse_{axis} nominal=momentum
-        peak_force     | N   | largest force of {parent} on link {n} since the start               | field=load.peak nominal=inertial_force minimum=0
-        peak_time      | s   | time of peak_force                                                  | field=load.peak_time
+        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                         | field=transmitted.{axis} nominal=inertial_force feedthrough
+        moment         | N.m | moment of {parent} on link {n}: of drive, dry friction and stops    | field=transmitted.moment nominal=inertial_moment feedthrough
+        impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start       | field=transmitted.impulse_{axis} nominal=momentum
+        peak_force     | N   | largest force of {parent} on link {n} since the start               | field=transmitted.peak nominal=inertial_force minimum=0
+        peak_time      | s   | time of peak_force                                                  | field=transmitted.peak_time
         """,
         heading=JOINT,
         when=("outputs.loads",),
@@ -248,8 +248,8 @@ OUTPUTS = (
         owner_kind="touched wall",
         prefix="wall.{name}",
         rows="""
-        load.{axis} | N   | {axis} of the force of the chain on the wall   | field=load.{axis} nominal=inertial_force feedthrough
-        load_moment | N.m | moment of the chain on the wall, about {about} | field=load.moment nominal=inertial_moment feedthrough
+        load.{axis} | N   | {axis} of the force of the chain on the wall   | field=transmitted.{axis} nominal=inertial_force feedthrough
+        load_moment | N.m | moment of the chain on the wall, about {about} | field=transmitted.moment nominal=inertial_moment feedthrough
         """,
         heading=WALL,
         when=("outputs.loads",),

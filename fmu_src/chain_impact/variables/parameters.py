@@ -253,7 +253,7 @@ PARAMETERS = (
         *_of_table(
             Contact,
             scene_path=("contact", KEY),
-            record_path=("contact", KEY),
+            record_path=("contact_settings", KEY),
             names=("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"),
             stiffness={"record_path": ("given", "stiffness"), "tunable": ALWAYS},
             restitution={"record_path": ("given", "restitution"), "tunable": ALWAYS},

@@ -94,7 +94,7 @@ def loss_bound(scene: Scene, instance: Instance, before: np.void) -> float:
 
     T̂ if some points are slow enough to rest.
     """
-    held = instance.record["touch"]["active"] == 1
+    held = instance.record["contacts"]["active"] == 1
     gaps, u = before["point_position"][:, 1], before["point_velocity"][:, 1].copy()
     points = np.array(scene.contact.points)
     # points that are held are at rest except for errors

@@ -25,7 +25,7 @@ def load_checks(run: Any) -> Iterator[tuple[str, float, float, str]]:
         return
     chain, gravity, time = run.chain, np.array(scene.gravity), run.time
     count = len(scene.chain.links)
-    force, impulse = (vectors(outputs["load"], count, kind) for kind in ("", "impulse_"))
+    force, impulse = (vectors(outputs["transmitted"], count, kind) for kind in ("", "impulse_"))
     mass, all_mass = chain.mass[:, None], chain.mass.sum()
     small = SMALL * all_mass * (chain.size + np.linalg.norm(gravity))
 
@@ -43,7 +43,10 @@ def load_checks(run: Any) -> Iterator[tuple[str, float, float, str]]:
     yield "momentum", float(off.max()), small, "an impulse in a joint off the momentum, beyond 1e-8 [N·s]"
 
     joints = slice(0 if scene.chain.base == "pinned" else 1, None)
-    sizes, peaks = np.linalg.norm(force, axis=2)[:, joints], outputs["load"]["peak"][:, :count][:, joints]
+    sizes, peaks = (
+        np.linalg.norm(force, axis=2)[:, joints],
+        outputs["transmitted"]["peak"][:, :count][:, joints],
+    )
     if not sizes.shape[1]:
         return
     near = small + (SAMPLED + ROUGH * scene.solver.tolerance) * float(peaks.max())

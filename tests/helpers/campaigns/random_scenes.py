@@ -182,7 +182,7 @@ def started(scene: Scene, seed: int) -> Instance:
         given["motor"][:-1], given["tip_force"] = drive(scene, seed)
         if scene.inputs.joint_targets:
             given["target"][:-1], given["target_velocity"][:-1] = targets(scene, seed)
-        given["changed"] = 1
+        given["pending"] = 1
     return instance
 
 

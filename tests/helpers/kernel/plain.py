@@ -69,7 +69,7 @@ class Plain:
         self.numpy_record[name] = value
 
     def clear(self) -> None:
-        """Set all numbers to zero, as ``clear_numbers`` in kernel/functions.py does."""
+        """Set all numbers to zero, as ``clear_numbers`` in kernel/record_operations.py does."""
         for name in self.numpy_record.dtype.names:
             self.numpy_record[name] = np.zeros((), self.numpy_record.dtype[name])
 
@@ -123,16 +123,19 @@ begun.is_shared = True
 def make_rigid(d: Plain, rigid: Any = 1) -> None:
     """Set whether contacts are rigid (1) or have a force (0), with one value for all or one for each."""
     d.law.impulsive[:] = rigid
-    d.contact.any_rigid, d.contact.any_force = int(d.law.impulsive.any()), int(not d.law.impulsive.all())
+    d.contact_settings.any_rigid, d.contact_settings.any_force = (
+        int(d.law.impulsive.any()),
+        int(not d.law.impulsive.all()),
+    )
     pack(d)
 
 
 def pack(d: Plain) -> None:
     """Pack the active contacts as the solver does: contacts with a force come first."""
-    packed = sorted(np.flatnonzero(d.touch.active), key=lambda c: d.law.impulsive[c])
-    d.touch.active_index[: len(packed)] = packed
-    d.touch.active_count = len(packed)
-    d.touch.compliant_count = sum(not d.law.impulsive[c] for c in packed)
-    d.touch.joint_stop_count = sum(at_joint_stop(d, c) for c in packed)
-    d.constraints.in_active_set[: d.touch.compliant_count] = 0
+    packed = sorted(np.flatnonzero(d.contacts.active), key=lambda c: d.law.impulsive[c])
+    d.contacts.active_index[: len(packed)] = packed
+    d.contacts.active_count = len(packed)
+    d.contacts.compliant_count = sum(not d.law.impulsive[c] for c in packed)
+    d.contacts.joint_stop_count = sum(at_joint_stop(d, c) for c in packed)
+    d.constraints.in_active_set[: d.contacts.compliant_count] = 0
     reset_quadratures(d)

@@ -18,7 +18,7 @@ from unittest import mock
 
 import numpy as np
 
-from chain_impact.kernel.chain import kinematics, motion
+from chain_impact.kernel.chain import kinematics, prescribed_motion
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, state_size, time_at
 from chain_impact.kernel.forces.friction import NO_FRICTION
 from tests.helpers.kernel.plain import Plain, as_plain_python
@@ -127,7 +127,7 @@ def stamp(d: Plain) -> None:
     """Let the groups of an instance carry stamps, which functions write while they are ``watched``."""
     stamps, scratch = Stamps(d), d.scratch
     groups = [(getattr(scratch, group), axis, group) for group in GROUPS for axis in "xy"]
-    forces = [(d.touch, "force", "contact"), *([(d.element, "force", "friction")] if d.elements else [])]
+    forces = [(d.contacts, "force", "contact"), *([(d.element, "force", "friction")] if d.elements else [])]
     for part, field, group in groups + forces:
         numbers = getattr(part, field).view(Stamped)
         numbers.stamps, numbers.group = stamps, group
@@ -156,7 +156,7 @@ WRITERS: dict[Callable[..., Any], Callable[..., None]] = {
     kinematics.set_link_vectors: _links,
     kinematics.locate_from_link_vectors: _places,
     kinematics.accelerate_points: _accelerations,
-    motion.move_channels: _moved,
+    prescribed_motion.move_channels: _moved,
 }
 """Function of the kernel that writes a group → the function that writes the stamp."""
 

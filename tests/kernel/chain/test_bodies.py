@@ -154,7 +154,7 @@ def test_accelerations_by_forces_at_sites_agree_with_lagrange(moving):
     sites = sites_of(reference)
     for c in range(d.candidates):
         _, jacobian, _ = reference.point(*sites[d.candidate.point[c] - n - 1])
-        force += jacobian.T @ [0.0, d.touch.force[c]]
+        force += jacobian.T @ [0.0, d.contacts.force[c]]
     wanted = reference.solved(reference.mass, force)
     np.testing.assert_allclose(rate[n + 2 : 2 * n + 4], wanted, rtol=1e-10, atol=1e-10 * np.abs(wanted).max())
     accelerate_points(d, y, rate)

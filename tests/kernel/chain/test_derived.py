@@ -65,7 +65,7 @@ def test_each_start_derives_anew_what_is_not_given():
 def test_stops_follow_the_walls_where_nothing_else_is_given():
     _, d = stopped_chain(2)
     d.stops.given_exponent = d.given.stop_restitution = DERIVED
-    d.contact.exponent, d.given.restitution = 1.3, 0.35
+    d.contact_settings.exponent, d.given.restitution = 1.3, 0.35
     assert initialize(d, 0.0) == OK
     own = np.flatnonzero(d.candidate.stop)
     assert (d.law.restitution[own] == 0.35).all()

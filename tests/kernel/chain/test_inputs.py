@@ -44,11 +44,11 @@ def test_a_step_ends_with_the_piece_or_well_before(degree, end, regularized, siz
 
 def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
     d = driven()
-    d.step.communication_point, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, inputs.CONTINUES
+    d.step.communication_point, d.step.end, d.given.pending = 2.0, 2.0 + 1e-15, inputs.CONTINUES
     assert inputs.inputs_continue(d)
     d.step.end = 2.1
     assert not inputs.inputs_continue(d)
-    d.step.end, d.given.changed = 2.0, inputs.REINITIALIZE
+    d.step.end, d.given.pending = 2.0, inputs.REINITIALIZE
     assert not inputs.inputs_continue(d)
 
 

@@ -41,7 +41,7 @@ def prepare(d):
 def phi(d, motion, theta):
     """Return φ of all candidates at fractions of the step: clearances, and penetrations of contacts."""
     states = motion.at(np.atleast_1d(theta) * d.step.size).T
-    return gaps_of(d, states) * np.where(d.touch.active == 1, -1.0, 1.0)
+    return gaps_of(d, states) * np.where(d.contacts.active == 1, -1.0, 1.0)
 
 
 def first_fall(d, motion):
@@ -73,7 +73,7 @@ def falling(height, law="jankowski", size=1.0, touching=(1,)):
     touch(d, touching)
     for c in touching:
         latch_onset(d, c)
-    d.touch.kink_margin[:] = 0.0
+    d.contacts.kink_margin[:] = 0.0
     set_kink_sides(d)
     set_step(d, motion, size, start=2.0)
     return d, motion

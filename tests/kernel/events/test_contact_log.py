@@ -59,17 +59,17 @@ def depth(t, height):
 def forces(d, t, height):
     """Return F = K δⁿ (1 + λ δ̇/v₀) of the law family, with the latched damping."""
     rate = -np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(height))
-    return depth(t, height) ** N * (K + d.touch.damping[1] * rate)
+    return depth(t, height) ** N * (K + d.contacts.damping[1] * rate)
 
 
 def pressed(height, law="zhang_sharf", size=1.0):
     """Return a step of a contact that has been followed to its start."""
     d, motion = falling(height, law=law, size=size)
-    d.touch.law_speed[1] = 3.0
+    d.contacts.law_speed[1] = 3.0
     set_damping(d, 1)
     rate = -height[1]
-    d.touch.peak_force[1] = d.touch.max_penetration[1] = 0.0
-    d.touch.penetration_rate[1], d.touch.force_rate[1] = rate, 1.0
+    d.contacts.peak_force[1] = d.contacts.max_penetration[1] = 0.0
+    d.contacts.penetration_rate[1], d.contacts.force_rate[1] = rate, 1.0
     return d, motion
 
 
@@ -89,22 +89,22 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     contact_log.update_extremes(d)
     assert d.step.dense_for == (SOLVER if size == 1.0 else OUTPUTS)
     t = FINE * size
-    assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
-    assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+    assert d.contacts.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
+    assert d.contacts.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
     right = slope(lambda t: forces(d, t, TURNING), size, 1e-6)
-    assert d.touch.force_rate[1] == pytest.approx(right, rel=1e-6)
+    assert d.contacts.force_rate[1] == pytest.approx(right, rel=1e-6)
     rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
-    assert d.touch.penetration_rate[1] == pytest.approx(rate, rel=1e-12)
+    assert d.contacts.penetration_rate[1] == pytest.approx(rate, rel=1e-12)
     there(d, points_of(d, motion.at(size)))
     # the log keeps larger earlier values
-    d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
+    d.contacts.peak_force[1], d.contacts.max_penetration[1] = 1e3, 2e3
     contact_log.update_extremes(d)
-    assert (d.touch.peak_force[1], d.touch.max_penetration[1]) == (1e3, 2e3)
+    assert (d.contacts.peak_force[1], d.contacts.max_penetration[1]) == (1e3, 2e3)
 
 
 def test_a_force_that_only_falls_has_no_peak_in_the_step():
     d, _ = pressed([0.0, 0.1, 0.1])
-    d.touch.penetration_rate[1], d.touch.force_rate[1] = -0.1, -0.5
+    d.contacts.penetration_rate[1], d.contacts.force_rate[1] = -0.1, -0.5
     locate_points(d, d.step.state_end)
     *_, elsewhere = contact_log.find_peaks(d, 1, -1.0, d.step.end, SOLVER)
     assert not elsewhere
@@ -125,19 +125,19 @@ def test_peaks_until_a_time_within_the_step():
         assert force == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
         assert deepest == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
         assert elsewhere == (rate <= 0.0 or y[d.links + 3] >= 0.0)
-        assert d.touch.peak_force[1] == d.touch.max_penetration[1] == 0.0
+        assert d.contacts.peak_force[1] == d.contacts.max_penetration[1] == 0.0
         assert d.statistics.rhs_evaluations == evaluations
 
 
 @pytest.mark.parametrize(("approach_only", "event", "lands"), [(1, KINK, 1), (1, END, 0), (0, KINK, 0)])
 def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, lands):
     d, _ = pressed(TURNING, law="jankowski")
-    d.law.approach_only[1], d.touch.event[1] = approach_only, event
+    d.law.approach_only[1], d.contacts.event[1] = approach_only, event
     assert contact_log.turns_at_end(d, 1) == bool(lands)
     d, _ = pressed([0.0, -1.0, 0.5], law="jankowski")  # turns at its end
-    d.touch.event[1] = KINK
+    d.contacts.event[1] = KINK
     contact_log.update_extremes(d)
-    assert d.touch.max_penetration[1] == pytest.approx(DEEP + 0.5, rel=1e-14)
+    assert d.contacts.max_penetration[1] == pytest.approx(DEEP + 0.5, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -169,14 +169,14 @@ def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
 def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatch):
     """The step keeps an onset and mode changes exactly at the communication point."""
     d, motion = pressed(TURNING)
-    d.touch.event[:4] = ONSET, END, KINK, NONE
+    d.contacts.event[:4] = ONSET, END, KINK, NONE
     dropped = []
     monkeypatch.setattr(contact_log, "drop_changes", dropped.append)
     d.step.communication_point = d.step.end if due else d.step.start + 0.4
     breaks, clock = d.step.breaks, d.step.communication_point
     contact_log.end_at_communication_point(d)
     assert d.step.end == clock
-    assert d.touch.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
+    assert d.contacts.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
     assert dropped == ([] if due else [d])
     expected = motion.at(1.0 if due else 0.4)
     np.testing.assert_allclose(d.step.state_end[:-2], expected[:-2], rtol=0, atol=1e-13)
@@ -192,10 +192,10 @@ def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch
     d.quadrature.state[0], d.quadrature.dense[:, 0] = 2.0, 0.0
     d.quadrature.dense[0, 0] = 4.0  # 2 + 4 θ
     before = d.statistics.rhs_evaluations, d.budget.other_cost
-    contact_log.update_own_to_communication_point(d)
+    contact_log.update_instance_to_communication_point(d)
     t = 0.25 * FINE
-    assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
-    assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+    assert d.contacts.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
+    assert d.contacts.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
     assert d.quadrature.integral[1] == pytest.approx(3.0, rel=1e-12)
     assert (d.statistics.rhs_evaluations, d.budget.other_cost) == before
     there(d, points_of(d, motion.at(0.25)))
@@ -207,9 +207,9 @@ def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch
     contact_log.update_to_communication_point(d)
     assert told == [d]
     assert d.step.end == d.step.communication_point
-    assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+    assert d.contacts.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
     # the accelerations belong to the communication point
-    assert math.isfinite(d.touch.force_rate[1])
+    assert math.isfinite(d.contacts.force_rate[1])
     there(d, points_of(d, d.step.state_end))
 
 
@@ -221,14 +221,14 @@ def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, ke
         d.latest.requested = kept
         make_rigid(d, impulsive)
         d.latest.end[0] = -1.0
-        d.touch.impact_number[1] = d.impact.count = 5
+        d.contacts.impact_number[1] = d.impact.count = 5
         d.step.communication_point = d.step.start + until
         y = motion.at(until)
         locate_points(d, y)
         accelerate_points(d, y, motion.at(until, 1))
         d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
         d.output.impulse[1], d.quadrature.impulse_at_onset[1] = 7.5, 3.0
-        d.touch.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
+        d.contacts.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
         contact_log.list_latest(d)
         latest = d.latest
         if kept == 0:
@@ -252,19 +252,19 @@ def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size)
     d.constraints.sample[:] = 0.0
     evaluations = d.statistics.rhs_evaluations
     contact_log.update_held_extremes(d)
-    assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
+    assert d.contacts.peak_force[c] == pytest.approx(3.0, rel=1e-9)
     assert d.statistics.rhs_evaluations - evaluations == contact_log.HELD_SAMPLES
     there(d, points_of(d, motion.at(size)))
     # at the end of a step with a growing force, and through the function for all contacts
     let_push(d, c, [1.0, 2.0])
-    d.touch.peak_force[c], d.touch.force_rate[c] = 0.5, 77.0
+    d.contacts.peak_force[c], d.contacts.force_rate[c] = 0.5, 77.0
     contact_log.update_extremes(d)
-    assert d.touch.force_rate[c] == 77.0
-    assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
+    assert d.contacts.force_rate[c] == 77.0
+    assert d.contacts.peak_force[c] == pytest.approx(3.0, rel=1e-9)
     let_push(d, c, [1.0, -0.5])
-    d.touch.peak_force[c] = 0.5
+    d.contacts.peak_force[c] = 0.5
     contact_log.update_held_extremes(d)
-    assert d.touch.peak_force[c] == pytest.approx(1.0, rel=1e-9)
+    assert d.contacts.peak_force[c] == pytest.approx(1.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("rate", [0.4, -0.4])
@@ -277,13 +277,13 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
         d.contact_log.count = count
         values = {"onset": 1.5, "impact_speed": 0.7, "peak_force": 9.0, "max_penetration": 0.3}
         for name, value in (values | {"effective_mass": 2.5}).items():
-            d.touch[name][1] = value + count
+            d.contacts[name][1] = value + count
         d.quadrature.integral[1], d.quadrature.impulse_at_onset[1] = 8.0, 6.5
-        d.touch.active[1] = 1
+        d.contacts.active[1] = 1
         contact_log.end_contact(d, 1, impulsive)
-        assert not d.touch.active[1]
+        assert not d.contacts.active[1]
         log, row = d.contact_log, count % size
-        assert log.impact_number[row] == d.touch.impact_number[1]
+        assert log.impact_number[row] == d.contacts.impact_number[1]
         assert log.count == count + 1
         assert (log.point[row], log.wall[row]) == (d.candidate.point[1], d.candidate.wall[1])
         assert log.onset[row] == 1.5 + count
@@ -303,8 +303,8 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
     stop, arm, log = stops_of(d)[0], 1.4, d.contact_log
     d.chain.longest_link = arm
     for c, force, depth in ((0, 2.0, 1e-3), (1, 1.0, 5e-3), (2, 3.0, 2e-3), (stop, 9.0, 0.3)):
-        d.touch.impact_speed[c], d.touch.effective_mass[c] = 0.7, 2.5
-        d.touch.peak_force[c], d.touch.max_penetration[c] = force, depth
+        d.contacts.impact_speed[c], d.contacts.effective_mass[c] = 0.7, 2.5
+        d.contacts.peak_force[c], d.contacts.max_penetration[c] = force, depth
         d.quadrature.integral[c], d.quadrature.impulse_at_onset[c] = 8.0, 6.5
         rate = clearance(d, c)[1]
         contact_log.end_contact(d, c, 0)
@@ -324,7 +324,7 @@ def test_a_restart_inside_of_an_impact_loses_no_peak(method, parts):
     instance = Instance(scene)
     for part in parts:
         instance.advance(first["onset"] + part * (first["end"] - first["onset"]))
-        instance.record["given"]["changed"] = 1
+        instance.record["given"]["pending"] = 1
     instance.advance(first["end"] + 1e-3)
     found = instance.collect()[0]
     assert found["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)

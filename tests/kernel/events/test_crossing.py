@@ -1,6 +1,6 @@
 """Crossings of clearances over a step, against dense sampling of motions in closed form."""
 
-# Tests: kernel/chain/motion.py
+# Tests: kernel/chain/prescribed_motion.py
 
 import math
 
@@ -24,15 +24,15 @@ from tests.kernel.steps import Motion, free_motion, gaps_of, set_step, translati
 @pytest.mark.parametrize("seed", range(8))
 def test_the_first_crossing_is_the_first_fall_through_zero(seed, near, touching, base):
     d, motion = moving([seed, near, touching], near=near, touching=touching, base=base)
-    d.touch.event[:] = 7
+    d.contacts.event[:] = 7
     theta, whose = first_fall(d, motion)
     found = crossing.find_crossing(d)
     if theta < 0.0:
         assert found == -1.0
         return
     assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
-    assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET)
-    assert not np.delete(d.touch.event, whose).any()
+    assert d.contacts.event[whose] == (END if d.contacts.active[whose] else ONSET)
+    assert not np.delete(d.contacts.event, whose).any()
     # the candidates' clearances are measured at the found time
     np.testing.assert_allclose(d.search.phi_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
 
@@ -58,7 +58,7 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
     else:
         expected = 0.5 - math.sqrt(depth / a)
         assert found == pytest.approx(expected, abs=1e-12 + 1e-16 / depth)
-        assert d.touch.event.tolist() == [int(k == c) * ONSET for k in range(d.candidates)]
+        assert d.contacts.event.tolist() == [int(k == c) * ONSET for k in range(d.candidates)]
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -67,9 +67,9 @@ def test_only_suspects_are_followed(seed):
     crossing_ones = np.flatnonzero((phi(d, motion, SAMPLES) < 0.0).any(axis=0))
     found = crossing.find_crossing(d)
     assert found >= 0.0
-    (first,) = np.flatnonzero(d.touch.event)
+    (first,) = np.flatnonzero(d.contacts.event)
     for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
-        d.touch.event[:] = NONE
+        d.contacts.event[:] = NONE
         suspect_all(d)
         crossing.measure_clearances(d, 0.0)
         begin_next_interval(d)
@@ -83,7 +83,7 @@ def test_only_suspects_are_followed(seed):
             assert again == pytest.approx(found, abs=1e-14)
         else:
             assert again == -1.0 or again > found
-        assert set(np.flatnonzero(d.touch.event)) <= set(suspects)
+        assert set(np.flatnonzero(d.contacts.event)) <= set(suspects)
 
 
 @pytest.mark.parametrize(("clock", "counted"), [(0.0, False), (1e4, True)])
@@ -98,7 +98,7 @@ def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
         wall_at(d, c, motion.at(0.0), 2.0 * (0.4 + late))
     prepare(d)
     assert crossing.find_crossing(d) == pytest.approx(0.4, abs=1e-11)
-    assert d.touch.event[floor].tolist() == [ONSET, NONE, ONSET, NONE, ONSET if counted else NONE]
+    assert d.contacts.event[floor].tolist() == [ONSET, NONE, ONSET, NONE, ONSET if counted else NONE]
 
 
 def test_a_search_ends_when_its_cost_is_used_up():
@@ -129,7 +129,7 @@ def test_the_curvature_of_a_clearance_is_bounded_and_not_by_too_much(seed, base)
 
 def test_contacts_in_an_implicit_step_have_their_own_bound():
     d, _ = moving(3, touching=2)
-    held = d.touch.active_index[:2]
+    held = d.contacts.active_index[:2]
     before = d.search.curvature.copy()
     touch(d, [])
     crossing.bound_curvature(d)
@@ -176,10 +176,10 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     d.step.regularized = c
     touch(d, [c])
     # u′ is close to the rate of the motion: the point leaves where u falls to zero
-    d.touch.depth_scale[c], d.touch.law_speed[c] = 0.5 * rates[c] / 0.7, 1.0
+    d.contacts.depth_scale[c], d.contacts.law_speed[c] = 0.5 * rates[c] / 0.7, 1.0
     prepare(d)
     assert crossing.find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
-    assert d.touch.event[c] == END
+    assert d.contacts.event[c] == END
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -197,7 +197,7 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
     parts = np.polynomial.polynomial.polyfit(fine, states, 7)
     walls_away(d)
     set_step(d, Motion(parts), 0.5, regularized=0)
-    d.touch.depth_scale[:] = d.touch.law_speed[:] = 1.0
+    d.contacts.depth_scale[:] = d.contacts.law_speed[:] = 1.0
     suspect_all(d)
     crossing.bound_curvature(d)
     gaps = gaps_of(d, states[::20])

@@ -32,15 +32,15 @@ def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **mor
     for c in range(d.candidates):
         wall_at(d, c, motion.at(0.0), near * rng.uniform(0.5, 1.5) * (1.0 if c >= touching else -1.0))
     touch(d, range(touching))
-    d.touch.law_speed[:] = 1e3
-    d.touch.kink_crossed[:] = d.touch.penetration_rate[:] = 0
+    d.contacts.law_speed[:] = 1e3
+    d.contacts.kink_crossed[:] = d.contacts.penetration_rate[:] = 0
     d.solver.tolerance = 1e-6
     return d, motion
 
 
 def phi_all(d, motion):
     """Return φ of all candidates on a fine grid of the step, shape (T, C)."""
-    signs = np.where(d.touch.active == 1, -1.0, 1.0)
+    signs = np.where(d.contacts.active == 1, -1.0, 1.0)
     return gaps_of(d, motion.at(SAMPLES * d.step.size).T) * signs
 
 
@@ -74,7 +74,7 @@ def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
         d, _ = stepped(0, near=2.0, touching=2)
         assert exclusion.excludes_events(d)
         d, _ = stepped(0, near=2.0, touching=2)
-        d.touch[change][1] = 1e6
+        d.contacts[change][1] = 1e6
         assert not exclusion.excludes_events(d)
 
 
@@ -127,7 +127,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         set_step(d, motion, 0.5, start=2.0)
         d.search.input_rate, d.chain.joint_rate_bound = turn / 0.5, fade / 0.5
         touch(d, range(d.candidates) if active else [])
-        d.touch.law_speed[:], d.touch.penetration_rate[:] = 1.0, 0.0
+        d.contacts.law_speed[:], d.contacts.penetration_rate[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
         for c in range(d.candidates):
             wall_at(d, c, motion.at(0.0), -gap if active else gap)
@@ -141,7 +141,7 @@ def test_a_clearance_is_above_its_least_bernstein_coefficient(seed, active):
     rng = np.random.default_rng(seed)
     _, d = chain(rng, 1)
     search, c, h = d.search, 3, 0.7
-    d.step.size, d.step.regularized, d.touch.active[c] = h, -1, active
+    d.step.size, d.step.regularized, d.contacts.active[c] = h, -1, active
     ends = rng.normal(size=(2, 3))
     names = [[f"phi_{end}{part}" for part in ("", "_rate", "_curve")] for end in ("start", "end")]
     for row, values in zip(names, ends, strict=True):
@@ -236,7 +236,7 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
     for u, crossed, expected in ((0.5, 0, True), (0.0, 0, False), (-0.1, 0, False), (0.5, 1, False)):
         d = quiet_start(regularized=2)
         touch(d, [2])
-        d.step.state_end[sundman_u_at(d.links)], d.touch.kink_crossed[2] = u, crossed
+        d.step.state_end[sundman_u_at(d.links)], d.contacts.kink_crossed[2] = u, crossed
         assert exclusion.remains_far(d) == expected
         assert exclusion.known_clearances(d) == (
             exclusion.SAFE_DISTANCE if expected else exclusion.WITH_CURVES
@@ -248,15 +248,15 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
 def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, end):
     """The check is at either end of the step."""
     d, _ = stepped(0, touching=1)
-    d.touch.law_speed[0], d.touch.penetration_rate[0] = 3.0, 3.0 * speed
+    d.contacts.law_speed[0], d.contacts.penetration_rate[0] = 3.0, 3.0 * speed
     point = d.candidate.point[0]
     d.scratch.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
     d.scratch.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
     expected = max(speed, end) > exclusion.NEARLY_FAST * exclusion.RELATCH_RATIO
     assert exclusion.nearly_fast(d, 0) == expected
-    d.touch.kink_crossed[0] = 0
+    d.contacts.kink_crossed[0] = 0
     assert exclusion.force_stays_smooth(d, 0) == (not expected)
-    d.touch.kink_crossed[0] = 1
+    d.contacts.kink_crossed[0] = 1
     assert not exclusion.force_stays_smooth(d, 0)
 
 
@@ -274,7 +274,7 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     locate_points(d, y)
     d.step.regularized = regularized
     make_rigid(d, impulsive)
-    d.touch.depth_scale[:] = 0.3
+    d.contacts.depth_scale[:] = 0.3
     touch(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
     found = exclusion.sundman_u_now(d, y)
@@ -305,7 +305,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
     _, d = chain(rng, 2)
     motion = free_motion(rng, d)
     touch(d, [2, 4])
-    d.touch.depth_scale[:], d.step.regularized = 0.3, regularized
+    d.contacts.depth_scale[:], d.step.regularized = 0.3, regularized
     u, h, rates = 0.6, 1e-5, []
     y, rate = motion.at(0.0), motion.at(0.0, 1)
     y[sundman_u_at(2)] = u

@@ -152,7 +152,7 @@ def test_no_mark_of_a_change_outlives_the_choice_of_modes():
     """The mark of an element whose contact has ended must not count when its point touches again."""
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     d.element.event[:] = STICKING_ENDS
-    d.touch.active[d.touch.active_index[0]] = 0
+    d.contacts.active[d.contacts.active_index[0]] = 0
     list_touching(d)
     choose_friction_modes(d, False)
     assert d.friction.count < d.elements
@@ -163,7 +163,7 @@ def test_no_mark_of_a_change_outlives_the_choice_of_modes():
 def one():
     """Return a chain whose first contact is its only element with friction."""
     _, d, _ = rubbing_chain(np.random.default_rng(3), "free", 1, False)
-    return d, int(d.touch.active_index[0])
+    return d, int(d.contacts.active_index[0])
 
 
 def move_at(d, c, speed):
@@ -300,7 +300,7 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
     weak, strong = chain.twins
     needed = abs(d.element.force[weak] + d.element.force[strong])
     for e, share in ((weak, part), (strong, 1.0)):
-        d.law.friction[e] = share * needed / d.touch.force[e]
+        d.law.friction[e] = share * needed / d.contacts.force[e]
         d.law.static_friction[e] = holding * d.law.friction[e]
     choose_friction_modes(d, True)
     reached, scale = chain.accelerations(), np.abs(chain.bias).max()

@@ -52,12 +52,12 @@ def begins_explicit(d):
 @LAWS
 def test_a_contact_begins_on_its_side_of_the_kink(law):
     d = arrived(law)
-    d.touch.beyond_kink[C] = 1
+    d.contacts.beyond_kink[C] = 1
     assert apply_event(d, C, ONSET) == JUMPS[law]
-    assert d.touch.active[C] == 1
-    assert d.touch.beyond_kink[C] == 0
-    assert d.touch.onset[C] == 1.5
-    assert d.touch.law_speed[C] == pytest.approx(1.0, rel=1e-9)
+    assert d.contacts.active[C] == 1
+    assert d.contacts.beyond_kink[C] == 0
+    assert d.contacts.onset[C] == 1.5
+    assert d.contacts.law_speed[C] == pytest.approx(1.0, rel=1e-9)
     assert d.impact.count == 1
 
 
@@ -72,12 +72,12 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     if speed == 0.0:
         d.scratch.velocity.x[:] = d.scratch.velocity.y[:] = 0.0
     touch(d, [C])
-    d.touch.depth_scale[C], d.touch.law_speed[C] = 0.2, 4.0
+    d.contacts.depth_scale[C], d.contacts.law_speed[C] = 0.2, 4.0
     press_in(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
     assert apply_event(d, C, END) == JUMPS[law]
-    assert d.touch.active[C] == 1 - ends
+    assert d.contacts.active[C] == 1 - ends
     assert d.contact_log.count == ends
 
 
@@ -85,14 +85,14 @@ def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
     """The depth is that of an elastic impact at twice v₀, and the damping is half of λ K/v₀."""
     d = arrived()
     apply_event(d, C, ONSET)
-    mass, damping = d.touch.effective_mass[C], d.touch.damping[C]
-    d.touch.beyond_kink[C] = 1
+    mass, damping = d.contacts.effective_mass[C], d.contacts.damping[C]
+    d.contacts.beyond_kink[C] = 1
     assert apply_event(d, C, RELATCH)
-    assert d.touch.law_speed[C] == pytest.approx(2.0, rel=1e-9)
+    assert d.contacts.law_speed[C] == pytest.approx(2.0, rel=1e-9)
     energy = 0.5 * mass * 2.0**2
-    assert elastic_energy(d, C, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
-    assert d.touch.damping[C] == pytest.approx(0.5 * damping, rel=1e-9)
-    assert d.touch.beyond_kink[C] == 0
+    assert elastic_energy(d, C, d.contacts.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
+    assert d.contacts.damping[C] == pytest.approx(0.5 * damping, rel=1e-9)
+    assert d.contacts.beyond_kink[C] == 0
 
 
 @LAWS
@@ -101,11 +101,11 @@ def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
     """A contact without a force gets a rising force again; a reversed contact has no damping any more."""
     d = arrived(law)
     apply_event(d, C, ONSET)
-    d.touch.beyond_kink[C], d.touch.force_rate[C], d.touch.penetration_rate[C] = beyond, -7.0, 3.0
+    d.contacts.beyond_kink[C], d.contacts.force_rate[C], d.contacts.penetration_rate[C] = beyond, -7.0, 3.0
     assert apply_event(d, C, KINK)
-    assert d.touch.beyond_kink[C] == 1 - beyond
-    assert d.touch.force_rate[C] == (1.0 if beyond and law != "jankowski" else -7.0)
-    assert d.touch.penetration_rate[C] == (0.0 if law == "jankowski" else 3.0)
+    assert d.contacts.beyond_kink[C] == 1 - beyond
+    assert d.contacts.force_rate[C] == (1.0 if beyond and law != "jankowski" else -7.0)
+    assert d.contacts.penetration_rate[C] == (0.0 if law == "jankowski" else 3.0)
 
 
 def test_no_event_leaves_all_as_it_is():
@@ -131,19 +131,19 @@ def test_no_event_leaves_all_as_it_is():
 )
 def test_each_event_has_its_own_effect(kind, active, law, jumped):
     d = arrived(law, speed=-1.0 if kind == END else 1.0)
-    d.touch.depth_scale[:] = d.touch.law_speed[:] = d.touch.effective_mass[:] = 1.0
+    d.contacts.depth_scale[:] = d.contacts.law_speed[:] = d.contacts.effective_mass[:] = 1.0
     others = [1]
     touch(d, [*others, C] if active else others)
-    d.touch.event[C] = kind
+    d.contacts.event[C] = kind
     flight = d.step.flight_size
     assert apply_events(d) == jumped
-    assert not d.touch.event.any()
+    assert not d.contacts.event.any()
     assert d.impact.count == (kind == ONSET)
     assert d.contact_log.count == (kind == END)
     left = others + [C] * (kind == ONSET or (active and kind != END))
-    assert d.touch.active_index[: d.touch.active_count].tolist() == left
-    assert d.touch.law_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
-    assert d.touch.beyond_kink[C] == (kind == KINK)
+    assert d.contacts.active_index[: d.contacts.active_count].tolist() == left
+    assert d.contacts.law_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
+    assert d.contacts.beyond_kink[C] == (kind == KINK)
     assert d.step.flight_size == flight
     if kind in {RELATCH, KINK}:
         assert d.step.next_size == 0.125
@@ -160,7 +160,7 @@ def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
     touch(d, [])
     (gradient,) = gradients(scene, d, y[2:5], [C])
     y[5:10] -= gradient * (1.0 + gradient @ y[5:10]) / (gradient @ gradient)
-    d.step.state_end[:], d.touch.event[C] = y, ONSET
+    d.step.state_end[:], d.contacts.event[C] = y, ONSET
     d.step.method, d.step.stiff_count, d.step.switch_after = IMPLICIT, 3, 16
     response = np.linalg.solve(mass_matrix(scene, y[2:5]), gradient)
     p = complementary_impulses(np.array([[gradient @ response]]), np.array([-1.0]), np.array([0.5]))
@@ -171,13 +171,13 @@ def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
 
 def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
     d = arrived()
-    d.touch.event[C] = ONSET
+    d.contacts.event[C] = ONSET
     apply_events(d)
     assert d.step.flight_size == 0.125
     # a chain with another contact is not in flight
     d = arrived(touching=[1])
-    d.touch.law_speed[:] = d.touch.depth_scale[:] = 1.0
-    d.touch.event[C] = ONSET
+    d.contacts.law_speed[:] = d.contacts.depth_scale[:] = 1.0
+    d.contacts.event[C] = ONSET
     apply_events(d)
     assert d.step.flight_size == 0.25
 
@@ -203,7 +203,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d = arrived(touching=[0, 1, C])
-    d.touch.law_speed[[0, 1, C]], d.touch.depth_scale[[0, 1, C]] = (1.0, 1.0, 4.0), (2.0, 1.0, 0.1)
+    d.contacts.law_speed[[0, 1, C]], d.contacts.depth_scale[[0, 1, C]] = (1.0, 1.0, 4.0), (2.0, 1.0, 0.1)
     d.step.method = method
     choose_next_size(d, onset, goes_on)
     if onset >= 0:
@@ -221,7 +221,7 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
 
 def test_a_lone_onset_has_the_step_of_its_own_variable():
     d = arrived(touching=[C])
-    d.touch.law_speed[C], d.touch.depth_scale[C] = 4.0, 0.1
+    d.contacts.law_speed[C], d.contacts.depth_scale[C] = 4.0, 0.1
     choose_next_size(d, C, False)
     assert d.step.next_size == control.size_at_onset(d, C, EXPLICIT)
 
@@ -229,7 +229,7 @@ def test_a_lone_onset_has_the_step_of_its_own_variable():
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d = arrived(touching=[0, C])
-    d.step.method, d.touch.law_speed[C], d.touch.depth_scale[C] = method, 4.0, 0.1
+    d.step.method, d.contacts.law_speed[C], d.contacts.depth_scale[C] = method, 4.0, 0.1
     d.inputs.drive_damping[:], d.chain.has_springs_or_dampers = 1e12, 1
     d.chain.joint_rate_bound = joint_rate_bound(d)
     choose_next_size(d, C, False)
@@ -247,8 +247,8 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
 def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized, kind):
     """The end of a regularized contact is smooth in the contact's own variable."""
     d = arrived()
-    d.touch.event[:] = NONE
-    d.touch.event[whose], d.step.regularized = kind, regularized
+    d.contacts.event[:] = NONE
+    d.contacts.event[whose], d.step.regularized = kind, regularized
     smooth = regularized == whose and kind == END
     assert force_has_kink(d) == (kind in {END, KINK} and not smooth)
 

@@ -40,7 +40,7 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     candidates = [c - (base == "pinned") for c in candidates]
     y = struck(rng, d, candidates, 0.0)
     touch(d, candidates if kinds == NONE else [])
-    d.touch.event[candidates] = kinds
+    d.contacts.event[candidates] = kinds
     angles, free = y[2:6], free_coordinates(d)
     jacobian, response = gradients(scene, d, angles, candidates), np.zeros((6, len(candidates)))
     response[free] = np.linalg.solve(mass_matrix(scene, angles)[free, free], jacobian[:, free].T)
@@ -88,9 +88,9 @@ def test_an_impact_is_moreaus(seed, count, base):
     assert after[12] - y[12] == pytest.approx(there - kinetic(d, after), abs=1e-9)
     np.testing.assert_allclose(d.quadrature.integral[candidates], p, rtol=1e-9, atol=1e-9)
     assert d.impact.count == count
-    assert not d.touch.event.any()
+    assert not d.contacts.event.any()
     # all points leave with a speed, and no contact lasts
-    assert d.touch.active_count == 0
+    assert d.contacts.active_count == 0
     assert d.contact_log.count == count
     rows = slice(0, count)
     np.testing.assert_array_equal(d.contact_log.onset[rows], 1.5)
@@ -122,13 +122,13 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     locate_points(d, after)
     force = complementary_impulses(w[np.ix_(stay, stay)], accelerations[stay], np.zeros(len(stay)))
     held = [candidates[k] for k, f in zip(stay, force, strict=True) if f > 0.0]
-    assert d.touch.active_index[: d.touch.active_count].tolist() == held
+    assert d.contacts.active_index[: d.contacts.active_count].tolist() == held
     assert d.contact_log.count == 3 - len(held)
     for k in stay:
         gap, _ = clearance(d, candidates[k])
         apart = 0.0 if candidates[k] in held else impacts.RELEASE_GAP * d.chain.longest_link
         assert gap == pytest.approx(apart, abs=3e-14)
-    assert not d.touch.event.any()
+    assert not d.contacts.event.any()
 
 
 def test_points_that_all_but_touch_are_neighbours():
@@ -136,18 +136,18 @@ def test_points_that_all_but_touch_are_neighbours():
     limit = impacts.NEAR_WALL_CLEARANCE * impacts.release_gap(d, 2, largest_coordinate(d))
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
-    d.touch.active[1] = d.touch.active[13] = 1
-    d.touch.event[:] = NONE
+    d.contacts.active[1] = d.contacts.active[13] = 1
+    d.contacts.event[:] = NONE
     impacts.join_near_contacts(d)
-    assert np.flatnonzero(d.touch.active).tolist() == [1, 2, 5, 13]
-    assert np.flatnonzero(d.touch.event == NEIGHBOUR).tolist() == [2, 5]
+    assert np.flatnonzero(d.contacts.active).tolist() == [1, 2, 5, 13]
+    assert np.flatnonzero(d.contacts.event == NEIGHBOUR).tolist() == [2, 5]
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
     """e = 0 for a held contact, for a slow arrival, and for a rebound too slow to leave."""
     d, y, _jacobian, response, w, candidates = touching(1, POINTS, kinds=NONE)
-    d.touch.event[candidates] = ONSET, NEIGHBOUR, NONE, ONSET
+    d.contacts.event[candidates] = ONSET, NEIGHBOUR, NONE, ONSET
     speeds = np.array([-1.0, -1.0, -1.0, -0.5 * SLOWEST])
     y[6:12] = response @ np.linalg.solve(w, speeds)
     locate_points(d, y)
@@ -167,7 +167,7 @@ def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
 @pytest.mark.parametrize(("times", "aims"), [(0.9, 0.0), (1.1, 1.0)])
 def test_rebounds_too_slow_to_leave_are_none(times, aims):
     d, y, _, response, w, _ = touching(1, (1,), kinds=NONE)
-    d.touch.event[1] = ONSET
+    d.contacts.event[1] = ONSET
     speed = -2.0 * SLOWEST
     y[6:12] = response @ np.linalg.solve(w, [speed])
     locate_points(d, y)
@@ -199,7 +199,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
     gains = 0
     for seed in range(12):
         d, y, _, response, w, (first, second) = touching(seed, (1, 4))
-        d.law.restitution[:], d.touch.event[second] = 1.0, NONE
+        d.law.restitution[:], d.contacts.event[second] = 1.0, NONE
         speeds = np.array([-1.0, speed])
         y[6:12] = response @ np.linalg.solve(w, speeds)
         d.step.state_end[:] = y
@@ -229,7 +229,7 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
         act(d)
         assert d.quadrature.integral[candidates].tolist() == before
         np.testing.assert_allclose(jacobian @ d.step.state_end[6:12], 0.0, atol=1e-13)
-        assert set(d.touch.active.tolist()) <= {0, 1}
+        assert set(d.contacts.active.tolist()) <= {0, 1}
 
 
 def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
@@ -269,7 +269,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         d.constraints.impulse[0] = 1.0
         d.constraints.reached[0] = times * slow
         impacts.end_rebounding_contacts(d)
-        assert (d.touch.active_count == 1) == stays
+        assert (d.contacts.active_count == 1) == stays
         assert d.contact_log.count == (0 if stays else 1)
 
 
@@ -278,9 +278,9 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
 )
 def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
     d, *_ = touching(1, (1,), kinds=NONE)
-    d.touch.event[1], d.constraints.impulse[0], d.constraints.reached[0] = event, impulse, 0.0
+    d.contacts.event[1], d.constraints.impulse[0], d.constraints.reached[0] = event, impulse, 0.0
     impacts.end_rebounding_contacts(d)
-    assert d.touch.active[1] == d.touch.active_count == met
+    assert d.contacts.active[1] == d.contacts.active_count == met
     assert d.contact_log.count == 0
 
 
@@ -294,8 +294,8 @@ def test_contacts_end_where_they_stand_for_another_law():
     d.scratch.velocity.x[:] = 99.0
     d.law.impulsive[:] = 0
     impacts.end_changed_contacts(d)
-    assert d.touch.active_count == 0
-    assert not d.touch.active.any()
+    assert d.contacts.active_count == 0
+    assert not d.contacts.active.any()
     np.testing.assert_array_equal(d.contact_log.separation_speed[:3], rates)
 
 
@@ -306,7 +306,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     d.constraints.in_active_set[:4] = 0, 0, 1, 0
     d.constraints.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
     impacts.end_unstopped_contacts(d)
-    assert d.touch.active_index[: d.touch.active_count].tolist() == [1, 11, 16]
+    assert d.contacts.active_index[: d.contacts.active_count].tolist() == [1, 11, 16]
     assert d.contact_log.point[0] == d.candidate.point[6]
 
 
@@ -319,7 +319,7 @@ def test_released_points_leave_the_wall_and_held_points_stay():
     np.testing.assert_allclose(
         gaps, [0.0, impacts.RELEASE_GAP * d.chain.longest_link, 0.0], rtol=0, atol=3e-14
     )
-    assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
+    assert d.contacts.active[POINTS].tolist() == [1, 0, 1, 0]
     # nothing moves when all points are held
     before = d.step.state_end.copy()
     d.constraints.in_active_set[:3] = 1
@@ -342,13 +342,13 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     farthest = max(np.abs(vectors(d.scratch.position)).max(), d.chain.longest_link)
     right = max(1e-13 * d.chain.longest_link, 1e-14 * farthest)
     assert gap == pytest.approx(right, abs=3e-16 * farthest)
-    d.touch.event[:] = NONE
+    d.contacts.event[:] = NONE
     impacts.join_near_contacts(d)
-    assert d.touch.event[1] == NEIGHBOUR
+    assert d.contacts.event[1] == NEIGHBOUR
     # the energy of a fall over this gap is too little to leave
-    d.touch.event[1] = ONSET
+    d.contacts.event[1] = ONSET
     weight = d.chain.mass.sum() * d.chain.gravity_size
-    d.touch.effective_mass[1], d.touch.impact_speed[1] = 1.0, math.sqrt(2.0 * weight * gap)
+    d.contacts.effective_mass[1], d.contacts.impact_speed[1] = 1.0, math.sqrt(2.0 * weight * gap)
     d.law.minimum_impact_speed[:] = 0.0
     assert impacts.is_gentle(d)
 
@@ -376,10 +376,10 @@ def test_a_release_is_a_first_guess_of_who_is_let_go():
         d, y, _, _response, _w, candidates = touching(3, kinds=NONE)
         y[6:12] = 0.0
         d.step.state_end[:] = y
-        d.touch.event[candidates] = event
+        d.contacts.event[candidates] = event
         impacts.update_active_set(d)
-        results.append(d.touch.active.tolist())
-        assert not d.touch.event.any()
+        results.append(d.contacts.active.tolist())
+        assert not d.contacts.event.any()
     assert results[0] == results[1]
 
 
@@ -391,17 +391,17 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     make_rigid(d, np.arange(d.candidates) == 5)
     d.step.state_end[:] = y
     d.scratch.velocity.x[:] = 1e9  # velocities of an earlier state
-    d.touch.penetration_rate[:], d.touch.force_rate[:] = 77.0, -5.0
+    d.contacts.penetration_rate[:], d.contacts.force_rate[:] = 77.0, -5.0
     monkeypatch.setattr(impacts, "set_kink_side", lambda _, c: sides.append(int(c)))
     impacts.set_rates_after_impulses(d)
     assert sides == [0, 9]
     for c in touched:
         if c in sides:
-            assert d.touch.penetration_rate[c] == -clearance(d, c)[1]
-            assert abs(d.touch.penetration_rate[c]) < 1e3
-            assert d.touch.force_rate[c] == 1.0
+            assert d.contacts.penetration_rate[c] == -clearance(d, c)[1]
+            assert abs(d.contacts.penetration_rate[c]) < 1e3
+            assert d.contacts.force_rate[c] == 1.0
         else:
-            assert (d.touch.penetration_rate[c], d.touch.force_rate[c]) == (77.0, -5.0)
+            assert (d.contacts.penetration_rate[c], d.contacts.force_rate[c]) == (77.0, -5.0)
 
 
 def test_a_force_contact_begins_if_its_point_moves_inward():
@@ -413,7 +413,7 @@ def test_a_force_contact_begins_if_its_point_moves_inward():
         p = complementary_impulses(w[:1, :1], before[:1], -E * before[:1])
         inward = bool((before + w[:, 0] * p[0])[1] < 0.0)
         assert impacts.handle_impact(d) == (soft if inward else -1)
-        assert d.touch.active[[rigid, soft]].tolist() == [0, inward]
+        assert d.contacts.active[[rigid, soft]].tolist() == [0, inward]
         assert d.impact.count == 1 + inward
         found.add(inward)
     assert found == {True, False}

@@ -20,7 +20,7 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
     """Set candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
     _, d = chain(np.random.default_rng(0), 1)
     d.step.size, d.step.regularized, d.chain.longest_link = size, -1, 1.0
-    d.touch.active[0] = active
+    d.contacts.active[0] = active
     search = d.search
     search.phi_start[:], search.phi_end[:] = 9.0, 9.0
     search.phi_start_rate[:] = search.phi_end_rate[:] = search.curvature[:] = 0.0

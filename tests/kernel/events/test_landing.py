@@ -36,8 +36,8 @@ def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
     wall_at(d, c, motion.at(0.0), gap)
     touch(d, [c] if active else [])
     measure_clearances(d, theta)
-    d.touch.event[:] = NONE
-    d.touch.event[c] = kind
+    d.contacts.event[:] = NONE
+    d.contacts.event[c] = kind
     return d
 
 
@@ -75,8 +75,8 @@ def test_an_early_touch_in_a_regularized_step_fits_the_motion_in_time():
     wall_at(d, 1, motion.at(0.0), 3.0 * theta)
     touch(d, [REGULARIZED])
     measure_clearances(d, theta)
-    d.touch.event[:] = NONE
-    d.touch.event[1] = ONSET
+    d.contacts.event[:] = NONE
+    d.contacts.event[1] = ONSET
     d.search.phi_end[1] = -1e-15
     assert not is_credible_crossing(d, theta)
 
@@ -103,11 +103,11 @@ def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clea
     assert starts_clear(d, 0.1) == clear
     np.testing.assert_allclose(located(d), there, rtol=0, atol=1e-13)
     # other events and the regularized contact do not count; one of many candidates suffices
-    d.touch.event[1] = KINK
+    d.contacts.event[1] = KINK
     assert not starts_clear(d, 0.1)
-    d.touch.event[1], d.step.regularized = ONSET, 1
+    d.contacts.event[1], d.step.regularized = ONSET, 1
     assert not starts_clear(d, 0.1)
-    d.step.regularized, d.touch.event[5] = -1, ONSET
+    d.step.regularized, d.contacts.event[5] = -1, ONSET
     assert starts_clear(d, 0.1)
 
 
@@ -118,11 +118,11 @@ def test_onsets_of_points_that_move_away_are_dropped():
         ((0.0, 0.0), [ONSET, ONSET], 0.4),
     ):
         d = touched(0.3, -1.0)
-        d.touch.event[:] = NONE
-        d.touch.event[[1, 5]] = ONSET
+        d.contacts.event[:] = NONE
+        d.contacts.event[[1, 5]] = ONSET
         d.search.phi_end_rate[[1, 5]] = rates
         assert drop_separating(d, 0.4) == left
-        assert d.touch.event[[1, 5]].tolist() == kinds
+        assert d.contacts.event[[1, 5]].tolist() == kinds
     d = touched(0.3, 1.0, active=1, kind=END)
     d.search.phi_end_rate[1] = 1.0
     assert drop_separating(d, 0.4) == 0.4
@@ -145,10 +145,10 @@ def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0, *, regularized=-1):
     motion = translation(d, [0.3, 0.1], [0.0, rate - bend * size, 0.5 * bend])
     walls_away(d)
     set_step(d, motion if regularized < 0 else with_rate(d, motion, HALF), size, regularized=regularized)
-    d.touch.event[:] = NONE
+    d.contacts.event[:] = NONE
     for c, gap in zip((1, 5), gaps, strict=True):  # two points at the floor
         wall_at(d, c, motion.at(size), gap)
-        d.touch.event[c] = kind
+        d.contacts.event[c] = kind
     return d
 
 
@@ -220,12 +220,12 @@ def test_an_incredible_onset_refuses_the_step_or_is_dropped(
     ):
         d = touched(0.3 * size, -1.0, size=size)
         d.step.start, d.step.end = clock, clock + size
-        d.touch.event[:] = NONE
+        d.contacts.event[:] = NONE
         monkeypatch.setattr(search, "is_credible_crossing", lambda *_: False)
         monkeypatch.setattr(search, "find_crossing", found_leaving)
         assert find_event(d) == -1.0
         assert accepted(d) == taken
-        assert d.touch.event[1] == (NONE if taken else ONSET)
+        assert d.contacts.event[1] == (NONE if taken else ONSET)
         if taken:
             # the points are those of the end of the step
             np.testing.assert_allclose(d.search.phi_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
@@ -234,7 +234,7 @@ def test_an_incredible_onset_refuses_the_step_or_is_dropped(
 def found_leaving(d):
     """Return a touch of a point that moves away."""
     measure_clearances(d, 0.5)
-    d.touch.event[1], d.search.phi_end_rate[1] = ONSET, 1.0
+    d.contacts.event[1], d.search.phi_end_rate[1] = ONSET, 1.0
     return 0.5
 
 

@@ -25,16 +25,20 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
     d.chain.longest_link, log.count = arm, count % size
     active = [0, stop]
     for c in range(d.candidates):
-        d.touch.active[c] = c in active
-        d.touch.onset[c], d.touch.peak_force[c], d.touch.max_penetration[c] = 0.1 * c, 3.0 + c, 0.2 + c
+        d.contacts.active[c] = c in active
+        d.contacts.onset[c], d.contacts.peak_force[c], d.contacts.max_penetration[c] = (
+            0.1 * c,
+            3.0 + c,
+            0.2 + c,
+        )
     contact_log.log_active(d)
     assert log.count == count % size
     for k, c in enumerate(active):
         row, lever = (count + k) % size, arm if c == stop else 1.0
         assert (log.point[row], log.wall[row]) == (d.candidate.point[c], d.candidate.wall[c])
-        assert log.onset[row] == d.touch.onset[c]
-        assert log.peak_force[row] == d.touch.peak_force[c] * lever
-        assert log.max_penetration[row] == d.touch.max_penetration[c] / lever
+        assert log.onset[row] == d.contacts.onset[c]
+        assert log.peak_force[row] == d.contacts.peak_force[c] * lever
+        assert log.max_penetration[row] == d.contacts.max_penetration[c] / lever
         assert np.isnan([log.end[row], log.separation_speed[row]]).all()
     assert (d.peaks.force, d.peaks.moment) == (3.0, (3.0 + stop) * arm)
 
@@ -61,7 +65,7 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
         d.step.communication_point = d.step.end
         c = int(rng.integers(d.candidates))
         rate = float(clearance(d, c)[1])
-        if d.touch.active[c]:
+        if d.contacts.active[c]:
             ended = lasting.pop(c)
             impulse = d.quadrature.integral[c] - ended.pop("before")
             ended.update(end=moment, separation_speed=rate, impulse=impulse)
@@ -78,11 +82,11 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
             rows.insert(0, own)
         list_touching(d)
         for other, row in lasting.items():
-            d.touch.peak_force[other] = d.output.impulse[other] = rng.uniform()
+            d.contacts.peak_force[other] = d.output.impulse[other] = rng.uniform()
             d.quadrature.integral[other] = d.output.impulse[other]
             row |= {"end": moment, "separation_speed": clearance(d, other)[1]}
             row |= {
-                "peak_force": d.touch.peak_force[other],
+                "peak_force": d.contacts.peak_force[other],
                 "impulse": d.output.impulse[other] - row["before"],
             }
         contact_log.list_latest(d)

@@ -20,12 +20,12 @@ def d():
 
 
 def marks_of(d):
-    return np.flatnonzero(d.touch.event).tolist(), int(np.count_nonzero(d.element.event))
+    return np.flatnonzero(d.contacts.event).tolist(), int(np.count_nonzero(d.element.event))
 
 
 def test_each_mark_is_that_of_one_candidate_or_element(d):
     assert marks_of(d) == ([2, 5], 2)
-    assert (d.touch.event[2], d.touch.event[5]) == (marks.KINK, marks.END)
+    assert (d.contacts.event[2], d.contacts.event[5]) == (marks.KINK, marks.END)
     marks.mark_contact_event(d, 2, marks.NONE)
     assert marks_of(d) == ([5], 2)
 
@@ -53,5 +53,5 @@ def test_a_tangent_instance_has_the_same_marks(d):
     _, t, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     marks.mark_contact_event(t, 1, marks.END)
     marks.copy_marks(d, t)
-    assert t.touch.event.tolist() == d.touch.event.tolist()
+    assert t.contacts.event.tolist() == d.contacts.event.tolist()
     assert t.element.event.tolist() == d.element.event.tolist()

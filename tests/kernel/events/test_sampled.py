@@ -96,14 +96,14 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
 
     def force(t):
         depth, rate = DEEP + 0.1 * t - 0.05 * t**2 - 1.5 * t**3, 0.1 - 0.1 * t - 4.5 * t**2
-        return 4.0 * depth**n + d.touch.damping[1] * depth**p * rate
+        return 4.0 * depth**n + d.contacts.damping[1] * depth**p * rate
 
     low, high = 0.0, 0.55
     assert force(low) > 0.0 > force(high)
     while high - low > 1e-15:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if force(middle) > 0.0 else (low, middle)
-    assert d.touch.beyond_kink[1] == 0
+    assert d.contacts.beyond_kink[1] == 0
     end = 0.55
     locate_at(d, end)
     found = find_force_event(d, end)
@@ -111,7 +111,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     # the points are located at the found time
     height = np.polynomial.polynomial.polyval(found, [0.0, -0.1, 0.05, 1.5])
     assert d.scratch.position.y[0] == pytest.approx(height, abs=1e-13)
-    assert d.touch.event[1] == KINK
+    assert d.contacts.event[1] == KINK
 
 
 def test_a_kink_is_crossed_first_where_a_sample_shows_it():
@@ -120,7 +120,7 @@ def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     first_crossing = first_passage(sampled.side_of_kink_at, lambda _d: 8, 0.0)
     assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
     assert first_crossing(d, 1, 0.16) == -1.0
-    d.touch.beyond_kink[1] = 1
+    d.contacts.beyond_kink[1] = 1
     assert first_crossing(d, 1, 1.0) == 0.0  # the contact starts on the other side of its kink
 
 
@@ -128,50 +128,50 @@ def test_the_first_kink_counts_and_kinks_at_one_time_are_one_event():
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
     found = find_force_event(d, -1.0)
     assert found == pytest.approx(0.5, abs=1e-14)
-    assert d.touch.event[[1, 5, 9]].tolist() == [KINK] * 3
+    assert d.contacts.event[[1, 5, 9]].tolist() == [KINK] * 3
     # a contact that stays on its side of the kink is not part of the event
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
-    d.touch.beyond_kink[5] = 1
-    d.touch.kink_crossed[:] = 0
+    d.contacts.beyond_kink[5] = 1
+    d.contacts.kink_crossed[:] = 0
     assert find_force_event(d, -1.0) == pytest.approx(0.5, abs=1e-14)
-    assert d.touch.event[[1, 5, 9]].tolist() == [KINK, NONE, KINK]
+    assert d.contacts.event[[1, 5, 9]].tolist() == [KINK, NONE, KINK]
 
 
 def test_a_kink_comes_after_the_event_that_was_found_before():
     d, _ = falling([0.0, -1.0, 1.0])
     for touched, found in ((0.3, 0.3), (0.7, 0.5)):
-        d.touch.event[:] = NONE
-        d.touch.event[4] = END
-        d.touch.kink_crossed[:] = 1  # a stage was beyond it
+        d.contacts.event[:] = NONE
+        d.contacts.event[4] = END
+        d.contacts.kink_crossed[:] = 1  # a stage was beyond it
         locate_at(d, touched)
         assert find_force_event(d, touched) == pytest.approx(found, abs=1e-14)
-        assert d.touch.event[4] == (END if found == touched else NONE)
-        assert d.touch.event[1] == (NONE if found == touched else KINK)
+        assert d.contacts.event[4] == (END if found == touched else NONE)
+        assert d.contacts.event[1] == (NONE if found == touched else KINK)
 
 
 @pytest.mark.parametrize("stage", [0, 1])
 def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
     """δ̇ < 0 between 0.3 and 0.45 s, and inward motion at the end."""
     d, _ = falling([0.0, -0.135, 0.375, -1.0 / 3.0])
-    d.touch.kink_crossed[1], d.touch.law_speed[1] = stage, 1.0
+    d.contacts.kink_crossed[1], d.contacts.law_speed[1] = stage, 1.0
     found = find_force_event(d, -1.0)
     if stage:
         assert found == pytest.approx(0.3, abs=1e-13)
-        assert d.touch.event[1] == KINK
+        assert d.contacts.event[1] == KINK
     else:
         assert found == -1.0
-        assert d.touch.event[1] == NONE
+        assert d.contacts.event[1] == NONE
 
 
 def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     """h = −t² reaches 2 v₀ at t = v₀."""
     d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
-    d.touch.law_speed[1], d.touch.event[:] = 0.37, 7
+    d.contacts.law_speed[1], d.contacts.event[:] = 0.37, 7
     assert sampled.relatch_margin(d, 1, 0.369) > 0.0 > sampled.relatch_margin(d, 1, 0.371)
     assert RELATCH_RATIO == 2.0
     locate_at(d, 1.0)
     assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
-    assert d.touch.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
+    assert d.contacts.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
     # the points are located at the found time
     assert d.scratch.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
 
@@ -179,19 +179,19 @@ def test_a_contact_is_latched_again_at_twice_its_impact_speed():
 def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
     for slower, faster in ((1, 5), (5, 1)):
         d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf", touching=(1, 5))
-        d.touch.law_speed[slower], d.touch.law_speed[faster] = 0.6, 0.25
+        d.contacts.law_speed[slower], d.contacts.law_speed[faster] = 0.6, 0.25
         locate_at(d, 1.0)
         assert find_force_event(d, -1.0) == pytest.approx(0.25, abs=2e-12)
-        assert d.touch.event[[slower, faster]].tolist() == [NONE, RELATCH]
+        assert d.contacts.event[[slower, faster]].tolist() == [NONE, RELATCH]
 
 
 def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
     """δ̇ = 1 + 4 t − 6 t² has the maximum 1.67, and the values 1 and −1 at the ends."""
     d, _ = falling([0.0, -1.0, -2.0, 2.0], law="zhang_sharf")
-    d.touch.law_speed[1], d.touch.penetration_rate[1], d.touch.damping[1] = 0.8, 1.0, 0.0
+    d.contacts.law_speed[1], d.contacts.penetration_rate[1], d.contacts.damping[1] = 0.8, 1.0, 0.0
     locate_at(d, 1.0)
     assert find_force_event(d, -1.0) == -1.0
-    d.touch.penetration_rate[1] = 1.21
+    d.contacts.penetration_rate[1] = 1.21
     expected = (4.0 - math.sqrt(16.0 - 24.0 * 0.6)) / 12.0
     assert find_force_event(d, -1.0) == pytest.approx(expected, abs=2e-12)
 
@@ -227,10 +227,10 @@ def test_a_step_ends_at_the_kink(law):
     kinks = []
     while d.contact_log.count == 0:
         assert advance(d, np.nextafter(d.step.end, 1.0), 10, 1e9) == OK
-        if d.touch.event[0] == KINK:
+        if d.contacts.event[0] == KINK:
             locate_points(d, d.step.state_end)
             off = kink_height(d, 0) / (SPEED if d.law.approach_only[0] else elastic_force(d, 0, 1e-3))
-            kinks.append((d.touch.beyond_kink[0], off))
+            kinks.append((d.contacts.beyond_kink[0], off))
     ((beyond, off),) = kinks
     assert beyond == 0
     assert abs(off) < 1e-9
@@ -252,22 +252,22 @@ FALLS = (-0.5 + np.sqrt(0.25 + 8.0)) / 4.0  # 1 − ½ x − 2 x² = 0
 
 def test_a_point_is_released_where_its_force_falls_through_zero():
     d, c = released()
-    d.touch.event[:] = 7
+    d.contacts.event[:] = 7
     evaluations = d.statistics.rhs_evaluations
     assert sampled.find_release(d, -1.0) == pytest.approx(FALLS, abs=1e-10)
-    assert d.touch.event.tolist() == [int(k == c) * RELEASE for k in range(d.candidates)]
+    assert d.contacts.event.tolist() == [int(k == c) * RELEASE for k in range(d.candidates)]
     assert d.statistics.rhs_evaluations > evaluations + 8
 
 
-@pytest.mark.parametrize(("touch", "expected"), [(0.3, 0.3), (0.9, FALLS)])
+@pytest.mark.parametrize(("contacts", "expected"), [(0.3, 0.3), (0.9, FALLS)])
 def test_only_a_release_before_the_event_that_was_found_counts(touch, expected):
     d, c = released()
     other = c + 1
-    d.touch.event[:] = NONE
-    d.touch.event[other] = END
+    d.contacts.event[:] = NONE
+    d.contacts.event[other] = END
     assert sampled.find_release(d, touch) == pytest.approx(expected, abs=1e-10)
     stays = expected == touch
-    assert (d.touch.event[other], d.touch.event[c]) == ((END, NONE) if stays else (NONE, RELEASE))
+    assert (d.contacts.event[other], d.contacts.event[c]) == ((END, NONE) if stays else (NONE, RELEASE))
 
 
 def test_events_that_no_stage_shows_are_not_searched():
@@ -287,7 +287,7 @@ def test_events_that_no_stage_shows_are_not_searched():
 )
 def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
     d, _ = released(size=size)
-    d.constraints.least_force[d.touch.active_index[0]] = -times * sampled.plausible_pull(d)
+    d.constraints.least_force[d.contacts.active_index[0]] = -times * sampled.plausible_pull(d)
     found = sampled.find_release(d, -1.0)
     assert accepted(d) != refused
     if not refused:
@@ -323,8 +323,8 @@ def test_a_wall_pulls_from_there_on(theta, expected):
     assert (sampled.least_force(d, -1, theta) < 0.0) == expected
     d, c = released()
     sampled.mark_pulling(d, 0, theta)
-    assert d.touch.event[c] == (RELEASE if expected else NONE)
-    assert not np.delete(d.touch.event, c).any()
+    assert d.contacts.event[c] == (RELEASE if expected else NONE)
+    assert not np.delete(d.contacts.event, c).any()
 
 
 def test_a_pull_below_the_rounding_error_is_no_release():
@@ -333,4 +333,4 @@ def test_a_pull_below_the_rounding_error_is_no_release():
         d, c = released(force=(-times * limit,))
         assert (sampled.least_force(d, -1, 0.5) < 0.0) == (times > 1.0)
         sampled.mark_pulling(d, 0, 0.5)
-        assert d.touch.event[c] == (RELEASE if times > 1.0 else NONE)
+        assert d.contacts.event[c] == (RELEASE if times > 1.0 else NONE)

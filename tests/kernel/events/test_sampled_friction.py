@@ -185,10 +185,10 @@ def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
     at.update(dict.fromkeys(elements, 0.1))
     for e in elements:
         d.element.margin[e] = -0.9 * sampled.element_error(d, e)
-    d.touch.event[3] = ONSET
+    d.contacts.event[3] = ONSET
     assert find(d, found) == found
     assert asked == []
-    assert d.touch.event[3] == ONSET
+    assert d.contacts.event[3] == ONSET
     assert not d.element.event.any()
 
 
@@ -210,11 +210,11 @@ def test_the_first_change_ends_the_step(rubbing, changes, case):
     changes[0].update({elements[k]: theta for k, theta in at.items()})
     d.element.margin[elements] = -1.0
     d.element.mode[elements[3]] = STICKS
-    d.touch.event[3] = ONSET
+    d.contacts.event[3] = ONSET
     assert changes[2](d, found) == pytest.approx(right, abs=1e-9)
     kinds = {k: STICKING_ENDS if k == 3 else SLIDING_ENDS for k in marked}
     assert {k: d.element.event[e] for k, e in enumerate(elements) if d.element.event[e]} == kinds
-    assert d.touch.event[3] == (NONE if marked else ONSET)
+    assert d.contacts.event[3] == (NONE if marked else ONSET)
 
 
 def test_an_element_that_was_found_is_marked_whatever_round_off_says(rubbing, changes, monkeypatch):

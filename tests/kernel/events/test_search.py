@@ -138,10 +138,10 @@ def test_a_ball_laid_on_the_floor_begins_one_contact():
 
 def known_rates(d):
     """Set rates at which no contact is near its kink or its second latch."""
-    d.touch.law_speed[:], d.touch.kink_crossed[:] = 1e6, 0
-    d.touch.depth_scale[:] = d.touch.effective_mass[:] = 1.0
-    d.touch.kink_margin[:] = 1e9
-    d.touch.damping[:] = d.touch.beyond_kink[:] = 0
+    d.contacts.law_speed[:], d.contacts.kink_crossed[:] = 1e6, 0
+    d.contacts.depth_scale[:] = d.contacts.effective_mass[:] = 1.0
+    d.contacts.kink_margin[:] = 1e9
+    d.contacts.damping[:] = d.contacts.beyond_kink[:] = 0
 
 
 @pytest.mark.full("more cases", but=26)
@@ -161,7 +161,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
         assert found == -1.0
     else:
         assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-12)
-        assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET)
+        assert d.contacts.event[whose] == (END if d.contacts.active[whose] else ONSET)
         assert known_clearances(d) == VALUES
 
 
@@ -189,21 +189,21 @@ def test_later_events_are_those_of_contacts_up_to_the_touch():
     """A reversal at ½ s comes before an onset at 0.7 s and after an onset at 0.3 s."""
     for touches, kind in ((0.3, ONSET), (0.7, KINK)):
         d, motion = falling([0.0, -1.0, 1.0])
-        d.touch.depth_scale[:] = d.touch.effective_mass[:] = 1.0
-        d.touch.law_speed[:] = 1e6
+        d.contacts.depth_scale[:] = d.contacts.effective_mass[:] = 1.0
+        d.contacts.law_speed[:] = 1e6
         other = 4  # the wall x_max, to which the base moves at 0.1 m/s
         wall_at(d, other, motion.at(touches), 0.0)
         found = find_event(d)
         assert found == pytest.approx(min(touches, 0.5), abs=1e-12)
-        assert d.touch.event[4 if kind == ONSET else 1] == kind
-        assert np.count_nonzero(d.touch.event) == 1
+        assert d.contacts.event[4 if kind == ONSET else 1] == kind
+        assert np.count_nonzero(d.contacts.event) == 1
 
 
 def test_a_held_contact_is_released():
     d, c, _ = held_tip(0.2, [1.0, -2.0])
     d.constraints.least_force[c] = -1e-2
     assert find_event(d) == pytest.approx(0.5, abs=1e-10)
-    assert d.touch.event[c] == RELEASE
+    assert d.contacts.event[c] == RELEASE
 
 
 def test_a_time_that_runs_back_refuses_the_step():
@@ -211,6 +211,6 @@ def test_a_time_that_runs_back_refuses_the_step():
     motion.coefficients[1, time_at(2)] = -1.0
     set_step(d, motion, 1.0, start=2.0)
     d.step.end = 3.0
-    d.touch.law_speed[:], d.touch.kink_crossed[1] = 1e6, 1
+    d.contacts.law_speed[:], d.contacts.kink_crossed[1] = 1e6, 1
     find_event(d)
     assert d.trial.outcome == SPOILED

@@ -50,7 +50,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     if touching:
         expected = expected + jacobian.T @ forces
         assert (forces > 0.0).all()
-        assert (d.touch.force[candidates] == forces).all()
+        assert (d.contacts.force[candidates] == forces).all()
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
     # the power of the walls = power stored in springs + power of the dampers
     stored = sum(
@@ -89,10 +89,10 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     for part, n in zip((d.scratch.velocity.x, d.scratch.velocity.y), normal, strict=True):
         part[:] = part + shift * n
     for field in ("peak_force", "max_penetration", "force_rate"):
-        d.touch[field][c] = 7.0
+        d.contacts[field][c] = 7.0
     d.step.end, d.quadrature.integral[c], d.impact.count = 1.25, 3.5, 4
     active_contacts.latch_onset(d, c)
-    touched = d.touch
+    touched = d.contacts
     first = max(speed, 1e-2)
     mass = 1.0 / (gradient @ np.linalg.solve(mass_matrix(scene, y[2:5]), gradient))
     assert touched.onset[c] == d.impact.last_time == 1.25
@@ -130,28 +130,28 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
         sides.append(int(rate > 0.0))
         assert (active_contacts.kink_height(d, c) < 0.0) == (rate > 0.0)
     assert len({int(point[c]) for c in candidates}) == 3
-    d.touch.beyond_kink[:] = [*[5] * d.candidates]
+    d.contacts.beyond_kink[:] = [*[5] * d.candidates]
     make_rigid(d, law == "newton_impact")
     active_contacts.set_kink_sides(d)
-    if d.contact.any_rigid:  # a rigid wall has no contact force law
-        assert (d.touch.beyond_kink == 5).all()
+    if d.contact_settings.any_rigid:  # a rigid wall has no contact force law
+        assert (d.contacts.beyond_kink == 5).all()
         return
-    assert d.touch.beyond_kink[candidates].tolist() == sides
-    assert (np.delete(d.touch.beyond_kink, candidates) == 5).all()
+    assert d.contacts.beyond_kink[candidates].tolist() == sides
+    assert (np.delete(d.contacts.beyond_kink, candidates) == 5).all()
     active_contacts.set_kink_side(d, candidates[2])
-    assert d.touch.beyond_kink[candidates[2]] == 1
+    assert d.contacts.beyond_kink[candidates[2]] == 1
 
 
 def test_only_what_the_contacts_have_noted_is_forgotten():
     _, d = chain(np.random.default_rng(0), 3)
     touch(d, [1, 4, 7])
     make_rigid(d, np.isin(np.arange(d.candidates), [4, 7]))
-    d.touch.kink_crossed[:], d.constraints.least_force[:] = 1, -2.0
+    d.contacts.kink_crossed[:], d.constraints.least_force[:] = 1, -2.0
     equations.clear_stage_notes(d)
     others = [c for c in range(d.candidates) if c not in (1, 4, 7)]
-    assert not d.touch.kink_crossed[[1, 4, 7]].any()
+    assert not d.contacts.kink_crossed[[1, 4, 7]].any()
     assert not d.constraints.least_force[[4, 7]].any()
-    assert d.touch.kink_crossed[others].all()
+    assert d.contacts.kink_crossed[others].all()
     assert (d.constraints.least_force[others] == -2.0).all()
 
 
@@ -161,17 +161,17 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     _, d = chain(np.random.default_rng(0), 3)
     touch(d, touching)
     make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
-    d.touch.active_count = d.touch.compliant_count = 5
-    d.touch.active_index[:], listings = 11, int(d.touch.listings)
+    d.contacts.active_count = d.contacts.compliant_count = 5
+    d.contacts.active_index[:], listings = 11, int(d.contacts.listings)
     active_contacts.list_touching(d)
     forces = [c for c in touching if c not in rigid]
     held = [c for c in touching if c in rigid]
-    assert d.touch.compliant_count == len(forces)
-    assert d.touch.active_index[: d.touch.active_count].tolist() == forces + held
+    assert d.contacts.compliant_count == len(forces)
+    assert d.contacts.active_index[: d.contacts.active_count].tolist() == forces + held
     constraints.activate_all(d)
     assert not d.constraints.in_active_set[: len(forces)].any()
-    assert d.constraints.in_active_set[len(forces) : d.touch.active_count].all()
-    assert d.touch.listings == listings + 1
+    assert d.constraints.in_active_set[len(forces) : d.contacts.active_count].all()
+    assert d.contacts.listings == listings + 1
 
 
 @pytest.mark.parametrize("rigid", [1, 6, 15])
@@ -182,19 +182,19 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     touch(d, others)
     lost, loads = active_contacts.apply_contacts(d), vectors(d.scratch.load)
     touch(d, candidates)
-    d.touch.force[rigid] = -5.0
+    d.contacts.force[rigid] = -5.0
     make_rigid(d, np.arange(d.candidates) == rigid)
     assert active_contacts.apply_contacts(d) == lost
     np.testing.assert_array_equal(vectors(d.scratch.load), loads)
-    assert d.touch.force[rigid] == -5.0
+    assert d.contacts.force[rigid] == -5.0
 
 
 def test_the_stops_among_the_contacts_are_counted():
     _, d = stopped_chain(3)
     stops = stops_of(d)
     for touching in ([], [0, 1], stops[:1], [0, *stops[:3]], [*stops, 0]):
-        d.touch.active[:] = np.isin(np.arange(d.candidates), touching)
-        d.touch.joint_stop_count = 9
+        d.contacts.active[:] = np.isin(np.arange(d.candidates), touching)
+        d.contacts.joint_stop_count = 9
         active_contacts.list_touching(d)
-        assert d.touch.active_count == len(touching)
-        assert d.touch.joint_stop_count == len(set(touching) & set(stops))
+        assert d.contacts.active_count == len(touching)
+        assert d.contacts.joint_stop_count == len(set(touching) & set(stops))

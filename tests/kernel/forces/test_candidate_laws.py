@@ -30,7 +30,7 @@ def restitution_for(law, e=0.7):
 
 def laws_of(d):
     """Return all that is known of the laws, as bytes."""
-    return d.law.tobytes(), d.contact.any_force, d.contact.any_rigid
+    return d.law.tobytes(), d.contact_settings.any_force, d.contact_settings.any_rigid
 
 
 @pytest.fixture
@@ -40,8 +40,8 @@ def given():
     d.chain.longest_link = SIZE
     d.given.law, d.given.stiffness, d.given.restitution = NUMBER["flores"], 1e6, 0.4
     d.given.stop_stiffness, d.given.stop_restitution = 1e3, 0.2
-    d.contact.exponent, d.stops.exponent, d.stops.law = 1.5, 1.0, 0
-    d.contact.minimum_impact_speed, d.stops.minimum_impact_speed = 1e-3, 2e-3
+    d.contact_settings.exponent, d.stops.exponent, d.stops.law = 1.5, 1.0, 0
+    d.contact_settings.minimum_impact_speed, d.stops.minimum_impact_speed = 1e-3, 2e-3
     of_walls = d.candidate.wall[d.candidate.stop == 0].tolist()
     walls = sorted(set(of_walls))
     d.walls.stiffness[:], d.walls.restitution[:] = 0.0, -1.0
@@ -52,7 +52,7 @@ def given():
 def chain_with(law):
     """Return the record of a chain whose walls have a law."""
     _, d = chain(np.random.default_rng(4), 3)
-    d.given.law, d.given.restitution, d.contact.exponent = (
+    d.given.law, d.given.restitution, d.contact_settings.exponent = (
         law.number,
         restitution_for(law),
         law.exponent or 2.0,
@@ -66,12 +66,12 @@ def test_a_law_gets_the_numbers_of_the_registry(law):
     own = d.law
     own.approach_only[:] = own.rate_exponent[:] = 9
     assert start_laws(d) == OK
-    p = d.contact.exponent if law.rate_exponent is None else law.rate_exponent
+    p = d.contact_settings.exponent if law.rate_exponent is None else law.rate_exponent
     assert (own.rate_exponent == p).all()
     assert (own.approach_only == law.approach_only).all()
     assert (own.damping_factor == law.damping_factor(restitution_for(law))).all()
     assert (own.impulsive == law.impulsive).all()
-    assert (d.contact.any_rigid, d.contact.any_force) == (law.impulsive, not law.impulsive)
+    assert (d.contact_settings.any_rigid, d.contact_settings.any_force) == (law.impulsive, not law.impulsive)
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_a_law_gets_the_numbers_of_the_registry(law):
 )
 def test_a_law_with_an_exponent_of_its_own_refuses_others(law):
     d = chain_with(law)
-    d.contact.exponent = 1.1
+    d.contact_settings.exponent = 1.1
     assert start_laws(d) == status.EXPONENT_NOT_ALLOWED
 
 
@@ -161,8 +161,8 @@ def lasting():
     """Return a record of a chain with two contacts that last, whose damping is not derived yet."""
     _, d = chain(np.random.default_rng(4), 3)
     touch(d, LASTING)
-    d.touch.law_speed[:], d.touch.effective_mass[:] = SPEED, MASS
-    d.touch.damping[:] = d.touch.depth_scale[:] = 0.0
+    d.contacts.law_speed[:], d.contacts.effective_mass[:] = SPEED, MASS
+    d.contacts.damping[:] = d.contacts.depth_scale[:] = 0.0
     change_law(d, "ye", 0.5)
     return d
 
@@ -180,15 +180,15 @@ def test_contacts_that_last_take_a_changed_law_and_restitution(lasting, law, res
     change_law(lasting, law, restitution)
     assert (lasting.law.damping_factor == CONTACT_LAWS[law].damping_factor(restitution)).all()
     damping = lasting.law.damping_factor[2] * lasting.law.stiffness[2] / SPEED
-    assert lasting.touch.damping[LASTING] == pytest.approx([damping] * 2, rel=1e-12)
-    assert np.count_nonzero(lasting.touch.damping) == len(LASTING)
+    assert lasting.contacts.damping[LASTING] == pytest.approx([damping] * 2, rel=1e-12)
+    assert np.count_nonzero(lasting.contacts.damping) == len(LASTING)
 
 
 def test_the_depth_scale_of_a_contact_that_lasts_holds_its_energy(lasting):
     change_law(lasting, "flores", 0.25)
-    energy = elastic_energy(lasting, 5, lasting.touch.depth_scale[5])
+    energy = elastic_energy(lasting, 5, lasting.contacts.depth_scale[5])
     assert energy == pytest.approx(0.5 * MASS * SPEED**2, rel=1e-12)
-    assert np.count_nonzero(lasting.touch.depth_scale) == len(LASTING)
+    assert np.count_nonzero(lasting.contacts.depth_scale) == len(LASTING)
 
 
 def test_a_factor_is_derived_again_at_the_start_of_a_run_only(lasting):
@@ -197,17 +197,17 @@ def test_a_factor_is_derived_again_at_the_start_of_a_run_only(lasting):
     lasting.given.stiffness *= 2.0
     change_law(lasting, "ye", 0.5)
     assert (lasting.law.damping_factor == 77.0).all()
-    assert lasting.touch.damping[2] == pytest.approx(77.0 * lasting.given.stiffness / SPEED, rel=1e-12)
+    assert lasting.contacts.damping[2] == pytest.approx(77.0 * lasting.given.stiffness / SPEED, rel=1e-12)
     assert start_laws(lasting) == OK
     assert (lasting.law.damping_factor == CONTACT_LAWS["ye"].damping_factor(0.5)).all()
 
 
 def test_a_wall_that_becomes_rigid_derives_no_depth_scale(lasting):
-    lasting.touch.depth_scale[:] = 5.0
+    lasting.contacts.depth_scale[:] = 5.0
     make_rigid(lasting)
     change_law(lasting, "newton_impact", 0.5)
     assert lasting.law.impulsive.all()
-    assert (lasting.touch.depth_scale == 5.0).all()
+    assert (lasting.contacts.depth_scale == 5.0).all()
 
 
 # --- walls and stops of their own --------------------------------------------------------------------------
@@ -321,7 +321,7 @@ def test_the_law_of_a_stop_is_that_of_an_angle(law, rate, angle):
     """M = K φⁿ + d φᵖ φ̇, with d from K, v₀ in rad/s and the inertia; here F = M/s at δ = s φ."""
     d, c = stop_with(law)
     size, n, m = d.chain.longest_link, d.stops.exponent, law.mass_power
-    d.touch.effective_mass[c], d.touch.law_speed[c] = INERTIA / size**2, RATE * size
+    d.contacts.effective_mass[c], d.contacts.law_speed[c] = INERTIA / size**2, RATE * size
     set_damping(d, c)
     p = n if law.rate_exponent is None else law.rate_exponent
     factor = law.damping_factor(restitution_for(law))
@@ -343,7 +343,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
     d.stops.exponent, d.given.stop_stiffness, d.given.stop_restitution = 1.3, 5e3, 0.4
     assert start_laws(d) == OK
     c = d.candidates - 1
-    d.touch.effective_mass[c], d.touch.law_speed[c] = 0.3 / size**2, 2.0 * size
+    d.contacts.effective_mass[c], d.contacts.law_speed[c] = 0.3 / size**2, 2.0 * size
     force, elastic = law_force(d, c, 0.1 * size, 0.7 * size)
     assert told[0] == pytest.approx((0.1, 0.7, 2.0, 0.3, 5e3, 1.3, 0.4), rel=1e-12)
     assert force * size == pytest.approx(12.0, rel=1e-13)
@@ -361,7 +361,7 @@ def test_a_contact_with_a_force_cannot_become_rigid():
     d.stops.law = kept
     assert update_laws(d) == OK
     assert (d.law.impulsive == (d.candidate.stop == 0)).all()
-    assert (d.contact.any_rigid, d.contact.any_force) == (1, 1)
+    assert (d.contact_settings.any_rigid, d.contact_settings.any_force) == (1, 1)
     touch(d, [0])
     assert update_laws(d) == OK
 
@@ -409,9 +409,9 @@ def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_
         own_law.derive_damping(d, c)
         own_law.set_parameters(d, c)
         assert (d.law.friction[c], d.law.static_friction[c]) == pair
-        d.contact.any_friction = 0
-        own_law.record_law_kind(d, c)
-        assert d.contact.any_friction == (pair[1] > 0.0)
+        d.contact_settings.any_friction = 0
+        own_law.set_law_flags(d, c)
+        assert d.contact_settings.any_friction == (pair[1] > 0.0)
 
 
 @FRICTION

@@ -1,5 +1,7 @@
 """The force of every law in the registry: its sign, its slopes and its impacts."""
 
+# Tests: kernel/forces/lossless_contact.py
+
 import functools
 import math
 
@@ -8,7 +10,13 @@ import pytest
 from scipy.integrate import quad
 
 from chain_impact import CONTACT_LAWS, simulate
-from chain_impact.kernel.forces import candidate_laws, force_formula as forces, laws, user_law
+from chain_impact.kernel.forces import (
+    candidate_laws,
+    force_formula as forces,
+    laws,
+    lossless_contact,
+    user_law,
+)
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
 from tests.helpers.kernel.plain import record_of
@@ -33,14 +41,14 @@ def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
     changes = of_law(law) | {"stiffness": STIFFNESS, "restitution": restitution} | changes
     d = record_of(ball(**changes))
     assert candidate_laws.start_laws(d) == OK
-    d["touch"]["law_speed"][0], d["touch"]["effective_mass"][0] = speed, MASS
+    d["contacts"]["law_speed"][0], d["contacts"]["effective_mass"][0] = speed, MASS
     forces.set_damping(d, 0)
     return d
 
 
 def slopes_of(d, depth, rate):
     """Return the slopes of the contact force on the side of the kink of this penetration and rate."""
-    d.touch.beyond_kink[0] = forces.height_over_kink(d, 0, depth, rate) < 0.0
+    d.contacts.beyond_kink[0] = forces.height_over_kink(d, 0, depth, rate) < 0.0
     return forces.law_slopes(d, 0, depth, rate)
 
 
@@ -119,7 +127,7 @@ def test_elastic_force_energy_and_depth_belong_together(exponent):
     assert forces.elastic_energy(d, 0, depth) == pytest.approx(energy, rel=1e-12)
     # a mass with this kinetic energy comes to rest at this depth
     assert forces.elastic_depth(d, 0, 2.0, math.sqrt(energy)) == pytest.approx(depth, rel=1e-13)
-    assert laws.lossless_depth(energy, 3e6, exponent) == pytest.approx(depth, rel=1e-13)
+    assert lossless_contact.lossless_depth(energy, 3e6, exponent) == pytest.approx(depth, rel=1e-13)
 
 
 # --- one impact --------------------------------------------------------------------------------------------
@@ -161,7 +169,7 @@ def test_the_uncut_force_is_a_spring_and_a_damper(law):
     for depth in DEPTHS:
         for rate in RATES:
             for leaves in (False, True):
-                damping = 0.0 if leaves and law.approach_only else d.touch.damping[0] * depth**p
+                damping = 0.0 if leaves and law.approach_only else d.contacts.damping[0] * depth**p
                 force, elastic = forces.uncut_force(d, 0, depth, rate, leaves)
                 assert elastic == pytest.approx(STIFFNESS * depth**n, rel=1e-13)
                 scale = elastic + abs(damping * rate)
@@ -173,16 +181,16 @@ def test_the_uncut_force_is_a_spring_and_a_damper(law):
 @LAWS
 def test_a_continued_force_is_the_force_on_its_own_side(law):
     d = contact_of(law.id)
-    d.touch.kink_margin[0] = 0.0
+    d.contacts.kink_margin[0] = 0.0
     for depth in DEPTHS:
         for rate in RATES:
             height = forces.height_over_kink(d, 0, depth, rate)
             force, elastic = forces.law_force(d, 0, depth, rate)
             for beyond in (0, 1):
-                d.touch.beyond_kink[0], d.touch.kink_crossed[0] = beyond, 0
+                d.contacts.beyond_kink[0], d.contacts.kink_crossed[0] = beyond, 0
                 found = forces.continued_force(d, 0, depth, rate)
                 stays = height <= 0.0 if beyond else height >= 0.0
-                assert d.touch.kink_crossed[0] == (not stays)
+                assert d.contacts.kink_crossed[0] == (not stays)
                 if stays:
                     assert found == pytest.approx((force, elastic), rel=1e-13, abs=1e-9)
                 elif beyond and not law.approach_only:
@@ -200,13 +208,13 @@ def test_a_continued_force_is_the_force_on_its_own_side(law):
 @pytest.mark.parametrize("beyond", [0, 1])
 def test_a_crossing_is_noted_when_it_is_by_more_than_the_margin(beyond, height, margin):
     d = contact_of()
-    d.touch.beyond_kink[0], d.touch.kink_margin[0], d.touch.kink_crossed[0] = beyond, margin, 0
+    d.contacts.beyond_kink[0], d.contacts.kink_margin[0], d.contacts.kink_crossed[0] = beyond, margin, 0
     forces.note_crossing(d, 0, height)
     over = height if beyond else -height
-    assert d.touch.kink_crossed[0] == (over > margin)
-    d.touch.kink_crossed[0] = 1
+    assert d.contacts.kink_crossed[0] == (over > margin)
+    d.contacts.kink_crossed[0] = 1
     forces.note_crossing(d, 0, 0.0)
-    assert d.touch.kink_crossed[0] == 1  # by an earlier stage
+    assert d.contacts.kink_crossed[0] == 1  # by an earlier stage
 
 
 @LAWS
@@ -217,18 +225,18 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     The margin of a reversal has an error of the tolerance.
     """
     d = contact_of(law.id, stiffness=stiffness, tolerance=1e-6)
-    d.touch.law_speed[0], d.touch.effective_mass[0], d.touch.kink_margin[0] = speed, mass, 9.0
+    d.contacts.law_speed[0], d.contacts.effective_mass[0], d.contacts.kink_margin[0] = speed, mass, 9.0
     forces.set_expected_depth(d, 0)
-    assert forces.elastic_energy(d, 0, d.touch.depth_scale[0]) == pytest.approx(
+    assert forces.elastic_energy(d, 0, d.contacts.depth_scale[0]) == pytest.approx(
         0.5 * mass * speed**2, rel=1e-12
     )
     forces.set_damping(d, 0)
     s, f = law.mass_power, FACTOR(law.number, 0.3)
     expected = f * stiffness ** (1 - s) * mass**s / (speed if s == 0.0 else 1.0)
-    assert d.touch.damping[0] == pytest.approx(expected, rel=1e-12)
-    assert d.touch.kink_margin[0] == (forces.turning_margin(d, 0) if law.approach_only else 0.0)
+    assert d.contacts.damping[0] == pytest.approx(expected, rel=1e-12)
+    assert d.contacts.kink_margin[0] == (forces.turning_margin(d, 0) if law.approach_only else 0.0)
     # the damping share belongs to the force at the expected depth
-    force, elastic = forces.uncut_force(d, 0, d.touch.depth_scale[0], speed, False)
+    force, elastic = forces.uncut_force(d, 0, d.contacts.depth_scale[0], speed, False)
     assert forces.damping_over_elastic(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12, rel=1e-12)
     assert forces.damping_over_elastic(d, 0) >= 0.0
 
@@ -237,13 +245,13 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
     """The margin is (v/v₀)² of the impulse; a point at rest reverses at the speed tolerance."""
     d = contact_of("jankowski")
     for tolerance, speed in ((1e-4, 2.0), (1e-10, 0.1)):
-        d.solver.tolerance, d.touch.law_speed[0] = tolerance, speed
+        d.solver.tolerance, d.contacts.law_speed[0] = tolerance, speed
         at_rest = tolerance * d.chain.longest_link
         margin = forces.turning_margin(d, 0)
         assert ((margin - at_rest) / speed) ** 2 == pytest.approx(
             forces.TURNING_RATE**2 * tolerance, rel=1e-9
         )
-        d.touch.law_speed[0] = 0.0
+        d.contacts.law_speed[0] = 0.0
         assert forces.turning_margin(d, 0) == pytest.approx(at_rest, rel=1e-12)
 
 
@@ -280,7 +288,7 @@ def test_a_users_law_gives_the_force_and_its_slopes_are_differences(own):
     # without depth the difference quotient is zero, and a negative stiffness counts as zero
     assert forces.user_slopes(own, 0, 0.0, 1.0)[0] == 0.0
     assert forces.law_force(own, 0, 1e-3, -1e3)[0] == 0.0
-    own.touch.beyond_kink[0] = 1
+    own.contacts.beyond_kink[0] = 1
     assert forces.law_slopes(own, 0, 1e-3, -0.4) == (0.0, 0.0)
 
 

@@ -32,7 +32,7 @@ def rate_at(d, y):
 def test_contacts_are_listed_before_joints(base, contacts, joints):
     _, d, _ = rubbing_chain(np.random.default_rng(1), base, contacts, joints)
     found, own = elements_of(d), d.friction
-    assert found[: own.contact_count] == [int(c) for c in d.touch.active_index[:contacts]]
+    assert found[: own.contact_count] == [int(c) for c in d.contacts.active_index[:contacts]]
     assert [friction.drive_of_element(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.used
     assert not geometry.any_sticking(d)
@@ -50,11 +50,11 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
 
 def test_only_a_law_with_friction_rubs():
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", 1, False)
-    c = int(d.touch.active_index[0])
+    c = int(d.contacts.active_index[0])
     assert friction.may_have_friction(d, c)
     d.law.static_friction[:] = 0.0
     assert not friction.may_have_friction(d, c)
-    d.contact.any_friction = 0
+    d.contact_settings.any_friction = 0
     friction.set_friction_used(d)
     assert not d.friction.used
 
@@ -72,7 +72,7 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     free = rate_at(d, y)
     rows = tangents(scene, d, y, found)
     response, _ = mobility(scene, d, y, rows)
-    normal = np.array([d.touch.force[e] if e < d.candidates else 0.0 for e in found])
+    normal = np.array([d.contacts.force[e] if e < d.candidates else 0.0 for e in found])
     sizes = np.where(normal > 0.0, MU * normal, MOMENT / d.chain.longest_link)
     n = d.links
     np.testing.assert_allclose(
@@ -110,7 +110,7 @@ def test_sticking_elements_have_no_tangential_acceleration(base, contacts, joint
 
 def test_a_contact_begins_in_the_direction_of_its_motion():
     _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 1, False)
-    c = int(d.touch.active_index[0])
+    c = int(d.contacts.active_index[0])
     speed = geometry.tangential_rate(d, c)
     friction.begin_friction(d, c)
     assert d.element.mode[c] == np.sign(speed)
@@ -123,7 +123,7 @@ def test_a_contact_begins_in_the_direction_of_its_motion():
 
 def test_margins_are_the_least_of_a_step():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 1, False)
-    c = int(d.touch.active_index[0])
+    c = int(d.contacts.active_index[0])
     speed = geometry.tangential_rate(d, c)
     d.element.mode[c] = -int(np.sign(speed))
     d.element.margin[c] = 7.0
@@ -133,11 +133,11 @@ def test_margins_are_the_least_of_a_step():
     power = friction.apply_sliding_friction(d, c, 2.0)
     assert power == pytest.approx(-2.0 * abs(speed), rel=1e-14)
     assert d.element.margin[c] == -abs(speed)
-    d.touch.force[c] = 5.0
+    d.contacts.force[c] = 5.0
     assert friction.apply_friction(d) == pytest.approx(-5.0 * MU * abs(speed), rel=1e-14)
     d.element.mode[c] = friction.STICKS
     friction.list_sticking(d)
-    d.constraints.impulse[d.touch.active_count] = 5.0 * MU_S + 100.0
+    d.constraints.impulse[d.contacts.active_count] = 5.0 * MU_S + 100.0
     friction.store_static_forces(d)
     assert d.element.margin[c] == pytest.approx(-100.0, rel=1e-12)
     assert friction.static_power(d) == pytest.approx(-d.element.force[c] * speed, rel=1e-14)
@@ -145,7 +145,7 @@ def test_margins_are_the_least_of_a_step():
 
 def test_an_anchor_moves_only_where_it_cannot_be_held():
     _, d, _ = rubbing_chain(np.random.default_rng(6), "free", 1, False)
-    c = int(d.touch.active_index[0])
+    c = int(d.contacts.active_index[0])
     d.element.mode[c] = friction.STICKS
     friction.list_sticking(d)
     there = geometry.tangential_position(d, c)
@@ -165,12 +165,12 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
     _, d = chain(rng, 3, **({"friction": MU} if room else {}))
     struck(rng, d, [])
     d.law.friction[:] = d.law.static_friction[:] = MU
-    d.contact.any_friction = 1
+    d.contact_settings.any_friction = 1
     friction.set_friction_used(d)
     assert (d.elements > 0, d.friction.used) == (room, room)
     active_contacts.begin_force_contact(d, 1)
     active_contacts.list_touching(d)
-    assert d.touch.active_count == 1
+    assert d.contacts.active_count == 1
     assert elements_of(d) == [1] * room
     if room:
         assert d.element.mode[1] == np.sign(geometry.tangential_rate(d, 1)) != 0.0
@@ -191,5 +191,5 @@ def test_notes_of_friction_in_a_step_are_forgotten_with_the_step():
 )
 def test_friction_goes_with_a_force_that_is_continued_beyond_its_kink(force, approach_only, load):
     """A law with approach damping has no friction while its continued force pulls."""
-    touch, law = SimpleNamespace(force=[99.0, force]), SimpleNamespace(approach_only=[0, approach_only])
-    assert friction.friction_load(SimpleNamespace(touch=touch, law=law), 1) == load
+    contacts, law = SimpleNamespace(force=[99.0, force]), SimpleNamespace(approach_only=[0, approach_only])
+    assert friction.friction_load(SimpleNamespace(contacts=contacts, law=law), 1) == load

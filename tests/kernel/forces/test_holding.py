@@ -36,7 +36,7 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
     equations.free_rate_from_inputs(d, y, rate)
     own, before = d.constraints, rate.copy()
     # g̈ by the second difference of g along the motion
-    candidates = d.touch.active_index[:4].tolist()
+    candidates = d.contacts.active_index[:4].tolist()
     gaps = []
     for t in (1e-4, 0.0, -1e-4):
         moved = y.copy()
@@ -55,7 +55,7 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
     np.testing.assert_allclose(rate[6:12], before[6:12] + response @ force, rtol=1e-8, atol=1e-8)
     np.testing.assert_array_equal(np.delete(rate, range(6, 12)), np.delete(before, range(6, 12)))
     for k, c in enumerate(candidates):
-        assert d.touch.force[c] == own.impulse[k]
+        assert d.contacts.force[c] == own.impulse[k]
         assert own.least_force[c] == (-1e9 if c % 2 else min(0.0, own.impulse[k]))
 
 
@@ -99,7 +99,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
     d, _, _, response, _ = problem(pressed=(1, 1))
     own, size = d.constraints, d.chain.longest_link
     if bad:  # one point touches two walls with an angle of 1e-3 rad
-        first, second = d.touch.active_index[:2]
+        first, second = d.contacts.active_index[:2]
         d.candidate.point[second] = d.candidate.point[first]
         d.candidate.place[second] = d.candidate.place[first]
         c, s = math.cos(1e-3), math.sin(1e-3)
@@ -126,7 +126,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_the_kinetic_energy_that_walls_take_is_dissipated(base):
     d, y, jacobian, response, w = problem(base)
-    for k, c in enumerate(d.touch.active_index[:4]):
+    for k, c in enumerate(d.contacts.active_index[:4]):
         press_in(d, c, 1e-9 * (k - 1.5))
     d.solver.tolerance, before = 1e3, y.copy()
     y[12] = 5.0
@@ -135,7 +135,7 @@ def test_the_kinetic_energy_that_walls_take_is_dissipated(base):
     impulses = -np.linalg.solve(w, rates)
     np.testing.assert_allclose(y[6:12], before[6:12] + response @ impulses, rtol=1e-5, atol=1e-5)
     assert y[12] - 5.0 == pytest.approx(0.5 * rates @ np.linalg.solve(w, rates), rel=1e-5)
-    for c in d.touch.active_index[:4]:
+    for c in d.contacts.active_index[:4]:
         assert geometry.clearance(d, c) == pytest.approx((0.0, 0.0), abs=1e-12)
 
 
@@ -180,7 +180,7 @@ def test_the_force_of_one_that_sticks_alone_is_that_of_the_iteration(base, conta
         free = rate.copy()
         holding.add_constraint_forces(d, y, rate)
         e = d.element.stuck[0]
-        impulse = d.constraints.impulse[d.touch.active_count]
+        impulse = d.constraints.impulse[d.contacts.active_count]
         results.append([*(rate - free), impulse, d.element.force[e], d.element.margin[e], d.friction.power])
     assert np.abs(results[0]).max() > 1.0
     np.testing.assert_allclose(results[1], results[0], rtol=1e-9, atol=1e-9)

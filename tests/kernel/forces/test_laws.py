@@ -34,7 +34,7 @@ def kernel():
 def factor_of(law, e):
     """Return the factor f(e) that the compiled kernel derives; infinite where it refuses e."""
     instance = kernel()
-    contact, given = instance.record["contact"], instance.record["given"]
+    contact, given = instance.record["contact_settings"], instance.record["given"]
     given["law"], given["restitution"], contact["exponent"] = law.number, e, law.exponent or 1.5
     status = initialize(instance)
     assert status in (OK, RESTITUTION_NOT_ALLOWED)

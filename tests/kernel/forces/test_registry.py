@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact.kernel.forces import laws, user_law
 from chain_impact.kernel.forces.contact_law import FAMILY_FORCE
-from chain_impact.kernel.forces.laws import CONTACT_LAWS, contact_law
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, register_law
 
 
 @pytest.mark.parametrize("options", [{}, {"allows_zero": False, "exponent": 1.5, "rate_exponent": 0.25}])
@@ -27,9 +27,9 @@ def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch
         """Likewise."""
         return e
 
-    register = contact_law("Title", "2001, Source", "2e", (0.25, 0.75), "D", **options)
+    register = register_law("Title", "2001, Source", "2e", (0.25, 0.75), "D", **options)
     assert register(one) is one
-    contact_law("Other", "Others 2002, Source", "e", (0.0, 1.0), "E", impulsive=True)(other)
+    register_law("Other", "Others 2002, Source", "e", (0.0, 1.0), "E", impulsive=True)(other)
     assert list(registered) == ["one", "other"]
     law = registered["one"]
     assert (law.id, law.number, law.title, law.formula) == ("one", 1, "Title", "2e")

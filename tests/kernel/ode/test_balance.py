@@ -122,7 +122,7 @@ def test_the_available_energy_of_a_dropped_step_is_dropped():
     instance = Instance(load_scene("pinned_arm"))
     d, available = instance.record, []
     for end, torque in ((1e-4, 1e3), (2e-4, 0.0)):
-        d["given"]["motor"][0], d["given"]["changed"] = torque, 1
+        d["given"]["motor"][0], d["given"]["pending"] = torque, 1
         instance.advance(end)
         available.append(float(d["balance"]["available"]))
     assert available[0] > 100.0 * available[1]
@@ -259,8 +259,8 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     for c in touched:
         press_in(d, c, 2e-3)
     touch(d, touched)
-    d.touch.depth_scale[touched], d.touch.law_speed[touched] = 3e-3, [0.5, 2.0]
-    d.touch.effective_mass[touched] = [0.7, 1.9]
+    d.contacts.depth_scale[touched], d.contacts.law_speed[touched] = 3e-3, [0.5, 2.0]
+    d.contacts.effective_mass[touched] = [0.7, 1.9]
     found = balance.energy_scales(d, y)
     forces = [force_formula.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]
     scale = sum(force * control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))

@@ -76,8 +76,8 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
         for theta, found in errors.items():
             dense.interpolate(d.step, theta, y)
             locate_points(d, y)
-            for k in range(int(d.touch.active_count)):
-                gap, _ = geometry.clearance(d, int(d.touch.active_index[k]))
+            for k in range(int(d.contacts.active_count)):
+                gap, _ = geometry.clearance(d, int(d.contacts.active_index[k]))
                 found.append(
                     abs(gap / collocation.extended_component(d, sundman_u_at(d.links) + k, theta) - 1.0)
                 )
@@ -95,7 +95,7 @@ def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
     for restarts in (0, 20):
         instance = touching(tolerance)
         for time in np.linspace(0.9, 1.1, restarts + 1):
-            instance.record["given"]["changed"] = restarts > 0
+            instance.record["given"]["pending"] = restarts > 0
             instance.advance(time)
         instance.advance(1.2)
         output = instance.record["output"]
@@ -193,7 +193,7 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
 def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
     """The estimate of a fast motion counts as three evaluations."""
     d, _, _ = stiff_joint(1e3)
-    own, listed = d.implicit, d.touch.listings
+    own, listed = d.implicit, d.contacts.listings
     for listing, made_by, measured in ((listed, IMPLICIT, 0), (STALE, IMPLICIT, 3), (listed, EXPLICIT, 3)):
         own.listing, d.step.last_method, before = listing, made_by, d.budget.other_cost
         h = collocation.prepare(d, 0.1)
@@ -211,7 +211,7 @@ def last_polynomial(d, degree, end=1.0):
     parts[1:] = np.random.default_rng(degree).uniform(0.5, 1.0, (degree, size))
     columns = [np.polynomial.Polynomial(column) for column in parts.T]
     own.last_stages[:, :size] = np.transpose([column(np.array(NODES)) for column in columns])
-    own.listing, d.step.start, d.step.size = d.touch.listings, 3.0, 0.2
+    own.listing, d.step.start, d.step.size = d.contacts.listings, 3.0, 0.2
     d.step.end, d.step.last_method = 3.0 + 0.2 * end, IMPLICIT
     return columns
 

@@ -47,7 +47,7 @@ def test_the_polynomial_goes_through_the_stages(step):
     """The polynomials of the state, of a component of z (from the start of z), and of an impulse."""
     d, n = step, sundman_u_at(LINKS)
     stages = d.implicit.stages.copy()
-    d.touch.listings = 7
+    d.contacts.listings = 7
     collocation.store_stages(d, False)
     assert (
         d.implicit.last_stages[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
@@ -76,10 +76,10 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     collocation.store_stages(d, False)
     d.search.curvature[:] = -1.0
     collocation.bound_curvatures(d, H)
-    for k, c in enumerate(d.touch.active_index[:2]):
+    for k, c in enumerate(d.contacts.active_index[:2]):
         sizes = np.abs(np.array(collocation.SHAPE) @ d.implicit.last_stages[:, gap_at(d, k)])
         assert d.search.curvature[c] == pytest.approx(np.dot(bound, sizes) / H**2, rel=1e-12)
-    assert (np.delete(d.search.curvature, d.touch.active_index[:2]) == -1.0).all()
+    assert (np.delete(d.search.curvature, d.contacts.active_index[:2]) == -1.0).all()
 
 
 def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):

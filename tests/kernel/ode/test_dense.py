@@ -1,12 +1,15 @@
 """The dense output of a step: its polynomial, bounds on its slopes, and the places θ of times."""
 
+# Tests: kernel/mathematics/root_search.py
+
 import math
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.ode import dense
+from chain_impact.kernel.mathematics import root_search
+from chain_impact.kernel.ode import dense, sundman_rate
 from tests.kernel.chains import chain
 from tests.kernel.steps import POWERS, basis
 
@@ -93,25 +96,27 @@ def test_the_first_of_two_times_on_the_dense_output_is_taken(d):
 
 
 def test_time_passes_fastest_where_u_is_one():
-    assert dense.time_rate(1.0) == 0.5
-    assert dense.time_rate(0.5) == dense.time_rate(2.0) == 0.4
-    assert dense.time_rate(-0.5) == -0.4
+    assert sundman_rate.regularized_time_rate(1.0) == 0.5
+    assert sundman_rate.regularized_time_rate(0.5) == sundman_rate.regularized_time_rate(2.0) == 0.4
+    assert sundman_rate.regularized_time_rate(-0.5) == -0.4
 
 
 def test_a_guess_inside_is_taken_while_the_method_may_be_fast():
     assert (
-        dense.next_guess(0.2, 0.6, 0.3, 0) == dense.next_guess(0.2, 0.6, 0.3, dense.FAST_GUESSES - 1) == 0.3
+        root_search.next_guess(0.2, 0.6, 0.3, 0)
+        == root_search.next_guess(0.2, 0.6, 0.3, root_search.FAST_GUESSES - 1)
+        == 0.3
     )
     for guess in (0.2, 0.6, 0.1, 0.7, math.nan, math.inf):
-        assert dense.next_guess(0.2, 0.6, guess, 0) == pytest.approx(0.4)
-    assert dense.next_guess(0.2, 0.6, 0.3, dense.FAST_GUESSES) == pytest.approx(0.4)
+        assert root_search.next_guess(0.2, 0.6, guess, 0) == pytest.approx(0.4)
+    assert root_search.next_guess(0.2, 0.6, 0.3, root_search.FAST_GUESSES) == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize("root", [1e-18, 1e-9, 0.3, 1.0 - 1e-16])
 @pytest.mark.parametrize("creep", [1e-12, 1e-3])
 def test_guesses_that_creep_towards_a_root_end_at_it(root, creep):
     low, high = 0.0, 1.0
-    for tries in range(dense.MOST_GUESSES):
-        guess = dense.next_guess(low, high, low + creep * (high - low), tries)
+    for tries in range(root_search.MOST_GUESSES):
+        guess = root_search.next_guess(low, high, low + creep * (high - low), tries)
         low, high = (guess, high) if guess < root else (low, guess)
     assert high - low <= max(2e-16 * root, 1e-19)

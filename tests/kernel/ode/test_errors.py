@@ -28,10 +28,10 @@ def deep(depth=1e-3, **more):
     y = struck(rng, d, touched, depth)
     d.trial.state[:] = y
     d.scratch.y_error[:] = 0.0
-    d.touch.gap_error[:] = 0.0
-    d.touch.depth_scale[touched] = [2e-3, 3e-4]
-    d.touch.law_speed[touched] = [0.5, 2.0]
-    d.touch.effective_mass[touched] = [0.7, 1.9]
+    d.contacts.gap_error[:] = 0.0
+    d.contacts.depth_scale[touched] = [2e-3, 3e-4]
+    d.contacts.law_speed[touched] = [0.5, 2.0]
+    d.contacts.effective_mass[touched] = [0.7, 1.9]
     return scene, d, touched, y
 
 
@@ -69,8 +69,8 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
     d.scratch.y_error[:, supplied_at(LINKS) :] = 1e3
     assert control.scaled_errors(d) == (0.0, 0.0)
     for k, c in enumerate(touched):
-        scale, d.touch.gap_error[:] = control.penetration_scale(d, c), 0.0
-        d.touch.gap_error[ONE, k], d.touch.gap_error[OTHER, k] = -4e-6 * scale, 1e-6 * scale
+        scale, d.contacts.gap_error[:] = control.penetration_scale(d, c), 0.0
+        d.contacts.gap_error[ONE, k], d.contacts.gap_error[OTHER, k] = -4e-6 * scale, 1e-6 * scale
         assert control.scaled_errors(d) == pytest.approx((0.4, 0.1), rel=1e-12)
 
 
@@ -121,17 +121,17 @@ def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
     """The scale is δ for fast impacts and larger for slow impacts; the error stays below 1 % of δ."""
     _, d, touched, _ = deep(depth=1e-4)
     c, size = touched[0], d.chain.longest_link
-    depth = d.touch.depth_scale[c]
+    depth = d.contacts.depth_scale[c]
     for speed, leeway in (
         (4.0 * size, 1.0),
         (size / 8.0, 8.0),
         (1e-9 * size, control.LARGEST_ERROR / TOLERANCE),
     ):
-        d.touch.law_speed[c] = speed
+        d.contacts.law_speed[c] = speed
         assert control.penetration_scale(d, c) == pytest.approx(leeway * depth, rel=1e-13)
     assert control.LARGEST_ERROR == 0.01
     # deeper than expected
-    d.touch.law_speed[c], d.touch.depth_scale[c] = 4.0 * size, 1e-6
+    d.contacts.law_speed[c], d.contacts.depth_scale[c] = 4.0 * size, 1e-6
     assert control.penetration_scale(d, c) == pytest.approx(-clearance(d, c)[0], rel=1e-13)
     assert control.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
 
@@ -144,7 +144,7 @@ def test_errors_of_clearances_are_errors_of_coordinates_along_normals():
         control.set_gap_errors(d, row)
     slopes = gradients(scene, d, y[2 : LINKS + 2], touched)
     right = slopes @ d.scratch.y_error[:2, : LINKS + 2].T
-    assert pytest.approx(right, rel=1e-12) == d.touch.gap_error[:2, :2].T
+    assert pytest.approx(right, rel=1e-12) == d.contacts.gap_error[:2, :2].T
 
 
 def test_the_moment_of_a_joint_is_off_by_its_own_turn():

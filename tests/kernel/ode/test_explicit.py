@@ -286,7 +286,7 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
     gaps[first] /= 3.0
     for c, gap, speed in zip((1, 6, 8), gaps, speeds, strict=True):
         place, *n = row = geometry.normal_row(d, c)
-        d.candidate.offset[c] = geometry.along(row, d.scratch.position) - d.contact.radius - gap
+        d.candidate.offset[c] = geometry.along(row, d.scratch.position) - d.contact_settings.radius - gap
         d.scratch.velocity.x[place], d.scratch.velocity.y[place] = speed * np.array(n)
     longest = size_toward_end(d, 1.0)
     for c, gap, speed in zip((1, 6), gaps[:2], speeds[:2], strict=True):
@@ -308,7 +308,7 @@ def test_a_regularized_step_passes_the_end_of_a_contact():
     _, d = chain(rng, 3)
     d.step.state_end[:] = struck(rng, d, [6])
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
-    d.touch.depth_scale[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
+    d.contacts.depth_scale[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
     u, slope = d.step.state_end[root], d.scratch.stage[0, root] = 0.3, -0.8
     longest = size_toward_end(d, 1e3)
     roots = np.roots([0.5 * sundman.root_curve(d, u, slope), slope, u])

@@ -160,7 +160,7 @@ def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
     assert found[0] == found[1]
 
 
-@pytest.mark.parametrize("how", ["mark_jump", "roll_back", "truncate_step", "reset_step"])
+@pytest.mark.parametrize("how", ["count_break", "roll_back", "truncate_step", "reset_step"])
 def test_bounds_on_clearances_end_with_their_step(how):
     d = with_a_step(started())
     exclusion.remember_clearances(d, exclusion.WITH_CURVES)
@@ -230,7 +230,7 @@ def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monke
     d, told = started(), []
     methods.prepare(d, H)
     methods.attempt(d, H)
-    d.touch.active_count = touching
+    d.contacts.active_count = touching
     monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
     last_step.make_last_step(d)
     assert told == [touching > 0]

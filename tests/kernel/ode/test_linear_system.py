@@ -31,7 +31,7 @@ def linearized(turn, stiffness, damping):
         d.inputs.drive_stiffness[1:3] = stiffness, 0.3 * stiffness
         d.inputs.drive_damping[1] = 0.0
         d.chain.has_springs = d.chain.has_springs_or_dampers = 1
-    assert int(d.touch.active_count) > 0
+    assert int(d.contacts.active_count) > 0
     kinematics.locate_points(d, d.step.state_end)
     extended.extend_start(d)
     extended.extended_slopes(d, d.implicit.z_start)
@@ -40,11 +40,11 @@ def linearized(turn, stiffness, damping):
 
 def jacobian(d, turn):
     """Return a, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
-    count = int(d.touch.active_count)
+    count = int(d.contacts.active_count)
     size = state.sundman_u_at(d.links) + 3 * count
     angles = d.step.state_end[2 : N + 2]
     scene, candidate = turned(load_scene("four_link_box"), turn), d.candidate
-    names, chosen = list(scene.half_planes), d.touch.active_index[:count]
+    names, chosen = list(scene.half_planes), d.contacts.active_index[:count]
     places = [(int(candidate.point[c]), names[candidate.wall[c] % 4]) for c in chosen]
     normals = np.array([clearance_gradient(scene, angles, *place) for place in places])
     across, forces = relative_motion(N), np.zeros((N + 2, size))

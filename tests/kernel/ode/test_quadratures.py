@@ -99,7 +99,7 @@ def d():
     d.quadrature.dense[:], d.quadrature.stage[:] = (
         rng.uniform(1.0, 9.0, part.shape) for part in (d.quadrature.dense, d.quadrature.stage)
     )
-    d.touch.force[:] = rng.uniform(1.0, 9.0, d.candidates)
+    d.contacts.force[:] = rng.uniform(1.0, 9.0, d.candidates)
     d.scratch.stage[:] = rng.uniform(0.1, 0.9, d.scratch.stage.shape)
     return d
 
@@ -125,17 +125,17 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
     d.quadrature.computed = 1
     dense.reset_quadratures(d)
-    own, touched = d.quadrature, d.touch.active_index[:contacts]
+    own, touched = d.quadrature, d.contacts.active_index[:contacts]
     last = d.candidates + d.elements
     assert own.index[: own.count].tolist() == [*touched, *(d.candidates + touched), last]
     rng = np.random.default_rng(2)
-    d.touch.force[:], d.element.force[:] = rng.normal(size=d.candidates), rng.normal(size=d.elements)
+    d.contacts.force[:], d.element.force[:] = rng.normal(size=d.candidates), rng.normal(size=d.elements)
     d.friction.power = 3.5
     own.rate[:] = 99.0
     dense.store_end_rates(d)
     dense.commit_quadratures(d)
     right = np.zeros(len(own.integral))
-    right[touched], right[d.candidates + touched] = d.touch.force[touched], d.element.force[touched]
+    right[touched], right[d.candidates + touched] = d.contacts.force[touched], d.element.force[touched]
     right[last] = 3.5
     assert own.rate.tolist() == right.tolist()
 
@@ -145,7 +145,7 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
     """dp/ds = F dt/ds."""
     before = d.quadrature.stage.copy()
     (dense.set_quadrature_stage_at_end if at_end else dense.set_quadrature_stage)(d, 4)
-    forces = d.quadrature.rate_end[:2] if at_end else d.touch.force[TOUCHED]
+    forces = d.quadrature.rate_end[:2] if at_end else d.contacts.force[TOUCHED]
     right = forces * d.scratch.stage[4, time_at(2)]
     assert d.quadrature.stage[4, :2].tolist() == right.tolist()
     before[4, :2] = right

@@ -1,5 +1,7 @@
 """Steps in a contact's own variable: their order where the force is not smooth in time, and their time."""
 
+# Tests: kernel/ode/sundman_rate.py
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.ode import control, dense, methods, sundman
+from chain_impact.kernel.ode import control, methods, sundman, sundman_rate
 from chain_impact.kernel.rows import geometry
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
@@ -24,7 +26,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     start = PreparedScene(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0)).new_instance()
     sizes, errors, d = np.array([0.5, 0.6, 0.7, 0.8]), [], Plain(start[0])
     assert initialize(d, 0.0) == 0
-    d.touch.event[0] = ONSET
+    d.contacts.event[0] = ONSET
     assert begin_step(d) == 1
     assert d.step.regularized == 0
 
@@ -34,7 +36,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
 
     for size in sizes:
         d = Plain(start.copy()[0])
-        depth = float(d.touch.depth_scale[0])
+        depth = float(d.contacts.depth_scale[0])
         methods.attempt(d, size * depth / SPEED)
         errors.append(abs(energy(d.trial.state) - energy(d.step.state_end)))
     assert min(errors) > 1e-13  # otherwise the test would measure round-off
@@ -77,8 +79,8 @@ def contact(seed=17):
     _, d = chain(np.random.default_rng(seed), LINKS)
     c = d.candidate.point.tolist().index(2)
     y = struck(np.random.default_rng(seed), d, [c], DEPTH)
-    d.touch.depth_scale[c], d.touch.law_speed[c] = SCALE, 1.0
-    d.touch.effective_mass[c] = 1.0
+    d.contacts.depth_scale[c], d.contacts.law_speed[c] = SCALE, 1.0
+    d.contacts.effective_mass[c] = 1.0
     d.step.regularized, d.step.method = c, control.EXPLICIT
     return d, c, y
 
@@ -110,8 +112,10 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
 @pytest.mark.parametrize("u", [-0.3, 0.2, 1.0, 1.6])
 def test_p_changes_along_the_step_as_u_does(u):
     """The slope of p = u/(1 + u²) with the rate u′ = 3."""
-    slope = (dense.time_rate(u + 1e-6) - dense.time_rate(u - 1e-6)) / 2e-6
-    assert sundman.time_rate_change(u, 3.0) == pytest.approx(3.0 * slope, abs=1e-9)
+    slope = (
+        sundman_rate.regularized_time_rate(u + 1e-6) - sundman_rate.regularized_time_rate(u - 1e-6)
+    ) / 2e-6
+    assert sundman_rate.regularized_time_rate_change(u, 3.0) == pytest.approx(3.0 * slope, abs=1e-9)
 
 
 @pytest.mark.parametrize("u", [0.2, 1.0, 1.6])
@@ -121,7 +125,7 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
     n, rate = LINKS, np.zeros(len(y))
     equations.rate_from_state(d, y, rate)
     kinematics.accelerate_points(d, y, rate)
-    slope, p = sundman.root_rate(d, u), dense.time_rate(u)
+    slope, p = sundman.root_rate(d, u), sundman_rate.regularized_time_rate(u)
     found = sundman.root_curve(d, u, slope)
     h, rates = 1e-7, []
     for s in (-h, h):
@@ -141,9 +145,9 @@ def test_time_passes_as_p_says_and_as_itself_without_a_contact():
         (NO_CONTACT, 1.0, 1.0),
     ):
         d.step.regularized, y[U] = regularized, 0.5
-        assert sundman.time_rate_of(d, 0.5) == sundman.time_rate_now(d, y) == pytest.approx(rate)
+        assert sundman.time_rate_at(d, 0.5) == sundman.time_rate_for_sizes(d, y) == pytest.approx(rate)
         y[U] = 1e-9
-        assert sundman.time_rate_now(d, y) == least
+        assert sundman.time_rate_for_sizes(d, y) == least
 
 
 @pytest.mark.parametrize(
@@ -172,7 +176,7 @@ def test_an_only_contact_has_its_own_variable():
     assert sundman.lone_contact(d) == IN_TIME
     make_rigid(d, np.arange(d.candidates) != c)
     touch(d, [c, d.candidate.point.tolist().index(0)])
-    assert (d.touch.compliant_count, d.touch.active_count) == (1, 2)
+    assert (d.contacts.compliant_count, d.contacts.active_count) == (1, 2)
     assert sundman.lone_contact(d) == IN_TIME
     make_rigid(d, 0)
     assert sundman.lone_contact(d) == IN_TIME
@@ -189,7 +193,7 @@ def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     place(d, c, -SCALE * (0.5 * sundman.RESTING_SUM) ** 2)  # u = RESTING_SUM/2
     own = c, pytest.approx(0.5 * sundman.RESTING_SUM, rel=1e-6)
     for part, right in ((0.49, IN_TIME), (0.51, own)):
-        d.touch.law_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
+        d.contacts.law_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
         assert sundman.lone_contact(d) == right
 
 

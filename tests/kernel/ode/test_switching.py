@@ -45,7 +45,7 @@ def test_rigid_walls_have_implicit_steps_in_flight_and_at_rest(damping):
     changes = {"contact.model": "newton_impact", "contact.restitution": 0.3}
     instance = Instance(stiff_joint(damping).with_values(changes))
     assert instance.advance(2.0) == 0
-    assert instance.record["touch"]["active_count"] > 0
+    assert instance.record["contacts"]["active_count"] > 0
     assert instance.record["step"]["method"] == IMPLICIT
     counts = instance.statistics
     assert counts["implicit_steps"] > 30
@@ -107,11 +107,11 @@ def pressed(rng):
     _, d = chain(rng, 1)
     touched = [d.candidate.point.tolist().index(point) for point in (0, 1)]
     struck(rng, d, touched)
-    d.touch.effective_mass[touched] = 1.0
+    d.contacts.effective_mass[touched] = 1.0
     assert not d.chain.has_springs_or_dampers
     d.solver.method = AUTO
     methods.begin_explicit(d)
-    d.touch.onset[touched] = 0.0
+    d.contacts.onset[touched] = 0.0
     d.step.start, d.step.end, d.step.end_fraction = 0.0, 3.0 * STIFF_STEP / methods.fastest_contact(d), 1.0
     return d, touched
 
@@ -132,7 +132,7 @@ def test_the_rate_of_joints_counts_where_its_bound_exceeds_what_is_stiff(rng):
 def test_the_rate_of_contacts_is_that_of_the_fastest(pressed):
     d, touched = pressed
     for slow, fast in (touched, touched[::-1]):
-        d.touch.effective_mass[slow], d.touch.effective_mass[fast] = 1e3, 1e-2
+        d.contacts.effective_mass[slow], d.contacts.effective_mass[fast] = 1e3, 1e-2
         stiffness, damping = contact_slopes(d, fast)
         right = max(damping / 1e-2, math.sqrt(stiffness / 1e-2))
         assert methods.fastest_contact(d) == pytest.approx(right, rel=1e-13)
@@ -145,16 +145,16 @@ def test_stiffness_is_that_of_joints_where_they_are_faster(rng):
     d, _, rate = jointed(rng)
     assert methods.stiffness_number(d, 100.0 / rate) == pytest.approx(100.0)
     d, tip, rate = jointed(rng, touching=True)
-    d.touch.effective_mass[tip] = 1e-6
+    d.contacts.effective_mass[tip] = 1e-6
     assert methods.stiffness_number(d, 1.0) == pytest.approx(methods.fastest_contact(d))
     assert methods.fastest_contact(d) > rate
-    d.touch.effective_mass[tip] = 1e12
+    d.contacts.effective_mass[tip] = 1e12
     assert methods.stiffness_number(d, 100.0) == pytest.approx(100.0 * rate)
 
 
 def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
     d, touched = pressed
-    d.touch.depth_scale[touched], d.touch.law_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
+    d.contacts.depth_scale[touched], d.contacts.law_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
     d.step.end, slow = 2.0, methods.SUSTAINED_AFTER * 4e-3 / 0.5
     # all contacts must last; the first is four times as fast
     for first, second, right in (
@@ -163,7 +163,7 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
         (0.3, 1.01, True),
         (0.2, 1.01, False),
     ):
-        d.touch.onset[touched] = 2.0 - first * slow, 2.0 - second * slow
+        d.contacts.onset[touched] = 2.0 - first * slow, 2.0 - second * slow
         assert methods.contacts_last(d) == right
     touch(d, [])
     assert not methods.contacts_last(d)
@@ -172,7 +172,7 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
 @pytest.mark.parametrize("lasting", [False, True])
 def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
     d, touched = pressed
-    d.touch.depth_scale[touched], d.touch.law_speed[touched] = 1e-3, 1.0
+    d.contacts.depth_scale[touched], d.contacts.law_speed[touched] = 1e-3, 1.0
     stiff, stiff_contact, rate = STIFF_STEP, methods.STIFF_STEP_IN_CONTACT, methods.fastest_contact(d)
     rows = (
         (1.01 * stiff, True),
@@ -182,7 +182,7 @@ def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
     )
     for number, right in rows:
         d.step.end = number / rate
-        d.touch.onset[touched] = d.step.end - (1.1 if lasting else 0.9) * methods.SUSTAINED_AFTER * 1e-3
+        d.contacts.onset[touched] = d.step.end - (1.1 if lasting else 0.9) * methods.SUSTAINED_AFTER * 1e-3
         assert suggests_switch(d) == right
 
 
@@ -211,7 +211,7 @@ def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, me
     d, tip, rate = jointed(rng, touching=True)
     h = number * STIFF_STEP / (methods.IMPACT_PART * rate)
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
-    d.touch.depth_scale[tip], d.touch.law_speed[tip] = depth, 1.0
+    d.contacts.depth_scale[tip], d.contacts.law_speed[tip] = depth, 1.0
     methods.begin_impact(d, tip)
     stiff, first = number > 1.0 and method == IMPLICIT, control.size_at_onset(d, tip, IMPLICIT)
     assert d.step.method == (IMPLICIT if stiff else EXPLICIT)

@@ -48,7 +48,9 @@ def made(case, resist=True):
         else d.candidate.stop[c] * d.chain.longest_link * across[d.candidate.point[c] - 1]
         for c in range(d.candidates)
     ]
-    touched = np.array([rows[c] for c in d.touch.active_index[: d.touch.active_count]]).reshape(-1, count + 2)
+    touched = np.array([rows[c] for c in d.contacts.active_index[: d.contacts.active_count]]).reshape(
+        -1, count + 2
+    )
     assert (touching or 3) <= len(touched) or touching == 0
     return scene, d, y[2 : count + 2], rows, touched, rng
 
@@ -115,7 +117,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     joints[0] *= d.chain.has_base_joint  # a free base is no joint
     geometry.clear_loads_of(d, d.scratch.load)
     for k in range(active):
-        geometry.add_along(geometry.normal_row(d, d.touch.active_index[k]), d.scratch.load, impulse[k])
+        geometry.add_along(geometry.normal_row(d, d.contacts.active_index[k]), d.scratch.load, impulse[k])
     d.scratch.load.joint[:] += joints
     change = np.full(count + 2, np.nan)
     compliance.solve_space(d, d.scratch.link_vector, d.scratch, response.SHIFTED, change)

@@ -46,7 +46,7 @@ def test_impulses_are_complementary(seed):
 def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
     """A point lies between opposite walls: W is singular; the motion is unique, the two forces are not."""
     d, *_ = problem(pressed=(1, 1))
-    own, (first, second) = d.constraints, d.touch.active_index[:2]
+    own, (first, second) = d.constraints, d.contacts.active_index[:2]
     d.candidate.place[second] = d.candidate.place[first]
     for normal in (d.candidate.normal_x, d.candidate.normal_y):
         normal[second] = -normal[first]
@@ -82,7 +82,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     d, _, _, _, w = problem(base)
     amount = compliance.holding_impedance(d)
     assert amount == pytest.approx(compliance.RELATIVE_IMPEDANCE * d.chain.mass.mean(), rel=1e-14)
-    for k, c in enumerate(d.touch.active_index[:4]):
+    for k, c in enumerate(d.contacts.active_index[:4]):
         touch(d, [c])
         d.constraints.impedance[0] = amount
         compliance.factorize_contacts(d, HELD, d.constraints.impedance)
@@ -185,7 +185,7 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
     """Two constraints demand contradictory motions: the search ends, and half of the motion is left."""
     d, *_ = problem(pressed=(1, 1, 0, 0))
     own = d.constraints
-    d.touch.active_index[1] = d.touch.active_index[0]
+    d.contacts.active_index[1] = d.contacts.active_index[0]
     own.unforced[:2], own.target[:2] = 0.0, (1.0, -1.0)
     before = d.budget.other_cost
     constraints.factorize_free(d)

@@ -33,7 +33,7 @@ def set_limits(chain, limits):
     d = chain.d
     for e, limit in zip(chain.elements, limits, strict=True):
         if e < d.candidates:
-            d.law.static_friction[e] = d.law.friction[e] = limit / d.touch.force[e]
+            d.law.static_friction[e] = d.law.friction[e] = limit / d.contacts.force[e]
         else:
             d.drive.friction_moment[e - d.candidates] = limit * d.chain.longest_link
             d.element.limit[e] = limit
@@ -48,7 +48,7 @@ def solve(d):
 
 def forces(d):
     """Return the forces of all sticking elements [N]."""
-    return d.limited_forces.force[d.touch.active_count : constraint_count(d)]
+    return d.limited_forces.force[d.contacts.active_count : constraint_count(d)]
 
 
 def bounded(chain):

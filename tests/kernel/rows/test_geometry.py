@@ -76,7 +76,7 @@ def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
 
 def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
     scene, d = placed
-    d.contact.radius = 0.07
+    d.contact_settings.radius = 0.07
     set_candidate_rows(d)
     y = np.random.default_rng(3).normal(size=len(d.scratch.state))
     kinematics.locate_points(d, y)
@@ -107,7 +107,7 @@ def test_a_candidate_can_be_given_any_wall(c):
             place = np.array(point) - 3.0 * along + distance * n
             d.scratch.position.x[:], d.scratch.position.y[:] = place
             gap, _ = clearance(d, c)
-            assert gap + d.contact.radius == pytest.approx(distance, abs=3e-14)
+            assert gap + d.contact_settings.radius == pytest.approx(distance, abs=3e-14)
 
 
 @pytest.fixture(params=["free", "pinned"])

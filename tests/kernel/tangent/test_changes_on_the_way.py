@@ -89,7 +89,7 @@ def through_onset(instance, changes, stop):
     advance_to_onset(instance, stop)
     given = instance.record["given"]
     for name, value in changes.items():
-        given[name], given["changed"] = value, 1
+        given[name], given["pending"] = value, 1
     event_update(instance)
     instance.advance(stop)
     instance.observe()

@@ -181,7 +181,7 @@ def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
     ("given", "reasons"),  # the slope, and whether the speed is negligible, or stops slowly
     [
         ((-2.0, False, False), []),
-        ((-2.1, False, False), [(trust.TOGETHER, 2)]),
+        ((-2.1, False, False), [(trust.SIMULTANEOUS_CHANGES, 2)]),
         ((-2.1, True, False), []),
         ((-2.1, False, True), [(trust.SLOW_CHANGE, 2)]),
     ],
@@ -221,7 +221,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     monkeypatch.setattr(friction, "margin_after", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
     monkeypatch.setattr(friction, "evaluate_end", restored.append)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
-    assert ended == ([] if together else [(trust.TOGETHER, 2)])
+    assert ended == ([] if together else [(trust.SIMULTANEOUS_CHANGES, 2)])
     assert restored == [t]
 
 
@@ -250,4 +250,4 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"
     friction.make_modes_consistent(t)
     assert t.element.mode == [mode] * 3
-    assert ended == ([(trust.AT_LIMIT, 1)] if is_open else [])
+    assert ended == ([(trust.AT_FRICTION_LIMIT, 1)] if is_open else [])

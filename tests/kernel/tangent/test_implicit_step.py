@@ -192,7 +192,7 @@ def test_the_linear_system_is_that_of_the_run():
         slopes = {"contact_stiffness": [5 * scale, 6 * scale], "contact_damping": [7 * scale, 8 * scale]}
         slopes |= {"drive_stiffness": [9 * scale, 10 * scale], "drive_damping": [11 * scale, 12 * scale]}
         own = SimpleNamespace(link_vector=link, z_start=[scale], **slopes)
-        return SimpleNamespace(links=2, slides=0, touch=SimpleNamespace(active_count=1), implicit=own)
+        return SimpleNamespace(links=2, slides=0, contacts=SimpleNamespace(active_count=1), implicit=own)
 
     d, t = data(1), data(100)
     replay.copy_jacobian_data(d, t)
@@ -217,6 +217,6 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     monkeypatch.setattr(replay, "mark_untrusted", lambda _t, *what: called.append(what))
     replay.make_implicit(d, t, 0.1)
     if reason == trust.TRUSTED:
-        right += ["iterate"] if converges else ["iterate", (trust.NOT_SOLVED, trust.NO_IMPACT, 1.5)]
+        right += ["iterate"] if converges else ["iterate", (trust.NOT_CONVERGED, trust.NO_IMPACT, 1.5)]
     right += ["set_result", "project_clearances"] if contacts else ["set_result"]
     assert called == right

@@ -35,7 +35,7 @@ CASES = {
 # the last step and its results: equal bits
 SAME = {
     "step": ("start", "end", "size", "state", "state_end", "dense", "end_fraction", "regularized"),
-    "touch": ("active", "onset", "impact_speed", "law_speed", "effective_mass", "damping", "peak_force"),
+    "contacts": ("active", "onset", "impact_speed", "law_speed", "effective_mass", "damping", "peak_force"),
     "contact_log": ("onset", "end", "impact_speed", "separation_speed", "peak_force", "max_penetration"),
     "output": (
         "point_position",
@@ -94,10 +94,10 @@ def instances(regularized=-1, events=(NONE, NONE), end_fraction=1.0, method=EXPL
         SimpleNamespace(mode_ends=0),
         SimpleNamespace(mode_ends=0),
     )
-    d.touch, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
+    d.contacts, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
-    t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
-    t.touch.law_speed = [dual(0.5, 1.0, 2.0)] * 2
+    t.contacts = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
+    t.contacts.law_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.start_delay = dual(0.0)
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
@@ -124,7 +124,7 @@ def calls(monkeypatch):
         )
 
     names = (
-        "copy_modes apply_pending_events copy_values choose_variable set_first_stage check_turns mark_jump"
+        "copy_modes apply_pending_events copy_values choose_variable set_first_stage check_turns count_break"
     )
     names += " truncate_step correct_falling_impulses make_last_step ensure_rate ensure_dense ensure_points"
     names += " check_onsets"
@@ -141,7 +141,7 @@ def calls(monkeypatch):
         ({"method": EXPLICIT, "events": (NONE, KINK)}, 0.2, ([], [])),
         ({"method": IMPLICIT, "events": (NONE, KINK)}, 0.2, ([], [])),
         ({"end_fraction": 0.25, "events": (NONE, ONSET)}, 0.2, ([("truncate_step", 0.25)], [])),
-        ({"end_fraction": 0.25, "events": (NONE, END), "regularized": 1}, 0.05, ([], [("mark_jump",)])),
+        ({"end_fraction": 0.25, "events": (NONE, END), "regularized": 1}, 0.05, ([], [("count_break",)])),
     ],
 )
 def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
@@ -152,7 +152,7 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
     d, t = instances(**last)
     monkeypatch.setattr(replay, "repeat_step", lambda _d, t, h: calls.append(("make", t.step.method, h)))
     monkeypatch.setattr(replay, "copy_end_values", lambda _d, _t: calls.append(("copy_end_values",)))
-    monkeypatch.setattr(replay, "move_end", lambda t: calls.append(("move_end", *t.touch.event)))
+    monkeypatch.setattr(replay, "move_end", lambda t: calls.append(("move_end", *t.contacts.event)))
     replay.replay(d, t)
     begin = [("copy_modes",), ("apply_pending_events",), ("copy_values",), ("choose_variable", True)]
     made = [("set_first_stage",), ("make", last.get("method", EXPLICIT), size), ("check_turns",)]
@@ -179,7 +179,7 @@ def test_a_step_ends_with_its_contact_or_with_another(regularized, events, right
 def test_a_step_that_is_made_is_accepted(monkeypatch, calls, method, active, stuck):
     """After an explicit step with contacts or sticking joints the points are located."""
     d, t = instances()
-    t.step.method, t.touch.active_count, t.friction.stuck_count = method, active, stuck
+    t.step.method, t.contacts.active_count, t.friction.stuck_count = method, active, stuck
     monkeypatch.setattr(replay, "make_implicit", lambda _d, _t, h: calls.append((IMPLICIT, h)))
     monkeypatch.setattr(replay.explicit, "make_step", lambda _, h: calls.append((EXPLICIT, h)))
     monkeypatch.setattr(replay, "locate_points", lambda _, y: calls.append(y))
@@ -223,7 +223,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     """Contacts have priority over mode changes, and mode changes over kinks of a force."""
     _, t = instances(regularized)
     t.step.start = t.step.end - 0.2
-    *t.touch.event, t.element.event[1], t.drive.mode_ends = events
+    *t.contacts.event, t.element.event[1], t.drive.mode_ends = events
     names = {KINK: "kink", RELEASE: "release"}
     monkeypatch.setattr(step_ends, "delay_of_crossing", lambda _t, c, kind: (c, kind))
     monkeypatch.setattr(step_ends, "delay_without_force_jump", lambda _t, c, kind: f"{names[kind]} of {c}")
@@ -242,7 +242,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
 def test_events_that_a_jump_causes_have_the_time_of_the_jump(calls, events):
     """A step of zero length ends where a force is beyond its kink, or a speed is much larger than before."""
     _, t = instances(events=events)
-    *t.touch.event, t.step.start, t.drive.mode_ends = *events, t.step.end, 1
+    *t.contacts.event, t.step.start, t.drive.mode_ends = *events, t.step.end, 1
     step_ends.move_end(t)
     assert calls == []
 
@@ -262,7 +262,7 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
     assert parts(t.step.end) == (pytest.approx(1.4999), [5.0, 1.0])
     assert parts(t.quadrature.state_end[0]) == (4.0, [1.0 + 7.0 * 2.0, 2.0 - 7.0 * 3.0])
     assert parts(t.quadrature.state_end[1]) == (6.0, [1.0 - 5.0 * 2.0, 2.0 + 5.0 * 3.0])
-    assert calls == [("mark_jump",)]
+    assert calls == [("count_break",)]
 
 
 @pytest.mark.parametrize(
@@ -271,7 +271,7 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
 )
 def test_a_step_after_a_drives_limit_starts_at_a_plain_time(monkeypatch, calls, limit, events, fixed):
     d, t = instances()
-    t.drive.mode_ends, t.touch.event, t.element.event = limit, list(events), [NONE] * 3
+    t.drive.mode_ends, t.contacts.event, t.element.event = limit, list(events), [NONE] * 3
     monkeypatch.setattr(step_ends, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))
     monkeypatch.setattr(replay, "repeat_step", lambda _d, t, _h: calls.append(("make", parts(t.step.end))))
     monkeypatch.setattr(replay, "copy_end_values", lambda _d, _t: None)

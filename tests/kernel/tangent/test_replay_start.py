@@ -48,7 +48,7 @@ PARAMETERS = {
     "drive": ("friction_moment", "torque_limit"),
     "walls": ("x", "y", "angle"),
     "initial": ("position", "velocity", "angle", "angular_velocity"),
-    "contact": ("exponent", "radius"),
+    "contact_settings": ("exponent", "radius"),
 }
 GIVEN = ("stiffness", "restitution", "friction", "static_friction", "motor", "tip_force")
 GIVEN += ("drive_damping", "drive_stiffness", "target", "target_velocity")
@@ -92,7 +92,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
         found = getattr(getattr(t, record), name)
         np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
         np.testing.assert_array_equal(slopes(found), own, err_msg=name)
-    assert t.contact.minimum_impact_speed == d.contact.minimum_impact_speed
+    assert t.contact_settings.minimum_impact_speed == d.contact_settings.minimum_impact_speed
     assert t.solver.tolerance == d.solver.tolerance
 
 
@@ -110,7 +110,7 @@ def test_given_values_hold_with_their_derivatives(both):
     assert candidate_laws.update_laws(t) == OK
     assert (t.law.number == number).all()
     assert t.given.law == number
-    assert t.contact.any_friction == 1
+    assert t.contact_settings.any_friction == 1
     assert (t.inputs.piece.degree, t.inputs.piece.until) == (1, 6.5)
     for name in GIVEN[:4]:
         for number in getattr(t.law, name):
@@ -127,7 +127,7 @@ def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
     d, t = both
     entry, e = CONTACT_LAWS[law], 0.6
     d.given.law, d.given.restitution = entry.number, e
-    d.contact.exponent = 1.5
+    d.contact_settings.exponent = 1.5
     assert candidate_laws.start_laws(d) == OK
     duals.copy_given(d, t, AT_START)
     replay.copy_given_and_modes(d, t)
@@ -166,9 +166,19 @@ def test_a_replay_starts_as_the_instance_does(twins):
     d.initial.angular_velocity[:], d.inputs.tip_force[:] = (0.3, -0.4), (1.0, 2.0)
     d.given.tip_force[:] = 1.0, 2.0
     assert initialize(d, 1.5) == OK
-    t.scratch.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
+    t.scratch.load.x[:], t.contacts.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
     replay.start_tangent(d, t)
-    records = ["chain", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch"]
+    records = [
+        "chain",
+        "contact_settings",
+        "law",
+        "initial",
+        "candidate",
+        "walls",
+        "inputs",
+        "impact",
+        "contacts",
+    ]
     records += ["given", "stops", "solver"]
     for record in records:
         dtype = d.numpy_record.dtype[record].base  # the type of a table's rows
@@ -206,10 +216,10 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     press_in(t, 4, 1e-3)
     active_contacts.latch_onset(t, 4)
     make_rigid(t, law == "newton_impact")
-    damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
+    damping, number = t.contacts.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
     assert candidate_laws.update_laws(d) == OK
-    t.scratch.load.x[:], t.touch.beyond_kink[4], t.step.communication_point, t.step.start_delay = (
+    t.scratch.load.x[:], t.contacts.beyond_kink[4], t.step.communication_point, t.step.start_delay = (
         9.0,
         5,
         1.0,
@@ -224,17 +234,17 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
     assert vectors(t.scratch.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
     assert (t.law.number[4], t.law.stiffness[4]) == (number, 3e5)
-    assert t.touch.active_count == 1
+    assert t.contacts.active_count == 1
     if law == "newton_impact":
-        assert t.touch.damping[4] == damping
-        assert t.touch.beyond_kink[4] == 5
+        assert t.contacts.damping[4] == damping
+        assert t.contacts.beyond_kink[4] == 5
     else:
-        mass, speed = t.touch.effective_mass[4], t.touch.law_speed[4]
+        mass, speed = t.contacts.effective_mass[4], t.contacts.law_speed[4]
         expected = CONTACT_LAWS[law].damping_factor(0.8) * 3e5 / speed
-        assert t.touch.damping[4] == pytest.approx(expected, rel=1e-12)
-        energy = force_formula.elastic_energy(t, 4, t.touch.depth_scale[4])
+        assert t.contacts.damping[4] == pytest.approx(expected, rel=1e-12)
+        energy = force_formula.elastic_energy(t, 4, t.contacts.depth_scale[4])
         assert energy == pytest.approx(0.5 * mass * speed**2, rel=1e-9)
-        assert t.touch.beyond_kink[4] in {0, 1}
+        assert t.contacts.beyond_kink[4] in {0, 1}
 
 
 @pytest.mark.parametrize(("ended", "expected"), [(2.0, 3), (2.5, 3), (2.6, trust.TRUSTED)])

@@ -104,8 +104,8 @@ def instance(events=(), speeds=(3.0, 4.0)):
     """Return two points with these speeds along x and y [m/s], and four candidates with these events."""
     events = (*events, *[NONE] * (4 - len(events)))
     t = SimpleNamespace(links=1, candidates=4)
-    t.touch = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)
-    t.touch.law_speed, t.touch.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
+    t.contacts = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)
+    t.contacts.law_speed, t.contacts.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
     t.candidate = SimpleNamespace(point=[4, 5, 6, 7], wall=[0, 1, 2, 3])
     t.law = SimpleNamespace(impulsive=[0] * 4, number=[trust.USER_LAW] * 4)
     t.law.minimum_impact_speed, t.law.static_friction = (
@@ -137,7 +137,11 @@ def told(t):
     # 1e-2 m/s; a rigid wall has no floor
     [
         *((-4.9e-3, 0, trust.GRAZING), (5e-3, 0, trust.GRAZING), (-5.1e-3, 0, trust.TRUSTED)),
-        *((-0.94e-2, 0, trust.TRUSTED), (-0.96e-2, 0, trust.AT_FLOOR), (-1.04e-2, 0, trust.AT_FLOOR)),
+        *(
+            (-0.94e-2, 0, trust.TRUSTED),
+            (-0.96e-2, 0, trust.AT_LEAST_SPEED),
+            (-1.04e-2, 0, trust.AT_LEAST_SPEED),
+        ),
         *((-1.06e-2, 0, trust.TRUSTED), (-0.96e-2, 1, trust.TRUSTED)),
     ],
 )
@@ -159,8 +163,8 @@ def test_the_slowest_of_several_onsets_is_named(monkeypatch):
         t = instance([ONSET, END, ONSET, ONSET])
         approaching(monkeypatch, rates[0], 0.0, *rates[1:])
         trust.check_onsets(t)
-        assert told(t) == (trust.AT_ONE_TIME, TIME, 4 + slowest, slowest)
-    for event, reason in ((END, trust.TRUSTED), (ONSET, trust.NOT_SOLVED)):
+        assert told(t) == (trust.SIMULTANEOUS_ONSETS, TIME, 4 + slowest, slowest)
+    for event, reason in ((END, trust.TRUSTED), (ONSET, trust.NOT_CONVERGED)):
         t = instance([event])
         t.trust.reason = reason
         trust.check_onsets(t)
@@ -181,7 +185,7 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
     # registered laws are not checked
     for present, number in ((False, trust.USER_LAW), (True, 1), (True, trust.USER_LAW)):
         t = instance()
-        t.touch.penetration_rate[2], t.law.number[2], t.scratch.located_at_end = (
+        t.contacts.penetration_rate[2], t.law.number[2], t.scratch.located_at_end = (
             dual(rates[0]),
             number,
             at_end,
@@ -191,7 +195,9 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
         trust.check_turns(t)
         if not (present and number == trust.USER_LAW):
             assert t.trust.reason == trust.TRUSTED
-    assert told(t) == ((trust.JUMP, TIME - 1.0, 6, 2) if turned and jumps else (trust.TRUSTED, 0.0, 9, 9))
+    assert told(t) == (
+        (trust.FORCE_JUMPS, TIME - 1.0, 6, 2) if turned and jumps else (trust.TRUSTED, 0.0, 9, 9)
+    )
     assert asked == ([(2, 1e-4)] if turned else [])
     assert set(located) == ({"state"} if not at_end else set())
 
@@ -222,5 +228,5 @@ def test_derivatives_are_trusted_up_to_the_named_impact():
         trust.mark_untrusted(t, trust.GRAZING, 2, time)
         assert told(t) == (trust.GRAZING, time, 6, 2)
         assert trust.is_trusted(t) == right
-    trust.mark_untrusted(t, trust.NOT_SOLVED, trust.NO_IMPACT, 0.5)
-    assert told(t) == (trust.NOT_SOLVED, 0.5, trust.NO_IMPACT, 0)
+    trust.mark_untrusted(t, trust.NOT_CONVERGED, trust.NO_IMPACT, 0.5)
+    assert told(t) == (trust.NOT_CONVERGED, 0.5, trust.NO_IMPACT, 0)

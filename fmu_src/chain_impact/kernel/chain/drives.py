@@ -7,8 +7,8 @@ inertia. The force or torque of a drive is
     F = u − c (ψ̇ − ψ̇_t) − k (ψ − ψ_t)
 
 u is the force or torque of the motor, c the damping and k the stiffness. If ψ_t and ψ̇_t are inputs, called
-targets, the drive is a servo; otherwise ψ_t is the position at which the spring has no force, and ψ̇_t is 0.
-F may have a limit. A drive with a limit has a mode, which changes only at events and re-initializations
+targets, the drive follows them; otherwise ψ_t is the position at which the spring has no force, and ψ̇_t is
+0. F may have a limit. A drive with a limit has a mode, which changes only at events and re-initializations
 (events/saturation.py). In mode 0 the drive has the force F of the formula, in mode 1 or −1 the positive or
 the negative limit in place of F. The rotor of a joint's drive has the armature I_a, the rotor's inertia
 reflected through the gear, so the drive transmits F − I_a ψ̈ to the link. A slider's drive has no rotor.
@@ -26,7 +26,7 @@ import math
 
 from chain_impact.kernel.chain.slider import along_slider, slider_position
 from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
-from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.function_marks import has_dual_rule
 
 # the largest excess of a drive's force F over the drive's limit that counts as round-off, relative to the
 # limit
@@ -67,7 +67,7 @@ def spring_stretch(d, y, i):
     """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i, in the state y.
 
     ψ is the joint's angle or the slider's position; ψ_t is the value of ψ at which the spring has no force: a
-    value of the scene, or the target of a servo.
+    value of the scene, or the target of the drive.
     """
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
@@ -188,12 +188,12 @@ def largest_slopes(d, i):
 
 
 def is_powered(d, i):
-    """Return whether drive i is powered: a drive of a scene with servos, or a drive with a limit.
+    """Return whether drive i is powered: a drive with targets, or a drive with a limit.
 
     Other drives are passive. All work of a powered drive counts as supplied energy. In a passive drive the
     spring stores energy, the damper dissipates energy, and the motor supplies energy.
     """
-    return d.chain.has_servos != 0 or d.drive.torque_limit[i] < math.inf
+    return d.chain.has_targets != 0 or d.drive.torque_limit[i] < math.inf
 
 
 def unlimited_spring_force(d, y, i):

@@ -29,7 +29,7 @@ in this form is derived in docs/computation.md.
 """
 
 from chain_impact.kernel.chain.state import omega_at, velocity_at
-from chain_impact.kernel.functions import has_complex_rule, inlined
+from chain_impact.kernel.function_marks import has_complex_rule, inlined
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""The inputs of the chain: torques, forces, and the targets of servos. Each is an array of the record.
+"""The inputs of the chain: torques, forces, and the targets of drives. Each is an array of the record.
 
 The part `given` of the record has the given values, and `inputs` the values in use. In a piece of the inputs,
 each value is a polynomial of time; column j has the coefficients of value j. The prescribed motions of base
@@ -10,7 +10,8 @@ EACH_DRIVE = 0  # stands in FIELDS for a number of values: the input has one val
 FIELDS = {
     # N·m, torque of the motor in a joint; for a slider N, force of the motor on the carriage
     "motor": EACH_DRIVE,
-    # rad or m, position at which the spring has no force: an input of a servo, else a value of the scene
+    # rad or m, position at which the spring has no force: an input if drives have targets, else a value of
+    # the scene
     "target": EACH_DRIVE,
     "target_velocity": EACH_DRIVE,  # rad/s or m/s, velocity at which the damper has no force
     "tip_force": 2,  # N, force on the tip, x and y in the world frame
@@ -34,10 +35,10 @@ def input_field(part, k):
 
 
 def is_of_drive(k):
-    """Return whether input k acts in drives: torques of motors, targets, or target velocities of servos."""
+    """Return whether input k acts in drives: torques of motors, targets, or target velocities."""
     return k in OF_DRIVES
 
 
 def is_used(d, k):
-    """Return whether input k can change within a piece: targets and target velocities only with servos."""
-    return k in (MOTOR, TIP_FORCE) or d.chain.has_servos
+    """Return whether input k can change within a piece: targets only if drives have them."""
+    return k in (MOTOR, TIP_FORCE) or d.chain.has_targets

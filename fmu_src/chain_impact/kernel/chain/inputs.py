@@ -5,7 +5,7 @@
 `given.piece` is the next piece and `inputs.piece` the piece in use; each has its `middle` [s] and `scale`
 [1/s]. u₀ of the next piece is the value in `given`. In a piece of degree 0 the inputs are constant.
 
-Prescribed motions (chain/motion.py) have the given coefficients in `given_channel.piece`, and the
+Prescribed motions (chain/prescribed_motion.py) have the given coefficients in `given_channel.piece`, and the
 coefficients in use in `channel.piece`. The caller sets the coefficients together with `given.piece`; or, if
 `given_channel.interpolates` is 1, they follow from the values given at the communication points: position s,
 velocity v and acceleration a, last changed at a time t₀. The motion to the next communication point, at t₁ =
@@ -20,13 +20,13 @@ speed changes at a uniform rate to v + a h, and the position is the integral of 
 import math
 
 from chain_impact.kernel.chain.input_fields import CHANNEL, TARGET, input_field, is_used
-from chain_impact.kernel.chain.motion import move_channels
+from chain_impact.kernel.chain.prescribed_motion import move_channels
 from chain_impact.kernel.chain.signals import has_signal, signal_at
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
 DEGREE = 9  # the highest degree of the polynomials of a piece of the inputs
-# values of given.changed beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
+# values of given.pending beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
 # the next piece of the inputs continues the piece in use without a jump
 REINITIALIZE, CONTINUES = 1, 2
 # Velocities v and v′, given at the start and the end of a time T, explain a given displacement if a velocity
@@ -54,9 +54,9 @@ TIME_ROUND_OFF = 4e-15
 def apply_inputs(d):
     """Use the given inputs, prescribed motions, dampings and stiffnesses of drives from now on.
 
-    `given.changed` is cleared.
+    `given.pending` is cleared.
     """
-    d.given.changed = 0
+    d.given.pending = 0
     given, piece, used = d.given, d.given.piece, d.inputs.piece
     used.degree, used.change_rate, used.until = piece.degree, piece.change_rate, piece.until
     used.middle, used.scale = piece.middle, piece.scale
@@ -78,8 +78,8 @@ def apply_inputs(d):
 
 
 def withdraw_request(d):
-    """Clear the mark `given.changed`, because the given values are already in use."""
-    d.given.changed = 0
+    """Clear the mark `given.pending`, because the given values are already in use."""
+    d.given.pending = 0
 
 
 def inputs_in_use(d):
@@ -163,7 +163,7 @@ def inputs_continue(d):
     The result is True if only this piece has been set, if this piece continues the present one without a
     jump, and if the last step ends at the communication point.
     """
-    return d.given.changed == CONTINUES and d.step.end - d.step.communication_point <= TIME_ROUND_OFF * abs(
+    return d.given.pending == CONTINUES and d.step.end - d.step.communication_point <= TIME_ROUND_OFF * abs(
         d.step.end
     )
 
@@ -197,7 +197,7 @@ def belts_jump(d):
     return d.channels > 0 and d.given_channel.jumps != 0
 
 
-def begin_motion(d, time):
+def begin_prescribed_motions(d, time):
     """Begin all prescribed motions at a ``time`` [s], the start of a run.
 
     If ``given_channel.interpolates`` is 1, a base or wall begins with the polynomial of its given position,
@@ -231,7 +231,7 @@ def begin_motion(d, time):
             piece.degree = 2
 
 
-def interpolate_motion(d, time):
+def interpolate_prescribed_motions(d, time):
     """Set the cubics of prescribed motions until a ``time`` [s], the next communication point.
 
     Each cubic starts at the present position and velocity of its channel, and ends on the motion that the
@@ -244,12 +244,12 @@ def interpolate_motion(d, time):
     given, channel, piece = d.given_channel, d.channel, d.given.piece
     if d.channels == 0 or not given.interpolates or not time > d.step.communication_point:
         return OK
-    if time == channel.until and d.given.changed != REINITIALIZE:
+    if time == channel.until and d.given.pending != REINITIALIZE:
         return OK  # the same communication step continues after a pause, so all is set
     now, h = d.step.communication_point, time - d.step.communication_point
     move_channels(d, now)
     for j in range(d.channels):
-        if not has_signal(d, j) and not record_given(d, j, now):
+        if not has_signal(d, j) and not store_given_motion(d, j, now):
             return refuse_channel(d, j)
     channel.until = time
     moves, jumps = False, False
@@ -265,8 +265,8 @@ def interpolate_motion(d, time):
     piece.until = time + TIME_ROUND_OFF / 4.0 * abs(time) if moves else math.inf
     piece.change_rate = CUBIC_CHANGE / h if moves else 0.0
     given.jumps = 0
-    if d.given.changed != REINITIALIZE:
-        d.given.changed = REINITIALIZE if jumps else CONTINUES
+    if d.given.pending != REINITIALIZE:
+        d.given.pending = REINITIALIZE if jumps else CONTINUES
     return OK
 
 
@@ -305,7 +305,7 @@ def set_cubic(d, j, time, h):
     return abs(bend) <= ACCELERATION_ROUND_OFF * size
 
 
-def record_given(d, j, now):
+def store_given_motion(d, j, now):
     """Record the values that are given to channel j at the communication point ``now`` [s].
 
     Return False if the position of a wall or belt jumps, else True. A base that is given a new position

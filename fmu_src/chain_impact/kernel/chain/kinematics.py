@@ -7,7 +7,7 @@ arm, the length of the longest link, and y is 0. So other modules treat a stop l
 this place touches. The last P places are the sites (chain/sites.py).
 """
 
-from chain_impact.kernel.chain.motion import move_channels_to_state
+from chain_impact.kernel.chain.prescribed_motion import move_channels_to_state
 from chain_impact.kernel.chain.sites import (
     accelerate_sites,
     clear_sites,
@@ -17,7 +17,7 @@ from chain_impact.kernel.chain.sites import (
     site_place,
 )
 from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
-from chain_impact.kernel.functions import has_dual_rule, inlined
+from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sine, direction
 
 

@@ -45,7 +45,7 @@ from chain_impact.kernel.chain.drives import joints_resist
 from chain_impact.kernel.chain.elimination import arm_of_link, hinge_inertia, inertia_along
 from chain_impact.kernel.chain.sites import has_link_moments, joint_place, site_arm, site_place
 from chain_impact.kernel.chain.state import ANGLES
-from chain_impact.kernel.functions import has_complex_rule, inlined
+from chain_impact.kernel.function_marks import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
 """Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix, with armatures and, in a

@@ -11,7 +11,7 @@ of all places the sites come after the points and the joints. Without sites, the
 terms.
 """
 
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.function_marks import inlined
 
 
 @inlined

@@ -10,7 +10,7 @@ contact; without a regularized contact u is constant and has no meaning. t is th
 step [s].
 """
 
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.function_marks import inlined
 
 # index of the first angle in y, and in a vector of changes of the coordinates; the base's x and y come before
 ANGLES = 2

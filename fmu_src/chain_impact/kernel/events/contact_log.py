@@ -14,7 +14,6 @@ from chain_impact.kernel.forces.active_contacts import (
     set_extremes,
     set_rates,
 )
-from chain_impact.kernel.loads import update_load_peaks
 from chain_impact.kernel.ode.dense import (
     commit_quadratures,
     event_fraction,
@@ -33,17 +32,18 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.ode.maximum import maximum_of
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import at_joint_stop, clearance, gap_acceleration, lever_of_candidate
+from chain_impact.kernel.transmitted_forces import raise_joint_force_peaks
 
 # number of samples of a constraint force over a step; the two ends of the step are among the samples
 HELD_SAMPLES = 5
 
 
 def update_peaks(d):
-    """Update the peaks of active contacts and, if loads are requested, of joint forces for the last step."""
-    if d.touch.active_count > 0:
+    """Update the peaks of active contacts and, if requested, of joint forces for the last step."""
+    if d.contacts.active_count > 0:
         update_extremes(d)
-    if d.loads > 0:
-        update_load_peaks(d)
+    if d.transmitted_rows > 0:
+        raise_joint_force_peaks(d)
 
 
 def update_extremes(d):
@@ -52,14 +52,14 @@ def update_extremes(d):
     A contact at a rigid wall has no penetration. The rate ẏ at the end of the step must be known; afterwards
     the points are located and accelerated there.
     """
-    touch = d.touch
+    contacts = d.contacts
     if any_point_held(d):
         update_held_extremes(d)
-    for k in range(touch.compliant_count):
+    for k in range(contacts.compliant_count):
         # the search for another contact's peaks may have located the points at a time before the end of the
         # step
         ensure_points(d)
-        c = touch.active_index[k]
+        c = contacts.active_index[k]
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
         peak, depth, _ = find_peaks(d, c, force_rate, d.step.end, SOLVER)
@@ -75,13 +75,13 @@ def find_peaks(d, c, force_rate, time, reader):
     ``time``. A third result is true if afterwards the points may be located at another time. ``force_rate``
     [N/s] is dF/dt at ``time``; ``reader`` tells for whom the peaks are, OUTPUTS or SOLVER.
     """
-    touch = d.touch
+    contacts = d.contacts
     gap, gap_rate = clearance(d, c)
     force = contact_force(d, c, gap, gap_rate)
-    peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
+    peak, depth = max(contacts.peak_force[c], force), max(contacts.max_penetration[c], -gap)
     # force and penetration have a maximum inside the step if their rates fall through zero
-    force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
-    depth_peaked = touch.penetration_rate[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
+    force_peaked = contacts.force_rate[c] > 0.0 and force_rate <= 0.0
+    depth_peaked = contacts.penetration_rate[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
     if force_peaked or depth_peaked:
         ensure_dense(d, reader)
     first = event_fraction(d)
@@ -100,7 +100,7 @@ def turns_at_end(d, c):
     At the kink the rate of the penetration is 0. If the point has approached until then, the penetration is
     largest there, so no search for the largest penetration is needed.
     """
-    return d.law.approach_only[c] and d.touch.event[c] == KINK
+    return d.law.approach_only[c] and d.contacts.event[c] == KINK
 
 
 def update_held_extremes(d):
@@ -114,24 +114,24 @@ def update_held_extremes(d):
         interpolate(step, theta, d.scratch.state)
         rate_from_state(d, d.scratch.state, d.scratch.rate)
         refine_rate(d, theta, d.scratch.state, d.scratch.rate)
-        for k in range(d.touch.compliant_count, d.touch.active_count):
-            c = d.touch.active_index[k]
+        for k in range(d.contacts.compliant_count, d.contacts.active_count):
+            c = d.contacts.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]
             peak, bend = right, left - 2.0 * top + right
             if j >= 2 and top > max(left, right):
                 peak = top - (right - left) * (right - left) / (8.0 * bend)
-            set_extremes(d, c, max(d.touch.peak_force[c], peak), d.touch.max_penetration[c])
+            set_extremes(d, c, max(d.contacts.peak_force[c], peak), d.contacts.max_penetration[c])
             samples[0, k], samples[1, k] = top, right
     count_evaluations(d, HELD_SAMPLES)
 
 
 def update_to_communication_point(d):
     """Cut the last step at the communication point, log active contacts there, and call ``on_truncate``."""
-    update_own_to_communication_point(d)
+    update_instance_to_communication_point(d)
     hooks.on_truncate(d)
 
 
-def update_own_to_communication_point(d):
+def update_instance_to_communication_point(d):
     """Do what ``update_to_communication_point`` does, but do not call ``on_truncate`` (kernel/hooks.py).
 
     The cost does not count, because the caller, not the motion, chooses the communication point.
@@ -155,7 +155,7 @@ def end_at_communication_point(d):
     due = d.step.end == d.step.communication_point
     truncate_to_communication_point(d)
     for c in range(d.candidates):
-        if not (due and d.touch.event[c] == ONSET):
+        if not (due and d.contacts.event[c] == ONSET):
             mark_contact_event(d, c, NONE)
     if not due:
         drop_changes(d)
@@ -168,14 +168,14 @@ def list_latest(d):
     accelerated at this time, and the outputs must already contain the forces and impulses.
     """
     latest, log, rows = d.latest, d.contact_log, d.contact_log.count
-    if latest.requested == 0 or (d.touch.active_count == 0 and latest.listed == rows):
+    if latest.requested == 0 or (d.contacts.active_count == 0 and latest.listed == rows):
         return
-    latest.listed = rows if d.touch.active_count == 0 else -1
+    latest.listed = rows if d.contacts.active_count == 0 else -1
     theta, time = fraction(d, d.step.communication_point), d.step.communication_point
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.active_count):
+        c = d.contacts.active_index[k]
         _, gap_rate = clearance(d, c)
-        peak, depth = max(d.touch.peak_force[c], d.output.force[c]), 0.0
+        peak, depth = max(d.contacts.peak_force[c], d.output.force[c]), 0.0
         if not d.law.impulsive[c]:
             peak, depth, elsewhere = find_peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
             if elsewhere:
@@ -261,19 +261,19 @@ def log_active(d):
     """
     row = d.contact_log.count
     for c in range(d.candidates):
-        if d.touch.active[c]:
+        if d.contacts.active[c]:
             log_with_peaks(d, c, row, math.nan, math.nan)
             row += 1
 
 
 def log_with_peaks(d, c, row, end, separation_speed):
-    """Log the contact of candidate c with the peaks in ``touch``, and raise the run's peaks (``d.peaks``).
+    """Log the contact of candidate c with the peaks in ``contacts``, and raise the run's peaks (``d.peaks``).
 
-    The peaks in ``touch`` belong to the time from the onset to the end of the last step. ``row``, ``end`` and
-    ``separation_speed`` are as for ``log_contact``.
+    The peaks in ``contacts`` belong to the time from the onset to the end of the last step. ``row``, ``end``
+    and ``separation_speed`` are as for ``log_contact``.
     """
-    touch, peaks, arm = d.touch, d.peaks, lever_of_candidate(d, c)
-    force, depth = touch.peak_force[c], touch.max_penetration[c]
+    contacts, peaks, arm = d.contacts, d.peaks, lever_of_candidate(d, c)
+    force, depth = contacts.peak_force[c], contacts.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.integral[c])
     if not at_joint_stop(d, c):
         peaks.force = max(peaks.force, force)
@@ -299,19 +299,19 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         impulse: ∫F dt of the candidate since the start of the run [N·s]; only the part from the onset is
             written.
     """
-    touch, log, arm = d.touch, d.contact_log, lever_of_candidate(d, c)
+    contacts, log, arm = d.contacts, d.contact_log, lever_of_candidate(d, c)
     entry = row % len(log.point)
-    log.impact_number[entry] = touch.impact_number[c]
+    log.impact_number[entry] = contacts.impact_number[c]
     log.point[entry] = d.candidate.point[c]
     log.wall[entry] = d.candidate.wall[c]
-    log.onset[entry] = touch.onset[c]
+    log.onset[entry] = contacts.onset[c]
     log.end[entry] = end
-    log.impact_speed[entry] = touch.impact_speed[c] / arm
+    log.impact_speed[entry] = contacts.impact_speed[c] / arm
     log.separation_speed[entry] = separation_speed / arm
     log.peak_force[entry] = peak_force * arm
     log.max_penetration[entry] = max_penetration / arm
-    log.effective_mass[entry] = touch.effective_mass[c] * arm * arm
+    log.effective_mass[entry] = contacts.effective_mass[c] * arm * arm
     log.impulse[entry] = (impulse - d.quadrature.impulse_at_onset[c]) * arm
-    log.joint_force[entry] = math.sqrt(touch.joint_square[c]) if touch.joint_square[c] > 0.0 else 0.0
-    log.joint[entry] = touch.joint[c]
-    log.x[entry], log.y[entry] = touch.x[c], touch.y[c]
+    log.joint_force[entry] = math.sqrt(contacts.joint_square[c]) if contacts.joint_square[c] > 0.0 else 0.0
+    log.joint[entry] = contacts.joint[c]
+    log.x[entry], log.y[entry] = contacts.x[c], contacts.y[c]

@@ -15,19 +15,18 @@ unless φ is linear up to round-off there.
 
 import math
 
-from chain_impact.kernel.chain import motion
+from chain_impact.kernel.chain import prescribed_motion
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.sites import site_of_point
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.events.exclusion import begin_next_interval, set_clearance, sundman_u_now
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark_contact_event
+from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.collocation import bound_curvatures
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import (
-    MOST_GUESSES,
     interpolate,
-    next_guess,
     rate_bounds,
     rate_bounds_along,
 )
@@ -174,7 +173,7 @@ def check_candidate(d, c, a, b):
     # An event needs a clearance or, in contact, a penetration φ < 0 at the end b of the interval. If b is the
     # end of the step, or if the point is in contact, an event needs φ < −`harmless`, because a point that is
     # beyond zero by less than `harmless` may turn back.
-    near = b == 1.0 or d.touch.active[c]
+    near = b == 1.0 or d.contacts.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
@@ -190,7 +189,7 @@ def check_candidate(d, c, a, b):
         # put a point deep inside a wall although the point does not move inward. A point in contact has an
         # event only if φ, here its penetration, falls: a point that moves inward has not left the wall,
         # even where the interpolant of a stiff step puts it outside.
-        return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
+        return CROSSES if falls or (end < -harmless <= start and not d.contacts.active[c]) else QUIET
     return SPLIT
 
 
@@ -225,13 +224,13 @@ def locate_crossing(d, a, b):
     first, located = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        kind = END if d.touch.active[c] else ONSET
+        kind = END if d.contacts.active[c] else ONSET
         mark_contact_event(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         # `first` is the earliest event so far; φ of all suspects (set_clearance) is known there, and a
         # candidate with φ ≥ 0 there has its event later
-        if d.touch.event[c] and d.search.phi_end[c] < 0.0:
+        if d.contacts.event[c] and d.search.phi_end[c] < 0.0:
             first = find_root(d, c, a, first)
             located = c
     within = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
@@ -366,11 +365,11 @@ def prescribed_bounds(d, c):
     speed, acceleration = 0.0, 0.0
     if d.chain.base_moves:
         for j in range(2):
-            v, a = motion.motion_bounds(d, j)
+            v, a = prescribed_motion.channel_bounds(d, j)
             component = abs(d.candidate.normal_x[c] if j == 0 else d.candidate.normal_y[c])
             speed, acceleration = speed + component * v, acceleration + component * a
     if d.wall_motion.first_channel[c] >= 0:
-        v, a = motion.motion_bounds(d, d.wall_motion.first_channel[c])
+        v, a = prescribed_motion.channel_bounds(d, d.wall_motion.first_channel[c])
         speed, acceleration = speed + v, acceleration + a
     return speed, acceleration
 

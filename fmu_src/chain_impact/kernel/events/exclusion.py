@@ -9,10 +9,11 @@ step, φ̇ and φ̈ those in time. δ is the penetration, and v₀ the impact sp
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.motion import fastest_wall, travel_of_piece
+from chain_impact.kernel.chain.prescribed_motion import fastest_wall, travel_of_piece
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
-from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
+from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_at
+from chain_impact.kernel.ode.sundman_rate import regularized_time_rate_change
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
 
 # [rad] If a link turns, or the phase of an input advances, by SMALL_TURN or more in an explicit step, the
@@ -89,11 +90,11 @@ def excludes_events(d):
         # The loop has no branches, so that the compiler can use vector instructions: both conditions are
         # evaluated for all candidates. The second condition is true for every contact: contacts with a force
         # are tested below, and held points have no crossings.
-        clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
-    for k in range(d.touch.compliant_count):
+        clear = clear & (stays_positive(d, c, apart) | (d.contacts.active[c] != 0))
+    for k in range(d.contacts.compliant_count):
         # `allowed_position_error` is not added: the errors of a penetration are far smaller than the errors
         # of a position
-        c = d.touch.active_index[k]
+        c = d.contacts.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
     if not clear:
         if turn < SMALL_TURN:
@@ -120,7 +121,7 @@ def suspect_some(d, apart, error):
     """
     search, count = d.search, 0
     for c in range(d.candidates):
-        if d.touch.active[c]:
+        if d.contacts.active[c]:
             suspected = not d.law.impulsive[c] and not stays_in_contact(d, c, error)
         else:
             suspected = not stays_positive(d, c, apart)
@@ -175,7 +176,7 @@ def remains_far(d):
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > allowed_position_error(d)):
         return False
     if step.regularized == NO_CONTACT:
-        far = d.touch.compliant_count == 0
+        far = d.contacts.compliant_count == 0
     else:
         far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(d, step.regularized)
     if far:
@@ -185,7 +186,7 @@ def remains_far(d):
 
 def force_stays_smooth(d, c):
     """Return whether contact c keeps its impact speed v₀ and crosses no kink in the last step."""
-    return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
+    return not (d.contacts.kink_crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):
@@ -194,7 +195,9 @@ def nearly_fast(d, c):
     The rate at the start of the step and the rate at the located points count.
     """
     _, gap_rate = clearance(d, c)
-    return max(d.touch.penetration_rate[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.touch.law_speed[c]
+    return (
+        max(d.contacts.penetration_rate[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.contacts.law_speed[c]
+    )
 
 
 def stays_positive(d, c, error):
@@ -236,16 +239,16 @@ def measure_all(d, y):
     """
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]
-    p, change = time_rate_of(d, u), time_rate_change(u, slope)
+    p, change = time_rate_at(d, u), regularized_time_rate_change(u, slope)
     least = math.inf
     for c in range(d.candidates):
         # derivatives of a clearance φ in the step's variable s, with p = dt/ds: φ′ = p φ̇, φ″ = p² φ̈ + p′ φ̇
         _, gap_rate = clearance(d, c)
         d.search.phi_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
-        least = min(least, math.inf if d.touch.active[c] else d.search.phi_end[c])
+        least = min(least, math.inf if d.contacts.active[c] else d.search.phi_end[c])
     d.search.safe_distance = least
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         if c == d.step.regularized:
             d.search.phi_end_curve[c] = root_curve(d, d.search.phi_end[c], d.search.phi_end_rate[c])
         else:
@@ -258,14 +261,14 @@ def set_clearances(d, y):
     ``set_clearance`` describes φ, and ``sundman_u_now`` u′. The points must be located.
     """
     u, slope = sundman_u_now(d, y)
-    p = time_rate_of(d, u)
+    p = time_rate_at(d, u)
     for c in range(d.candidates):
         # all candidates are first treated as without contact: a branch in this loop would cost more than
         # setting active contacts again below
         gap, gap_rate = clearance(d, c)
         d.search.phi_end[c], d.search.phi_end_rate[c] = gap, p * gap_rate
-    for k in range(d.touch.active_count):
-        set_clearance(d, d.touch.active_index[k], u, slope)
+    for k in range(d.contacts.active_count):
+        set_clearance(d, d.contacts.active_index[k], u, slope)
     return slope
 
 
@@ -291,15 +294,15 @@ def set_clearance(d, c, u, slope):
     if c == d.step.regularized:
         d.search.phi_end[c], d.search.phi_end_rate[c] = u, slope
         return
-    if d.touch.active[c] and d.law.impulsive[c]:
+    if d.contacts.active[c] and d.law.impulsive[c]:
         # φ of a held candidate must not fall to zero in the search, because its point is already at the
         # wall; marks.RELEASE ends its contact
         d.search.phi_end[c], d.search.phi_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)
-    sign = -1.0 if d.touch.active[c] else 1.0
+    sign = -1.0 if d.contacts.active[c] else 1.0
     d.search.phi_end[c] = sign * gap
-    d.search.phi_end_rate[c] = sign * time_rate_of(d, u) * gap_rate
+    d.search.phi_end_rate[c] = sign * time_rate_at(d, u) * gap_rate
 
 
 def begin_next_interval(d):

@@ -59,11 +59,11 @@ def end_if_point_left(d, c):
     contact has an error within the tolerance, so the point may still move inward or need a long time to get
     out. In these cases the contact does not end.
     """
-    touch = d.touch
+    contacts = d.contacts
     gap, gap_rate = clearance(d, c)
     # the time to get out, −g/ġ for the clearance g, is at most LEAVING_TIME times the contact's time scale,
     # expected penetration over impact speed
-    if gap_rate >= 0.0 and -gap * touch.law_speed[c] <= LEAVING_TIME * touch.depth_scale[c] * gap_rate:
+    if gap_rate >= 0.0 and -gap * contacts.law_speed[c] <= LEAVING_TIME * contacts.depth_scale[c] * gap_rate:
         end_contact(d, c, False)
 
 
@@ -92,7 +92,7 @@ def apply_events(d):
         wall holds a point or has an event; the scene has dry friction or a drive with a limit.
     """
     # ``onset``: the last candidate with a force law whose contact this function begins; −1: none begins
-    touch, onset, jumped = d.touch, -1, False
+    contacts, onset, jumped = d.contacts, -1, False
     # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
     # friction or drive mode and, in the loop below, after a kink or a relatch
     goes_on = pending_changes(d) + d.drive.mode_ends > 0
@@ -104,11 +104,11 @@ def apply_events(d):
         # because the stored forces may belong to another time, at which outputs were computed.
         rate_from_points(d, d.step.state_end, d.scratch.rate)
         count_evaluations(d, 1)
-    had_forces = touch.compliant_count > 0
+    had_forces = contacts.compliant_count > 0
     if not had_forces:
         control.store_flight_size(d)
     for c in range(d.candidates):
-        kind = touch.event[c]
+        kind = contacts.event[c]
         if d.law.impulsive[c]:
             rigid = rigid or kind != NONE
             continue
@@ -127,7 +127,7 @@ def apply_events(d):
     choose_saturation(d)
     if d.friction.used:
         choose_friction_modes(d, False)
-    if rigid and touch.compliant_count == 0:
+    if rigid and contacts.compliant_count == 0:
         if had_forces:
             # the proposed size suits the contact with a force that has just ended, but not the flight after
             # the contact
@@ -177,17 +177,17 @@ def choose_next_size(d, onset, goes_on):
             if none has.
         goes_on: whether the proposed size stays valid while contacts last; not used if ``onset`` ≥ 0.
     """
-    if d.touch.active_count == 0:
+    if d.contacts.active_count == 0:
         clear_loads(d)
         control.propose_flight_size(d)
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
         begin_flight(d)
     elif onset >= 0 or not (goes_on or d.step.method == IMPLICIT):
-        c = onset if onset >= 0 else d.touch.active_index[0]
+        c = onset if onset >= 0 else d.contacts.active_index[0]
         control.propose_size(d, control.size_at_onset(d, c, EXPLICIT))
     if onset >= 0:
         begin_impact(d, onset)
-        if d.step.method == EXPLICIT and d.touch.active_count > 1:
+        if d.step.method == EXPLICIT and d.contacts.active_count > 1:
             control.limit_next_size(d, control.size_at_onset_beside(d, onset))
 
 
@@ -196,9 +196,9 @@ def force_has_kink(d):
 
     KINK and END are such events; but if the regularized contact ends, the result is False.
     """
-    if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
+    if d.step.regularized >= 0 and d.contacts.event[d.step.regularized] == END:
         return False
     for c in range(d.candidates):
-        if d.touch.event[c] in (END, KINK):
+        if d.contacts.event[c] in (END, KINK):
             return True
     return False

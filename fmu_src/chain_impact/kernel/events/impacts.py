@@ -99,18 +99,18 @@ NEAR_WALL_CLEARANCE = 10.0
 def handle_impact(d):
     """Apply the events at rigid walls for the located points: first the impulses, then the new active set.
 
-    Onsets of contacts with a force law that are still marked in ``touch.event`` are applied after the
+    Onsets of contacts with a force law that are still marked in ``contacts.event`` are applied after the
     impulses, because the impulses change the points' speeds.
 
     Returns:
         The last candidate with a force law whose contact began, or −1 if none began.
     """
-    touch, onset = d.touch, -1
+    contacts, onset = d.contacts, -1
     # the state may be interpolated, so that it violates the constraints a little, and is projected first
     project_state(d, d.step.state_end)
     hit = False
     for c in range(d.candidates):
-        if touch.event[c] == ONSET and d.law.impulsive[c]:
+        if contacts.event[c] == ONSET and d.law.impulsive[c]:
             latch_onset(d, c)
             hit = True
     if hit:
@@ -136,7 +136,7 @@ def handle_impact(d):
 def rigid_onset(d):
     """Return whether an onset is marked at a rigid wall or a rigid stop."""
     for c in range(d.candidates):
-        if d.touch.event[c] == ONSET and d.law.impulsive[c]:
+        if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
             return True
     return False
 
@@ -150,7 +150,7 @@ def begin_late_contacts(d):
     onset, round_off = -1, SIGN_TOLERANCE * largest_velocity(d)
     for c in range(d.candidates):
         _, gap_rate = clearance(d, c)
-        if d.touch.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
+        if d.contacts.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
             begin_force_contact(d, c)
             onset = c
     list_touching(d)
@@ -160,8 +160,8 @@ def begin_late_contacts(d):
 def set_rates_after_impulses(d):
     """Set rates of contacts with a force law, and on which side of the kink they are, after the impulses."""
     locate_points_now(d, d.step.state_end)
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         _, gap_rate = clearance(d, c)
         # The force may have jumped to its peak, and its true rate may be negative, which would hide this peak
         # from the next search. So the rate of the force is set to a positive value, 1.0.
@@ -174,10 +174,14 @@ def join_near_contacts(d):
 
     Otherwise a link wedged between two walls would hit the walls in turn, infinitely often in a finite time.
     """
-    touch, far = d.touch, largest_coordinate(d)
+    contacts, far = d.contacts, largest_coordinate(d)
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if d.law.impulsive[c] and not touch.active[c] and gap < NEAR_WALL_CLEARANCE * release_gap(d, c, far):
+        if (
+            d.law.impulsive[c]
+            and not contacts.active[c]
+            and gap < NEAR_WALL_CLEARANCE * release_gap(d, c, far)
+        ):
             join_impact(d, c)
             mark_contact_event(d, c, NEIGHBOUR)
 
@@ -189,9 +193,9 @@ def apply_impulses(d):
         # The impulses add energy, as a NEIGHBOUR that moves away from its wall can cause, or a wedged point
         # cannot rebound. In both cases the impulses are found again with the restitution 0 of all contacts.
         lost, _ = find_impulses(d, 0.0)
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] > 0.0:
+    for k in range(d.contacts.active_count):
+        c = d.contacts.active_index[k]
+        if d.contacts.event[c] == NEIGHBOUR and d.constraints.impulse[k] > 0.0:
             latch_onset(d, c)
     add_change(d, d.step.state_end, velocity_at(d.links))
     count_dissipated(d, max(0.0, lost))
@@ -211,17 +215,17 @@ def find_impulses(d, fraction):
     constraints, lost, moved = d.constraints, 0.0, 0.0
     activate_all(d)
     set_unforced_to_state(d, 1)
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        c = d.contacts.active_index[k]
         least = d.law.minimum_impact_speed[c]
-        arrives = -constraints.unforced[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
+        arrives = -constraints.unforced[k] >= least and d.contacts.event[c] in (ONSET, NEIGHBOUR)
         # for a point that arrives with u⁻ < 0, the speed u⁺ after the impact is at least the restitution e
         # times the approach speed: u⁺ ≥ −e u⁻
         rebound = -fraction * d.law.restitution[c] * constraints.unforced[k] if arrives else 0.0
         add_to_active_set(d, k, rebound if rebound > LEAST_REBOUND_SPEED * least else 0.0)
     factorize_free(d)
     solve_lcp(d, largest_velocity(d))
-    for k in range(d.touch.active_count):
+    for k in range(d.contacts.active_count):
         # the energy that an impulse p dissipates, −½ p (u⁻ + u⁺), with the speeds u⁻ before and u⁺ after the
         # impulse
         lost -= 0.5 * constraints.impulse[k] * (constraints.unforced[k] + constraints.reached[k])
@@ -235,7 +239,7 @@ def lacks_rebound(d):
     This happens to a wedged point, to which no impulses can give the demanded speed.
     """
     short, scale = False, largest_velocity(d)
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         short = short or d.constraints.reached[k] < d.constraints.target[k] - IMPACT_ROUND_OFF * scale
     return short
 
@@ -251,9 +255,9 @@ def end_rebounding_contacts(d):
     # A point with the speed u rises to u²/(2 a) against a, the largest component of the accelerations of all
     # places. This height must exceed LEAST_RISE times the longest link.
     slow = math.sqrt(2.0 * fall * LEAST_RISE * d.chain.longest_link)
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        c = d.touch.active_index[k]
-        if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        c = d.contacts.active_index[k]
+        if d.contacts.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
             deactivate(d, c)  # this point is near its wall, but takes no part in the impact
         elif d.constraints.reached[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
@@ -271,10 +275,10 @@ def is_gentle(d):
     force = mean_mass(d) * d.links * (d.chain.gravity_size + d.chain.longest_link)
     slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)
     for c in range(d.candidates):
-        if d.touch.event[c] == ONSET and d.law.impulsive[c]:
-            speed = d.touch.impact_speed[c]
+        if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
+            speed = d.contacts.impact_speed[c]
             slow = slow and speed <= LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]
-            energy += 0.5 * d.touch.effective_mass[c] * speed * speed
+            energy += 0.5 * d.contacts.effective_mass[c] * speed * speed
             fall = max(fall, NEAR_WALL_CLEARANCE * release_gap(d, c, far))
     for i in range(d.friction.stuck_count):
         force += d.element.limit[d.element.stuck[i]]
@@ -292,8 +296,8 @@ def bring_to_rest(d, gentle):
 def end_changed_contacts(d):
     """End each held contact whose wall or stop has changed to a force law, so that new contacts can begin."""
     locate_points(d, d.step.state_end)
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        c = d.contacts.active_index[k]
         if not d.law.impulsive[c]:
             end_contact(d, c, True)
     list_touching(d)
@@ -306,7 +310,7 @@ def update_active_set(d):
     projection does not stop. The points of contacts that end by the choice get a small clearance. Afterwards
     no candidate is marked with an event.
     """
-    touch, state = d.touch, d.step.state_end
+    contacts, state = d.contacts, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)
         project_state(d, state)
@@ -316,8 +320,8 @@ def update_active_set(d):
         copy_factors(d, joints_loaded(d))
         scale = set_start_to_accelerations(d, state, rate)
         activate_all(d)
-        for k in range(touch.compliant_count, touch.active_count):
-            if touch.event[touch.active_index[k]] == RELEASE:
+        for k in range(contacts.compliant_count, contacts.active_count):
+            if contacts.event[contacts.active_index[k]] == RELEASE:
                 remove_from_active_set(d, k)
         solve_lcp(d, scale)
         release_contacts(d)
@@ -330,9 +334,9 @@ def update_active_set(d):
 def end_unstopped_contacts(d):
     """End the held contacts whose points the projection did not stop: only a pull could stop such a point."""
     scale = largest_velocity(d)
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if not d.constraints.in_active_set[k] and d.constraints.reached[k] > SIGN_TOLERANCE * scale:
-            end_contact(d, d.touch.active_index[k], True)
+            end_contact(d, d.contacts.active_index[k], True)
     list_touching(d)
 
 
@@ -351,8 +355,8 @@ def release_contacts(d):
     """End the held contacts that are not in the active set, and give them a clearance (``release_gap``)."""
     parting, far = False, largest_coordinate(d)
     set_unforced_to_state(d, 0)
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        c, released = d.touch.active_index[k], not d.constraints.in_active_set[k]
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        c, released = d.contacts.active_index[k], not d.constraints.in_active_set[k]
         add_to_active_set(d, k, release_gap(d, c, far) if released else 0.0)
         if released:
             end_contact(d, c, True)

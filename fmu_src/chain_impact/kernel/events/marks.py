@@ -1,20 +1,20 @@
-"""The marks of events that the search has found in the last step, in ``event`` of touch, element and drive.
+"""The marks of events found in the last step, in the parts ``contacts``, ``element`` and ``drive``.
 
 Only this module sets the marks. A mark stays until the next step applies the event (handlers.py,
 friction_modes.py, saturation.py), or until the last step is rejected or cut before the event. handlers.py and
 sampled.py describe the kinds of events.
 """
 
-NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5  # values of ``touch.event``
-# a value of ``touch.event`` that the search never sets: a point near a rigid wall takes part in the impact of
-# another point
+NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5  # values of ``contacts.event``
+# a value of ``contacts.event`` that the search never sets: a point near a rigid wall takes part in the impact
+# of another point
 NEIGHBOUR = 6
 SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two kinds of changes of a friction mode
 
 
 def mark_contact_event(d, c, kind):
     """Mark candidate c with an event of a ``kind``; the kind NONE removes the mark of c."""
-    d.touch.event[c] = kind
+    d.contacts.event[c] = kind
 
 
 def mark_change(d, e, kind):
@@ -31,7 +31,7 @@ def drop_events(d):
 def drop_contact_events(d):
     """Remove the marks of candidates, but keep the marks of friction modes and drives."""
     for c in range(d.candidates):
-        d.touch.event[c] = NONE
+        d.contacts.event[c] = NONE
 
 
 def drop_changes(d):
@@ -52,7 +52,7 @@ def mark_saturation(d, ends):
 def copy_marks(d, t):
     """Copy the marks of the primal instance d to the tangent instance t."""
     for c in range(d.candidates):
-        t.touch.event[c] = d.touch.event[c]
+        t.contacts.event[c] = d.contacts.event[c]
     for e in range(d.elements):
         t.element.event[e] = d.element.event[e]
     t.drive.mode_ends = d.drive.mode_ends
@@ -61,7 +61,7 @@ def copy_marks(d, t):
 def ends_in_onset(d):
     """Return whether any candidate has the mark ONSET: a contact begins where the last step ends."""
     for c in range(d.candidates):
-        if d.touch.event[c] == ONSET:
+        if d.contacts.event[c] == ONSET:
             return True
     return False
 

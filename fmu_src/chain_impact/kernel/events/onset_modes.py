@@ -21,7 +21,7 @@ COMPARISON_TIME = 1e-6
 
 def begins_now(d, e):
     """Return whether element e belongs to a contact that begins now, at the end of the last step."""
-    return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
+    return e < d.candidates and d.contacts.active[e] != 0 and d.contacts.onset[e] == d.step.end
 
 
 def decide_onsets(d):
@@ -36,8 +36,8 @@ def decide_onsets(d):
         return
     list_sticking(d)
     clear_loads_of(d, d.scratch.load)
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         if begins_now(d, c):
             add_along(normal_row(d, c), d.scratch.load, force_after_onset(d, c))
     scale = set_unforced_to_load_motion(d)
@@ -46,7 +46,7 @@ def decide_onsets(d):
     count_other_cost(d, 1)
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
-        force = d.constraints.impulse[d.touch.active_count + i]
+        force = d.constraints.impulse[d.contacts.active_count + i]
         if begins_at_rest(d, e) and abs(force) > d.law.static_friction[e] * force_after_onset(d, e):
             set_mode(d, e, sliding_sign(force))
 
@@ -61,6 +61,6 @@ def force_after_onset(d, c):
 
     The onset is at the present time. The estimate assumes that the point keeps the normal speed of the onset.
     """
-    speed = d.touch.impact_speed[c]
+    speed = d.contacts.impact_speed[c]
     force, _ = law_force(d, c, COMPARISON_TIME * speed, speed)
     return force

@@ -78,7 +78,7 @@ REST_SPEED = 1e-12
 FRICTION_EXCESS = 1e-10
 
 
-CONTACTS = (lambda d: d.touch.compliant_count, lambda d, k: d.touch.active_index[k])
+CONTACTS = (lambda d: d.contacts.compliant_count, lambda d, k: d.contacts.active_index[k])
 ELEMENTS = (lambda d: d.friction.count, lambda d, k: d.element.index[k])
 WHOLE = (lambda _d: 1, lambda _d, _k: 0)
 
@@ -159,22 +159,22 @@ def mark_kinks(d, c, theta):
     mark_contact_event(d, c, KINK)
     # contacts of a symmetric chain reach their kinks at one time, up to round-off: all are marked
     locate_at(d, min(1.0, theta + SIMULTANEOUS_TIME / d.step.size))
-    for k in range(d.touch.compliant_count):
-        if side_of_kink(d, d.touch.active_index[k]) < 0.0:
-            mark_contact_event(d, d.touch.active_index[k], KINK)
+    for k in range(d.contacts.compliant_count):
+        if side_of_kink(d, d.contacts.active_index[k]) < 0.0:
+            mark_contact_event(d, d.contacts.active_index[k], KINK)
     locate_at(d, theta)
 
 
 def side_of_kink(d, c):
     """Return ±``kink_height`` [N or m/s] of contact c; the sign makes it positive on the step's side."""
     height = kink_height(d, c)
-    return -height if d.touch.beyond_kink[c] else height
+    return -height if d.contacts.beyond_kink[c] else height
 
 
 def has_crossed(d, c):
     """Return whether a stage of the last step, or the located points, show that c has crossed its kink."""
     note_crossing(d, c, kink_height(d, c))
-    return d.touch.kink_crossed[c] != 0
+    return d.contacts.kink_crossed[c] != 0
 
 
 def side_of_kink_at(d, c, theta):
@@ -187,7 +187,7 @@ def relatch_margin(d, c, theta):
     """Return RELATCH_RATIO v₀ − δ̇ [m/s] of contact c at θ; if this is < 0, the speed v₀ is latched again."""
     locate_at(d, theta)
     _, gap_rate = clearance(d, c)
-    return RELATCH_RATIO * d.touch.law_speed[c] + gap_rate
+    return RELATCH_RATIO * d.contacts.law_speed[c] + gap_rate
 
 
 find_relatch = make_search(
@@ -210,8 +210,8 @@ def check_pull(d, _c):
     step is longer than LEAST_REJECTED_STEP, the function rejects the step and returns False.
     """
     least = 0.0
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        least = min(least, d.constraints.least_force[d.touch.active_index[k]])
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        least = min(least, d.constraints.least_force[d.contacts.active_index[k]])
     if not least < -pull_limit(d):
         return False
     if least < -plausible_pull(d) and d.step.size > LEAST_REJECTED_STEP:
@@ -264,9 +264,9 @@ def least_force(d, _c, theta):
 def mark_pulling(d, _c, theta):
     """Mark with RELEASE the held contacts that pull by ``pull_limit`` or more at θ of the last step."""
     least_force(d, 0, theta)
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if d.constraints.impulse[k] + pull_limit(d) <= 0.0:
-            mark_contact_event(d, d.touch.active_index[k], RELEASE)
+            mark_contact_event(d, d.contacts.active_index[k], RELEASE)
 
 
 def may_release(d, c):

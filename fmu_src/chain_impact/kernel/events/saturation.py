@@ -6,7 +6,7 @@ A mode is chosen at the start of a run, at events (sampled.py) and at re-initial
 from chain_impact.kernel.chain.drives import drive_count, drive_mode, unlimited_force
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.events.marks import mark_saturation
-from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.function_marks import has_dual_rule
 
 
 def clear_saturation(d):

@@ -39,7 +39,7 @@ from chain_impact.kernel.events.sampled import (
 from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
-from chain_impact.kernel.ode.sundman import time_rate_now
+from chain_impact.kernel.ode.sundman import time_rate_for_sizes
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
@@ -122,7 +122,7 @@ def find_sampled_event(d, theta):
         theta = find_release(d, theta)
         if not accepted(d):
             return -1.0
-        if d.touch.compliant_count > 0:
+        if d.contacts.compliant_count > 0:
             locate_at(d, theta if theta >= 0.0 else 1.0)
     theta = find_kink(d, find_relatch(d, theta))
     return find_saturation(d, find_mode_change(d, theta))
@@ -145,7 +145,7 @@ def is_credible_crossing(d, theta):
         # rejection would not help
         return True
     for c in range(d.candidates):
-        if d.touch.event[c] == ONSET:
+        if d.contacts.event[c] == ONSET:
             deep = d.search.phi_end[c] < -DEEPEST_ONSET * d.chain.longest_link
             if deep or d.search.phi_end_rate[c] > 0.0:
                 return False
@@ -163,8 +163,8 @@ def starts_clear(d, lasted):
     accelerate_points(d, d.step.state, d.scratch.rate_start)
     clear = False
     for c in range(d.candidates):
-        if d.touch.event[c] in (ONSET, END) and c != d.step.regularized:
-            sign = -1.0 if d.touch.active[c] else 1.0
+        if d.contacts.event[c] in (ONSET, END) and c != d.step.regularized:
+            sign = -1.0 if d.contacts.active[c] else 1.0
             gap, gap_rate = clearance(d, c)
             # the change of the clearance g, also of a candidate in contact: ġ t + ½ g̈ t²
             move = lasted * (gap_rate + 0.5 * lasted * gap_acceleration(d, c))
@@ -223,9 +223,9 @@ def onset_lateness(d, y):
     """
     locate_points(d, y)
     latest, deepest = -math.inf, 0.0
-    seconds = d.step.size * time_rate_now(d, y)
+    seconds = d.step.size * time_rate_for_sizes(d, y)
     for c in range(d.candidates):
-        if d.touch.event[c] == ONSET:
+        if d.contacts.event[c] == ONSET:
             gap, gap_rate = clearance(d, c)
             late = gap / (gap_rate * seconds)
             if abs(late) > LANDING_TIME and abs(gap) <= CLEARANCE_ROUND_OFF * (
@@ -244,7 +244,7 @@ def drop_separating(d, theta):
     """
     left = False
     for c in range(d.candidates):
-        if not d.touch.active[c] and d.search.phi_end_rate[c] > 0.0:
+        if not d.contacts.active[c] and d.search.phi_end_rate[c] > 0.0:
             mark_contact_event(d, c, NONE)
-        left = left or d.touch.event[c] != NONE
+        left = left or d.contacts.event[c] != NONE
     return theta if left else -1.0

@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.signals import next_segment, segment_end, set_seg
 from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import reinit_contacts_and_modes
 from chain_impact.kernel.events.marks import drop_events
-from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction
 from chain_impact.kernel.ode.last_step import (
     SOLVER,

@@ -21,7 +21,7 @@ from chain_impact.kernel.forces.friction import (
     list_friction,
     may_have_friction,
 )
-from chain_impact.kernel.functions import clear_numbers
+from chain_impact.kernel.record_operations import clear_numbers
 from chain_impact.kernel.rows.compliance import effective_mass
 from chain_impact.kernel.rows.geometry import (
     add_along,
@@ -65,8 +65,8 @@ def apply_contact(d, c, gap, gap_rate):
 
 
 def store_force(d, c, force):
-    """Store the ``force`` [N] of candidate c, > 0 for a push along the normal, in ``touch.force``."""
-    d.touch.force[c] = force
+    """Store the ``force`` [N] of candidate c, > 0 for a push along the normal, in ``contacts.force``."""
+    d.contacts.force[c] = force
 
 
 def clear_loads(d):
@@ -80,14 +80,14 @@ def clear_loads(d):
 def apply_contacts(d):
     """Set the loads to the input force at the tip, forces of contacts with a force law, and sliding friction.
 
-    Earlier loads are cleared. The points must be located. ``touch.beyond_kink`` tells which side's formula
+    Earlier loads are cleared. The points must be located. ``contacts.beyond_kink`` tells which side's formula
     gives a contact force (``continued_force``); the sliding friction includes joints and slider. Return the
     power [W] that these contact forces and the sliding friction dissipate.
     """
     clear_loads(d)
     dissipated = 0.0
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         gap, gap_rate = clearance(d, c)
         dissipated += apply_contact(d, c, gap, gap_rate)
     return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
@@ -99,11 +99,11 @@ def apply_true_contacts(d):
     A step may continue a force below 0; the true force is cut off at 0. Nothing is returned.
     """
     clear_loads(d)
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         gap, gap_rate = clearance(d, c)
         store_force(d, c, contact_force(d, c, gap, gap_rate))
-        add_along(normal_row(d, c), d.scratch.load, d.touch.force[c])
+        add_along(normal_row(d, c), d.scratch.load, d.contacts.force[c])
     if d.friction.count > 0:
         apply_friction(d)
 
@@ -138,24 +138,24 @@ def latch_onset(d, c):
     the contact. Later, ``relatch`` or a new law can change these values, except the effective mass.
     """
     _, gap_rate = clearance(d, c)
-    touch = d.touch
-    touch.onset[c] = d.step.end
-    touch.x[c], touch.y[c] = touching_position(d, c)
+    contacts = d.contacts
+    contacts.onset[c] = d.step.end
+    contacts.x[c], contacts.y[c] = touching_position(d, c)
     # the onset speed is 0 if the point moves outward, because of an integration error or another impact
-    touch.impact_speed[c] = max(0.0, 0.0 - gap_rate)
-    touch.law_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
+    contacts.impact_speed[c] = max(0.0, 0.0 - gap_rate)
+    contacts.law_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     set_rates(d, c, -gap_rate, 1.0)  # 1.0: the force rises after the onset
     set_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
-    touch.effective_mass[c] = effective_mass(d, c)
+    contacts.effective_mass[c] = effective_mass(d, c)
     latch(d, c)
-    touch.active[c] = 1
+    contacts.active[c] = 1
     d.impact.count += 1
-    touch.impact_number[c] = d.impact.count
+    contacts.impact_number[c] = d.impact.count
     d.impact.last_time = d.step.end
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
-    d.impact.last_speed = touch.impact_speed[c] / lever_of_candidate(d, c)
+    d.impact.last_speed = contacts.impact_speed[c] / lever_of_candidate(d, c)
     d.quadrature.impulse_at_onset[c] = d.quadrature.integral[c]
 
 
@@ -186,19 +186,19 @@ def relatch(d, c, factor):
 
     The expected penetration, the damping and the side of the law's kink depend on v₀.
     """
-    d.touch.law_speed[c] *= factor
+    d.contacts.law_speed[c] *= factor
     latch(d, c)
     set_kink_side(d, c)
 
 
 def join_impact(d, c):
     """Make candidate c active without an onset: c takes part in the impact of another candidate."""
-    d.touch.active[c] = 1
+    d.contacts.active[c] = 1
 
 
 def deactivate(d, c):
     """Make candidate c inactive: its contact has ended."""
-    d.touch.active[c] = 0
+    d.contacts.active[c] = 0
 
 
 def set_rates(d, c, speed, force_rate):
@@ -207,7 +207,7 @@ def set_rates(d, c, speed, force_rate):
     That step contains a peak if one of the rates falls through 0 in the step (``find_peaks``). Only the sign
     of the force's rate counts. At a joint's stop, too, lengths are in m: angles times the lever arm.
     """
-    d.touch.penetration_rate[c], d.touch.force_rate[c] = speed, force_rate
+    d.contacts.penetration_rate[c], d.contacts.force_rate[c] = speed, force_rate
 
 
 def expect_peaks(d):
@@ -215,13 +215,13 @@ def expect_peaks(d):
 
     The search is needed after changes of modes, laws or inputs, because the forces may rise then.
     """
-    for k in range(d.touch.compliant_count):
-        d.touch.force_rate[d.touch.active_index[k]] = 1.0
+    for k in range(d.contacts.compliant_count):
+        d.contacts.force_rate[d.contacts.active_index[k]] = 1.0
 
 
 def set_extremes(d, c, peak_force, max_penetration):
     """Set the peak force [N] and the largest penetration [m] of candidate c since its contact began."""
-    d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
+    d.contacts.peak_force[c], d.contacts.max_penetration[c] = peak_force, max_penetration
 
 
 def set_joint_square(d, c, top, joint):
@@ -229,19 +229,19 @@ def set_joint_square(d, c, top, joint):
 
     ``joint`` is the number 1…N of the joint with this force f; 0 if there is none.
     """
-    d.touch.joint_square[c], d.touch.joint[c] = top, joint
+    d.contacts.joint_square[c], d.contacts.joint[c] = top, joint
 
 
 def cross_kink(d, c):
     """Switch candidate c, whose force is at its kink, to the smooth force of the kink's other side."""
-    touch = d.touch
+    contacts = d.contacts
     if is_cut_off(d, c):
-        touch.force_rate[c] = 1.0  # 1.0: the force may rise
+        contacts.force_rate[c] = 1.0  # 1.0: the force may rise
     if d.law.approach_only[c]:
         # at this kink the rate of the penetration is 0; the largest penetration up to this time has been
         # recorded, and is not searched for again
-        touch.penetration_rate[c] = 0.0
-    touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
+        contacts.penetration_rate[c] = 0.0
+    contacts.beyond_kink[c] = 1 - contacts.beyond_kink[c]
 
 
 def kink_height(d, c):
@@ -251,44 +251,44 @@ def kink_height(d, c):
 
 
 def set_kink_side(d, c):
-    """Set ``touch.beyond_kink`` of candidate c: whether its force is beyond its kink, at located points."""
-    d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
+    """Set ``contacts.beyond_kink``: whether candidate c's force is beyond its kink, at located points."""
+    d.contacts.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
 def set_kink_sides(d):
-    """Set ``touch.beyond_kink`` of all active contacts with a force law, for the located points."""
-    for k in range(d.touch.compliant_count):
-        set_kink_side(d, d.touch.active_index[k])
+    """Set ``contacts.beyond_kink`` of all active contacts with a force law, for the located points."""
+    for k in range(d.contacts.compliant_count):
+        set_kink_side(d, d.contacts.active_index[k])
 
 
 def list_touching(d):
-    """List the active contacts in ``touch.active_index``; contacts with a force law come first.
+    """List the active contacts in ``contacts.active_index``; contacts with a force law come first.
 
     The function also counts the stops of joints among the active contacts. It lists the elements that have
     dry friction at present (active contacts, joints and the slider), and the sticking ones among these.
     """
-    touch = d.touch
-    touch.active_count = 0
-    touch.listings += 1
-    if d.contact.any_force:
+    contacts = d.contacts
+    contacts.active_count = 0
+    contacts.listings += 1
+    if d.contact_settings.any_force:
         list_kind(d, 0)
-    touch.compliant_count = touch.active_count
-    if d.contact.any_rigid:
+    contacts.compliant_count = contacts.active_count
+    if d.contact_settings.any_rigid:
         list_kind(d, 1)
-    touch.joint_stop_count = 0
-    for k in range(touch.active_count if d.chain.has_joint_stops else 0):
-        touch.joint_stop_count += at_joint_stop(d, touch.active_index[k])
+    contacts.joint_stop_count = 0
+    for k in range(contacts.active_count if d.chain.has_joint_stops else 0):
+        contacts.joint_stop_count += at_joint_stop(d, contacts.active_index[k])
     if d.friction.used:
         list_friction(d)
 
 
 def list_kind(d, impulsive):
-    """Append the active contacts of one kind to the list ``touch.active_index``.
+    """Append the active contacts of one kind to the list ``contacts.active_index``.
 
     ``impulsive`` is 1 for the contacts at rigid walls, 0 for the contacts with force laws.
     """
-    touch = d.touch
+    contacts = d.contacts
     for c in range(d.candidates):
-        if touch.active[c] and d.law.impulsive[c] == impulsive:
-            touch.active_index[touch.active_count] = c
-            touch.active_count += 1
+        if contacts.active[c] and d.law.impulsive[c] == impulsive:
+            contacts.active_index[contacts.active_count] = c
+            contacts.active_count += 1

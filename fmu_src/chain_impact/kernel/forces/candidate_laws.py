@@ -14,6 +14,7 @@ import math
 
 from chain_impact.kernel.chain.inertia import given_or_derived
 from chain_impact.kernel.forces import user_law
+from chain_impact.kernel.forces.friction import choose_wall_friction
 from chain_impact.kernel.forces.laws import (
     ANY,
     APPROACH_ONLY,
@@ -23,10 +24,9 @@ from chain_impact.kernel.forces.laws import (
     RATE_EXPONENTS,
     damping_factor,
     is_impulsive,
-    wall_friction,
 )
-from chain_impact.kernel.functions import copy_row
 from chain_impact.kernel.mathematics.powers import power
+from chain_impact.kernel.record_operations import copy_row
 from chain_impact.kernel.rows.geometry import at_joint_stop, at_stop
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
@@ -87,14 +87,14 @@ def update_laws(d):
     status = check_laws(d)
     if status != OK:
         return status
-    d.contact.any_force, d.contact.any_rigid, d.contact.any_friction = 0, 0, 0
+    d.contact_settings.any_force, d.contact_settings.any_rigid, d.contact_settings.any_friction = 0, 0, 0
     d.stops.restitution = given_or_derived(d.given.stop_restitution, d.given.restitution)
     for c in range(d.candidates):
         first = d.law.same_as[c]
         if first == c:
             derive_damping(d, c)
             set_parameters(d, c)
-            record_law_kind(d, c)
+            set_law_flags(d, c)
         else:
             copy_row(d.law, first, c)  # a copy is faster than setting the same law again
     return OK
@@ -109,8 +109,8 @@ def check_laws(d):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
             return refuse_candidate(d, c, status)
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         if is_impulsive(given_number(d, c)):
             return refuse_candidate(d, c, RIGID_WHILE_TOUCHING)
     return OK
@@ -131,14 +131,14 @@ def is_in_use(d, c):
     return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
 
 
-def record_law_kind(d, c):
-    """Set the flags in ``contact`` for the law of candidate c: a force or a rigid wall, and dry friction."""
+def set_law_flags(d, c):
+    """Set the flags in ``contact_settings`` for c's law: a force or a rigid wall, and dry friction."""
     if d.law.static_friction[c] > 0.0:
-        d.contact.any_friction = 1
+        d.contact_settings.any_friction = 1
     if d.law.impulsive[c]:
-        d.contact.any_rigid = 1
+        d.contact_settings.any_rigid = 1
     else:
-        d.contact.any_force = 1
+        d.contact_settings.any_force = 1
 
 
 def given_number(d, c):
@@ -150,9 +150,9 @@ def given_number(d, c):
 
 
 def given_stiffness(d, c):
-    """Return the given stiffness K [N/mⁿ] of candidate c: that of its wall, else that of ``contact``.
+    """Return the given stiffness K [N/mⁿ] of candidate c: that of its wall, else ``given.stiffness``.
 
-    A stop of the slider has that of ``contact``. The stiffness of stops in joints, given in N·m/radⁿ, is
+    A stop of the slider has ``given.stiffness``. The stiffness of stops in joints, given in N·m/radⁿ, is
     converted to that of a contact at the lever arm.
     """
     if at_joint_stop(d, c):
@@ -180,20 +180,20 @@ def given_restitution(d, c):
 def given_friction(d, c):
     """Return the given coefficients of sliding and of static friction of candidate c.
 
-    They are the wall's own coefficients or the common ones, by the rule of ``wall_friction``: a static
+    They are the wall's own coefficients or the common ones, by the rule of ``choose_wall_friction``: a static
     coefficient of 0 stands for one that equals the sliding coefficient. Both are 0 for a stop.
     """
     if at_stop(d, c):
         return 0.0, 0.0
     given, walls, wall = d.given, d.walls, d.candidate.wall[c]
-    return wall_friction(
+    return choose_wall_friction(
         given.friction, given.static_friction, walls.friction[wall], walls.static_friction[wall]
     )
 
 
 def law_exponent(d, c):
     """Return the exponent n given for candidate c: that of stops in joints, or the common one."""
-    return d.stops.exponent if at_joint_stop(d, c) else d.contact.exponent
+    return d.stops.exponent if at_joint_stop(d, c) else d.contact_settings.exponent
 
 
 def check_law(d, c):
@@ -254,7 +254,7 @@ def set_parameters(d, c):
     law.number[c], law.exponent[c] = given_number(d, c), law_exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
     law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS_DEPTH * d.chain.longest_link
-    law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
+    law.minimum_impact_speed[c] = d.contact_settings.minimum_impact_speed
     law.friction[c], static = given_friction(d, c)
     law.static_friction[c] = max(law.friction[c], static)
     if at_joint_stop(d, c):

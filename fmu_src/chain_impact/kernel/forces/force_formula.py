@@ -7,9 +7,9 @@ differ only in d, in the exponents n and p, and in whether they damp on approach
 
 The force has a kink. For a law that damps on approach only, the kink lies at δ̇ = 0; for any other law, it
 lies where the cut at 0 begins or ends. A step across a kink would lose its order of accuracy. So a step uses
-the smooth formula of one side of the kink, even where the contact is on the other side; ``touch.beyond_kink``
-tells which formula. If the contact crosses the kink in a step, the step is repeated to end there
-(events/sampled.py). Outputs and peaks use the true force.
+the smooth formula of one side of the kink, even where the contact is on the other side;
+``contacts.beyond_kink`` tells which formula. If the contact crosses the kink in a step, the step is repeated
+to end there (events/sampled.py). Outputs and peaks use the true force.
 """
 
 import math
@@ -17,7 +17,7 @@ import math
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
-from chain_impact.kernel.functions import has_dual_rule, inlined
+from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 
@@ -86,33 +86,33 @@ def set_expected_depth(d, c):
 
     A rigid wall has no penetration; for a candidate at a rigid wall the length of the longest link is set.
     """
-    touch = d.touch
+    contacts = d.contacts
     if d.law.impulsive[c]:
-        touch.depth_scale[c] = d.chain.longest_link
+        contacts.depth_scale[c] = d.chain.longest_link
     else:
-        touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.law_speed[c])
+        contacts.depth_scale[c] = elastic_depth(d, c, contacts.effective_mass[c], contacts.law_speed[c])
 
 
 def set_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, from impact speed and effective mass of its contact.
 
-    p is the exponent of the penetration δ in the damping force. The function also sets ``touch.kink_margin``:
-    the |δ̇| up to which a law that damps on approach only may be on the wrong side of its kink; 0 for other
-    laws.
+    p is the exponent of the penetration δ in the damping force. The function also sets
+    ``contacts.kink_margin``: the |δ̇| up to which a law that damps on approach only may be on the wrong side
+    of its kink; 0 for other laws.
     """
-    law, touch, number = d.law, d.touch, d.law.number[c]
+    law, contacts, number = d.law, d.contacts, d.law.number[c]
     factor, stiffness = law.damping_factor[c], law.stiffness[c]
     mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
     if mass_power == 0.0:
         # the damping d = λ K/v₀ of the Hunt–Crossley family, with factor λ, stiffness K and impact speed v₀
-        touch.damping[c] = factor * stiffness / touch.law_speed[c]
+        contacts.damping[c] = factor * stiffness / contacts.law_speed[c]
     else:
         # damping d = f K^(1−s) m^s × ``unit_of_damping``, with the law's factor f and exponent s,
         # stiffness K and effective mass m
-        ratio = touch.effective_mass[c] / stiffness
+        ratio = contacts.effective_mass[c] / stiffness
         factor_of_mass = power(ratio, mass_power)
-        touch.damping[c] = factor * stiffness * factor_of_mass * unit_of_damping(d, c, mass_power)
-    touch.kink_margin[c] = turning_margin(d, c) if law.approach_only[c] else 0.0
+        contacts.damping[c] = factor * stiffness * factor_of_mass * unit_of_damping(d, c, mass_power)
+    contacts.kink_margin[c] = turning_margin(d, c) if law.approach_only[c] else 0.0
 
 
 def unit_of_damping(d, c, mass_power):
@@ -143,7 +143,7 @@ def turning_margin(d, c):
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
-    return TURNING_RATE * least * d.touch.law_speed[c] + tolerance * d.chain.longest_link
+    return TURNING_RATE * least * d.contacts.law_speed[c] + tolerance * d.chain.longest_link
 
 
 def law_force(d, c, depth, rate):
@@ -160,11 +160,11 @@ def law_force(d, c, depth, rate):
 def continued_force(d, c, depth, rate):
     """Return force and elastic part [N] as ``law_force``, but by one side's formula on both sides of a kink.
 
-    ``touch.beyond_kink`` of candidate c tells which side's formula is used. If the contact is on the other
-    side by more than a margin, the function sets ``touch.kink_crossed``, so that the step is repeated to end
-    at the kink.
+    ``contacts.beyond_kink`` of candidate c tells which side's formula is used. If the contact is on the other
+    side by more than a margin, the function sets ``contacts.kink_crossed``, so that the step is repeated to
+    end at the kink.
     """
-    beyond = d.touch.beyond_kink[c] != 0
+    beyond = d.contacts.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     approach_only = d.law.approach_only[c] != 0
     note_crossing(d, c, rate if approach_only else force)
@@ -174,10 +174,10 @@ def continued_force(d, c, depth, rate):
 def force_on_side(d, c, depth, rate):
     """Return the true force ≥ 0 [N] of candidate c at a penetration ``depth`` [m] and its ``rate`` [m/s].
 
-    For a law that damps on approach only, ``touch.beyond_kink`` tells whether the damping acts. The sign of
-    the rate δ̇ cannot tell this, because δ̇ is 0 up to errors in a contact without motion.
+    For a law that damps on approach only, ``contacts.beyond_kink`` tells whether the damping acts. The sign
+    of the rate δ̇ cannot tell this, because δ̇ is 0 up to errors in a contact without motion.
     """
-    leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
+    leaves = d.contacts.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
     force, _ = uncut_force(d, c, depth, rate, leaves)
     return 0.0 if force < 0.0 else force
 
@@ -185,17 +185,18 @@ def force_on_side(d, c, depth, rate):
 def note_crossing(d, c, height):
     """Record that candidate c has crossed its kink, if ``height`` is across it by more than ``kink_margin``.
 
-    ``height`` is the result of ``height_over_kink``; ``touch.beyond_kink`` tells the side before a crossing.
+    ``height`` is the result of ``height_over_kink``; ``contacts.beyond_kink`` tells the side before a
+    crossing.
     """
-    margin = d.touch.kink_margin[c]
-    if height > margin if d.touch.beyond_kink[c] else height < -margin:
-        d.touch.kink_crossed[c] = 1
+    margin = d.contacts.kink_margin[c]
+    if height > margin if d.contacts.beyond_kink[c] else height < -margin:
+        d.contacts.kink_crossed[c] = 1
 
 
 def clear_crossings(d):
-    """Set ``touch.kink_crossed`` of all active contacts to 0: no kink has been crossed yet in the step."""
-    for k in range(d.touch.active_count):
-        d.touch.kink_crossed[d.touch.active_index[k]] = 0
+    """Set ``contacts.kink_crossed`` of all active contacts to 0: no kink has been crossed yet in the step."""
+    for k in range(d.contacts.active_count):
+        d.contacts.kink_crossed[d.contacts.active_index[k]] = 0
 
 
 def height_over_kink(d, c, depth, rate):
@@ -212,7 +213,7 @@ def height_over_kink(d, c, depth, rate):
 
 def is_cut_off(d, c):
     """Return whether a step uses the force 0 for candidate c, because the contact is beyond the cut at 0."""
-    return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
+    return d.contacts.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
 @inlined
@@ -235,7 +236,7 @@ def user_contact_force(d, c, depth, rate):
     and ``rate`` to angles, and the moment to a force.
     """
     law, arm = d.law, lever_of_candidate(d, c)
-    speed, mass = d.touch.law_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
+    speed, mass = d.contacts.law_speed[c] / arm, d.contacts.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
     if at_joint_stop(d, c):
         stiffness *= power(arm, law.exponent[c] + 1.0)
@@ -270,7 +271,7 @@ def damping_slope(d, c, depth, leaves, spring):
     if law.approach_only[c] and leaves:
         return 0.0
     same = law.rate_exponent[c] == law.exponent[c]
-    return d.touch.damping[c] * (spring if same else power_of_depth(depth, law.rate_exponent[c]))
+    return d.contacts.damping[c] * (spring if same else power_of_depth(depth, law.rate_exponent[c]))
 
 
 def law_slopes(d, c, depth, rate):
@@ -283,7 +284,7 @@ def law_slopes(d, c, depth, rate):
     if d.law.number[c] == USER_LAW and user_law.is_present():
         return user_slopes(d, c, depth, rate)
     exponent = d.law.exponent[c]
-    beyond = d.touch.beyond_kink[c] != 0
+    beyond = d.contacts.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power_of_depth(depth, exponent))
     # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ for the force F and the penetration δ. For n ≥ p and F ≥ 0 this is at
@@ -301,7 +302,7 @@ def user_slopes(d, c, depth, rate):
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
     stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
-    step = RELATIVE_INCREMENT * (abs(rate) + d.touch.law_speed[c])
+    step = RELATIVE_INCREMENT * (abs(rate) + d.contacts.law_speed[c])
     low, _ = law_force(d, c, depth, rate - step)
     high, _ = law_force(d, c, depth, rate + step)
     return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
@@ -313,5 +314,5 @@ def damping_over_elastic(d, c):
     Both forces are those at the rate v₀, the impact speed, and the expected penetration; the damping force is
     the whole force minus K δⁿ. For the Hunt–Crossley family the result is the damping factor λ of the law.
     """
-    force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.law_speed[c])
+    force, elastic = law_force(d, c, d.contacts.depth_scale[c], d.contacts.law_speed[c])
     return max(0.0, force / elastic - 1.0)

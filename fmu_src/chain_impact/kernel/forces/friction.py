@@ -41,6 +41,20 @@ STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for
 ANCHOR_ROUND_OFF = 1e-13
 
 
+def choose_wall_friction(sliding, static, own_sliding, own_static):
+    """Return the coefficients of sliding and of static friction at a wall.
+
+    A static coefficient of 0 in the result stands for a static coefficient equal to the sliding one.
+
+    ``sliding`` and ``static`` are common to all walls. ``own_sliding`` and ``own_static`` belong to this wall
+    and replace the common ones; a negative value means that the wall has no such coefficient. If the wall has
+    only a sliding coefficient of its own, its static coefficient is 0, not the common one.
+    """
+    if own_sliding >= 0.0:
+        sliding, static = own_sliding, 0.0
+    return sliding, own_static if own_static >= 0.0 else static
+
+
 def may_have_friction(d, c):
     """Return whether a contact of candidate c has dry friction."""
     return d.law.static_friction[c] > 0.0
@@ -61,7 +75,7 @@ def set_friction_used(d):
 
     If the record has no elements (room for friction), ``friction.used`` is 0.
     """
-    has_friction = max(d.contact.any_friction, d.chain.has_drive_friction)
+    has_friction = max(d.contact_settings.any_friction, d.chain.has_drive_friction)
     d.friction.used = has_friction if d.elements > 0 else 0
 
 
@@ -98,9 +112,9 @@ def list_friction(d):
     """
     friction = d.friction
     friction.count = 0
-    for k in range(d.touch.compliant_count):
-        if may_have_friction(d, d.touch.active_index[k]):
-            d.element.index[friction.count] = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        if may_have_friction(d, d.contacts.active_index[k]):
+            d.element.index[friction.count] = d.contacts.active_index[k]
             friction.count += 1
     friction.contact_count = friction.count
     for i in range(first_joint(d), drive_count(d) if d.chain.has_drive_friction else 0):
@@ -166,7 +180,7 @@ def friction_load(d, c):
     such a law a pull counts as 0. For any other law a pull is not changed: a step that crosses the kink is
     repeated to end at the kink.
     """
-    return max(0.0, d.touch.force[c]) if d.law.approach_only[c] else d.touch.force[c]
+    return max(0.0, d.contacts.force[c]) if d.law.approach_only[c] else d.contacts.force[c]
 
 
 def apply_friction(d):
@@ -211,7 +225,7 @@ def store_static_forces(d):
     A margin is the limit of static friction minus the size of the force; a step with a negative margin is
     searched for the end of sticking.
     """
-    friction, first = d.friction, d.touch.active_count
+    friction, first = d.friction, d.contacts.active_count
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         d.element.force[e] = d.constraints.impulse[first + i]

@@ -18,7 +18,7 @@ from chain_impact.kernel.chain.response import FREE, copy_factors
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
 from chain_impact.kernel.forces.active_contacts import store_force
 from chain_impact.kernel.forces.friction import ANCHOR_ROUND_OFF, store_static_forces
-from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass, solve_space
 from chain_impact.kernel.rows.constraints import (
     activate_all,
@@ -71,9 +71,9 @@ def set_unforced_to_state(d, derivative):
     The contacts are the active ones, the elements are those that stick. If ``derivative`` is 1, the function
     sets the rates of these clearances and distances.
     """
-    constraints, first = d.constraints, d.touch.active_count
+    constraints, first = d.constraints, d.contacts.active_count
     for k in range(first):
-        gap, gap_rate = clearance(d, d.touch.active_index[k])
+        gap, gap_rate = clearance(d, d.contacts.active_index[k])
         constraints.unforced[k] = gap_rate if derivative else gap
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
@@ -99,8 +99,8 @@ def set_unforced_to_load_motion(d):
 
 def clear_least_forces(d):
     """Set the least forces of contacts at rigid walls to 0, before the stages of a step find lower forces."""
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        d.constraints.least_force[d.touch.active_index[k]] = 0.0
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        d.constraints.least_force[d.contacts.active_index[k]] = 0.0
 
 
 def add_change(d, y, first):
@@ -140,16 +140,16 @@ def add_constraint_forces(d, y, rate):
     if solve_equality(d, scale) > d.solver.tolerance * scale:
         note_moving(d, d.solver.tolerance * scale)
     add_change(d, rate, velocity_at(d.links))
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        c = d.contacts.active_index[k]
         constraints.least_force[c] = min(constraints.least_force[c], constraints.impulse[k])
     store_constraint_forces(d)
 
 
 def store_constraint_forces(d):
     """Store the forces in ``d.constraints.impulse`` as the forces of held contacts and sticking elements."""
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        store_force(d, d.touch.active_index[k], d.constraints.impulse[k])
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        store_force(d, d.contacts.active_index[k], d.constraints.impulse[k])
     if any_sticking(d):
         store_static_forces(d)
 
@@ -172,7 +172,7 @@ def project_state(d, y):
     projected state.
     """
     constraints, lost = d.constraints, dissipated_at(d.links)
-    for k in range(d.touch.compliant_count if any_sticking(d) else 0):
+    for k in range(d.contacts.compliant_count if any_sticking(d) else 0):
         constraints.resistance[k] = contact_resistance(d)
     for derivative in range(2):
         activate_all(d)
@@ -191,7 +191,7 @@ def project_state(d, y):
         # the energy that a constraint's impulse p dissipates: −½ p (u⁻ + u⁺), with the speeds u⁻ before and
         # u⁺ after it
         y[lost] -= 0.5 * constraints.impulse[k] * (constraints.unforced[k] + constraints.reached[k])
-    for k in range(d.touch.compliant_count):
+    for k in range(d.contacts.compliant_count):
         # the resistance D of a contact acts with the impulse −D (u⁺ − u⁻), which also changes the energy
         squares = (
             constraints.reached[k] * constraints.reached[k]
@@ -209,10 +209,10 @@ def power_of_motion(d, y, rate):
     moves, the function sets the accelerations of the points.
     """
     power, fx, fy = 0.0, 0.0, 0.0
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.active_count):
+        c = d.contacts.active_index[k]
         if at_wall(d, c):
-            force = d.touch.force[c]
+            force = d.contacts.force[c]
             power += force * d.wall_motion.velocity[c]
             fx, fy = fx + force * d.candidate.normal_x[c], fy + force * d.candidate.normal_y[c]
     for i in range(d.friction.contact_count):
@@ -238,12 +238,12 @@ def work_of_impulses(d):
     """Return the work [J] that moving walls, belts and base do in the jump of velocities by the impulses."""
     constraints, work, px, py = d.constraints, 0.0, 0.0, 0.0
     for k in range(constraint_count(d)):
-        sticks = k >= d.touch.active_count
-        e = d.element.stuck[k - d.touch.active_count] if sticks else d.touch.active_index[k]
+        sticks = k >= d.contacts.active_count
+        e = d.element.stuck[k - d.contacts.active_count] if sticks else d.contacts.active_index[k]
         if e < d.candidates and at_wall(d, e):
             _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]
-            if k < d.touch.compliant_count:
+            if k < d.contacts.compliant_count:
                 impulse -= constraints.resistance[k] * (constraints.reached[k] - constraints.unforced[k])
             work += impulse * (d.wall_motion.belt_velocity[e] if sticks else d.wall_motion.velocity[e])
             px, py = px + impulse * nx, py + impulse * ny
@@ -297,11 +297,11 @@ def solve_positions(d):
         0.0,
         0.0,
     )
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         asked = max(asked, abs(constraints.target[k] - constraints.unforced[k]))
     factorize_free(d)
     solve_equality(d, far)
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         left = max(left, abs(constraints.target[k] - constraints.reached[k]))
     for j in range(coordinate_count(d.links)):
         moved = max(moved, abs(constraints.change[j]) / (size if j < ANGLES else 1.0))
@@ -329,7 +329,7 @@ def solve_stopping_impulses(d):
 def least_impulse(d):
     """Return the least of 0 and the held points' last solved impulses [N·s] or constraint forces [N]."""
     least = 0.0
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         least = min(least, d.constraints.impulse[k])
     return least
 

@@ -19,26 +19,16 @@ from 1. The FMU uses these numbers, so a new law goes to the end.
 
 import math
 
+from chain_impact.kernel.combinators import dispatch_by_number
 from chain_impact.kernel.forces.contact_law import ContactLaw
 from chain_impact.kernel.forces.viscoelastic import viscoelastic_factor
-from chain_impact.kernel.functions import dispatch
 from chain_impact.kernel.mathematics.exponentials import exp, expm1
 from chain_impact.kernel.mathematics.logarithms import log, log1p
-
-
-def lossless_depth(energy: float, stiffness: float, exponent: float) -> float:
-    """Return the penetration δ [m] at which the force K δⁿ has stored the energy E [J]: K δⁿ⁺¹/(n+1) = E.
-
-    At a stop in a joint the stiffness is in N·m/radⁿ and the penetration in rad.
-    """
-    depth: float = (energy * (exponent + 1.0) / stiffness) ** (1.0 / (exponent + 1.0))
-    return depth
-
 
 CONTACT_LAWS: dict[str, ContactLaw] = {}
 
 
-def contact_law(title, source, formula, accurate, evidence, **properties):
+def register_law(title, source, formula, accurate, evidence, **properties):
     """Return a decorator that registers a function f(e) as the next contact law, with the function's name.
 
     The docstring of f becomes the limits of the law. ``title`` has the authors of the law; if ``source``
@@ -65,37 +55,37 @@ def contact_law(title, source, formula, accurate, evidence, **properties):
     return register
 
 
-@contact_law("Hertz", "1881, J Reine Angew Math 92:156", "0", (1.0, 1.0), "A")
+@register_law("Hertz", "1881, J Reine Angew Math 92:156", "0", (1.0, 1.0), "A")
 def hertz(e):
     """Elastic: no dissipation, whatever e."""
     return 0.0 * e
 
 
-@contact_law("Hunt & Crossley", "1975, J Appl Mech 42:440", "3(1−e)/2", (0.785, 1.0), "A")
+@register_law("Hunt & Crossley", "1975, J Appl Mech 42:440", "3(1−e)/2", (0.785, 1.0), "A")
 def hunt_crossley(e):
     """For e near 1: the energy loss assumes elastic motion."""
     return 1.5 * (1.0 - e)
 
 
-@contact_law("Herbert & McWhannell", "1977, J Eng Ind 99:513", "6(1−e)/[(2e−1)²+3]", (0.66, 1.0), "B")
+@register_law("Herbert & McWhannell", "1977, J Eng Ind 99:513", "6(1−e)/[(2e−1)²+3]", (0.66, 1.0), "B")
 def herbert_mcwhannell(e):
     """From the motion in an impact of gears."""
     return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) * (2.0 * e - 1.0) + 3.0)
 
 
-@contact_law("Lee & Wang", "1983, J Mech Transm Autom Des 105:534", "3(1−e)/4", (0.915, 1.0), "B")
+@register_law("Lee & Wang", "1983, J Mech Transm Autom Des 105:534", "3(1−e)/4", (0.915, 1.0), "B")
 def lee_wang(e):
     """Half the damping of Hunt and Crossley: for e close to 1."""
     return 0.75 * (1.0 - e)
 
 
-@contact_law("Lankarani & Nikravesh", "1990, J Mech Des 112:369", "3(1−e²)/4", (0.82, 1.0), "B, recomputed")
+@register_law("Lankarani & Nikravesh", "1990, J Mech Des 112:369", "3(1−e²)/4", (0.82, 1.0), "B, recomputed")
 def lankarani_nikravesh(e):
     """For e near 1: energy loss by momentum balance; elastic motion assumed."""
     return 0.75 * (1.0 - e * e)
 
 
-@contact_law(
+@register_law(
     "Gonthier et al.",
     "Gonthier, McPhee, Lange & Piedbœuf 2004, Multibody Syst Dyn 11:209",
     "(1−e²)/e",
@@ -108,7 +98,7 @@ def gonthier(e):
     return (1.0 - e * e) / e
 
 
-@contact_law(
+@register_law(
     "Zhang & Sharf",
     "2009, J Appl Mech 76:051002",
     "root of λ(1+e) = ln[(1+λ)/(1−λe)]",
@@ -137,13 +127,13 @@ def zhang_sharf(e):
     return -expm1(-s) / e
 
 
-@contact_law("Zhiying & Qishao", "2006, J Dyn Control 4:294", "¾(1−e²)e^{2(1−e)}", (0.335, 1.0), "B")
+@register_law("Zhiying & Qishao", "2006, J Dyn Control 4:294", "¾(1−e²)e^{2(1−e)}", (0.335, 1.0), "B")
 def zhiying_qishao(e):
     """Lankarani and Nikravesh, corrected for lower e."""
     return 0.75 * (1.0 - e * e) * exp(2.0 * (1.0 - e))
 
 
-@contact_law(
+@register_law(
     "Ye, Li & Zhu", "2009, Earthq Eng Struct Dyn 38:1135", "8(1−e)/(5e)", (0.54, 1.0), "A", allows_zero=False
 )
 def ye(e):
@@ -151,7 +141,7 @@ def ye(e):
     return 1.6 * (1.0 - e) / e
 
 
-@contact_law(
+@register_law(
     "Flores et al.",
     "Flores, Machado, Silva & Martins 2011, Multibody Syst Dyn 25:357",
     "8(1−e)/(5e)",
@@ -164,13 +154,13 @@ def flores(e):
     return 1.6 * (1.0 - e) / e
 
 
-@contact_law("Gharib & Hurmuzlu", "2012, J Appl Mech 79:064506", "1/e", (0.0, 0.28), "C", allows_zero=False)
+@register_law("Gharib & Hurmuzlu", "2012, J Appl Mech 79:064506", "1/e", (0.0, 0.28), "C", allows_zero=False)
 def gharib_hurmuzlu(e):
     """For low e only: at e = 1 the realised restitution is 0.594."""
     return 1.0 / e
 
 
-@contact_law(
+@register_law(
     "Hu & Guo", "2015, Multibody Syst Dyn 35:131", "3(1−e)/(2e)", (0.405, 1.0), "C", allows_zero=False
 )
 def hu_guo(e):
@@ -178,7 +168,7 @@ def hu_guo(e):
     return 1.5 * (1.0 - e) / e
 
 
-@contact_law(
+@register_law(
     "Carvalho & Martins", "2019, Mech Mach Theory 139:174", "(3/2)(1−e)(11−e)/(1+9e)", (0.21, 1.0), "A"
 )
 def carvalho_martins(e):
@@ -186,7 +176,7 @@ def carvalho_martins(e):
     return 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e)
 
 
-@contact_law(
+@register_law(
     "Kelvin–Voigt",
     "Anagnostopoulos 1988, Earthq Eng Struct Dyn 16:443; 2004, 33:897",
     "2ζ, ζ = −ln e/√(π²+ln²e)",
@@ -205,7 +195,7 @@ def kelvin_voigt(e):
     return _logarithmic_damping(2.0, e)
 
 
-@contact_law(
+@register_law(
     "Tsuji, Tanaka & Ishida",
     "1992, Powder Technol 71:239; α after Antypov & Elliott 2011, EPL 94:50004",
     "α = −√5 ln e/√(π²+ln²e)",
@@ -230,7 +220,7 @@ def _logarithmic_damping(scale, e):
     return -scale * decrement / math.sqrt(math.pi * math.pi + decrement * decrement)
 
 
-@contact_law(
+@register_law(
     "Jankowski",
     "2005, Earthq Eng Struct Dyn 34:595",
     "2ξ, ξ = (9√5/2)(1−e²)/{e[e(9π−16)+16]}",
@@ -247,7 +237,7 @@ def jankowski(e):
     return 9.0 * math.sqrt(5.0) * (1.0 - e * e) / (e * (e * (9.0 * math.pi - 16.0) + 16.0))
 
 
-@contact_law(
+@register_law(
     "Kuwabara & Kono",
     "1987, Jpn J Appl Phys 26:1230",
     "root of e′ = e at 1 m/s",
@@ -268,7 +258,7 @@ def kuwabara_kono(e):
     return viscoelastic_factor(e)
 
 
-@contact_law(
+@register_law(
     "Newton",
     "1687, Principia; Moreau 1988, CISM Courses 302:1",
     "none: v⁺ = −e v⁻",
@@ -281,11 +271,11 @@ def newton_impact(e):
     return 0.0 * e
 
 
-__all__ = ["CONTACT_LAWS", "LAW_COUNT", "contact_law", "damping_factor", "is_impulsive", "wall_friction"]
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "damping_factor", "is_impulsive"]
 
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
-_factor = dispatch([law.damping_factor for law in _LAWS])
+_factor = dispatch_by_number([law.damping_factor for law in _LAWS])
 # ANY in EXPONENTS: any exponent n is allowed; ANY in RATE_EXPONENTS: p = n.
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
@@ -308,17 +298,3 @@ def is_impulsive(law):
     A user's law has a force.
     """
     return law <= LAW_COUNT and IMPULSIVE[law - 1] != 0
-
-
-def wall_friction(sliding, static, own_sliding, own_static):
-    """Return the coefficients of sliding and of static friction at a wall.
-
-    A static coefficient of 0 in the result stands for a static coefficient equal to the sliding one.
-
-    ``sliding`` and ``static`` are common to all walls. ``own_sliding`` and ``own_static`` belong to this wall
-    and replace the common ones; a negative value means that the wall has no such coefficient. If the wall has
-    only a sliding coefficient of its own, its static coefficient is 0, not the common one.
-    """
-    if own_sliding >= 0.0:
-        sliding, static = own_sliding, 0.0
-    return sliding, own_static if own_static >= 0.0 else static

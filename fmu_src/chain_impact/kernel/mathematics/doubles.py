@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.function_marks import inlined
 
 ONE, INFINITY, LEAST_NORMAL = 0x3FF << 52, 0x7FF << 52, 1 << 52
 """The bits of 1, of infinity, and of the least positive double that is not subnormal."""

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from chain_impact.kernel.functions import has_dual_rule, inlined
+from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import (
     FIXED,
     FRACTION,

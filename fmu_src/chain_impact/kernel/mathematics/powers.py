@@ -5,7 +5,7 @@ x^y = e^(y ln x) for x > 0, with y ln x as the sum of two doubles.
 
 import math
 
-from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.mathematics.doubles import INFINITY, LEAST_NORMAL, bits_of, product
 from chain_impact.kernel.mathematics.exponentials import COMMON, exp_of_common, exp_of_sum
 from chain_impact.kernel.mathematics.logarithms import log_parts, log_parts_of_any

@@ -184,7 +184,7 @@ def reinit_balance(d):
     """
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start
-    if d.touch.active_count > 0:
+    if d.contacts.active_count > 0:
         restart_balance(d)
         balance.reference += balance.at_end - before
         balance.origin += balance.at_end - before
@@ -358,8 +358,8 @@ def energy_scales(d, y):
             force = abs(spring_force(d, y, i))
             scale += force * moment_factor(d, i)
             summed += force * (coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]))
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         gap, _ = clearance(d, c)
         force = elastic_force(d, c, max(0.0, -gap))
         scale += force * penetration_scale(d, c)

@@ -130,7 +130,7 @@ def set_residual(d, i, j, residual):
 
 def can_extrapolate(d):
     """Return whether the last step was implicit and had the present contacts: then it can predict stages."""
-    return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
+    return d.implicit.listing == d.contacts.listings and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
@@ -331,7 +331,7 @@ def store_stages(d, faded):
             implicit.last_stages[i, j] = implicit.stages[i, j]
         if faded:
             clear_faded(d, implicit.last_stages[i])
-    implicit.listing = d.touch.listings
+    implicit.listing = d.contacts.listings
     for j in range(len(d.scratch.state)):
         set_dense(d.step, j, implicit.last_stages, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
     for k in range(d.quadrature.count):
@@ -396,4 +396,4 @@ def bound_curvatures(d, h):
         bound = 0.0
         for m in range(RADAU_STAGES):
             bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last_stages, m, gap_at(d, k)))
-        d.search.curvature[d.touch.active_index[k]] = bound / (h * h)
+        d.search.curvature[d.contacts.active_index[k]] = bound / (h * h)

@@ -30,7 +30,7 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.forces.force_formula import damping_over_elastic
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
 from chain_impact.kernel.rows.geometry import along, clearance, largest_coordinate, normal_row
@@ -199,7 +199,7 @@ def contact_time_scale(d, c):
     this time. The size of the first step of the contact is proportional to this time.
     """
     ratio, exponent = damping_over_elastic(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
-    return d.touch.depth_scale[c] / d.touch.law_speed[c] * power(1.0 + ratio, -exponent)
+    return d.contacts.depth_scale[c] / d.contacts.law_speed[c] * power(1.0 + ratio, -exponent)
 
 
 # The largest allowed error of a penetration, relative to max(δ, δ*) in ``penetration_scale``, at tolerances
@@ -212,7 +212,7 @@ LARGEST_ERROR = 0.01
 POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
 
 
-def set_scales(d, y, scale, contacts):
+def set_scales(d, y, scale, contact_count):
     """Set ``scale``, the scales of errors in state y: the allowed error is the tolerance times the scale.
 
     The scale of an angle is 1 rad, and that of a position is the length of the longest link, whatever their
@@ -223,8 +223,8 @@ def set_scales(d, y, scale, contacts):
     with these motions, however slow the chain is. The power of other inputs depends only on components that
     are controlled.
 
-    The scales of the clearances of the first ``contacts`` active contacts (``penetration_scale``) are stored
-    from the index of u on, where z of extended.py has the clearances. The points must be located for y.
+    The scales of the clearances of the first ``contact_count`` active contacts (``penetration_scale``) are
+    stored from the index of u on, as in z of extended.py. The points must be located for y.
 
     Other components have no scales, and their errors are not controlled: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.
@@ -237,11 +237,11 @@ def set_scales(d, y, scale, contacts):
     scale[dissipated_at(n)] = d.chain.energy_scale + abs(y[dissipated_at(n)]) + impact_energy(d)
     if d.channels > 0:
         scale[supplied_at(n)] = d.chain.energy_scale + abs(y[supplied_at(n)]) + impact_energy(d)
-    for k in range(contacts):
-        scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
+    for k in range(contact_count):
+        scale[sundman_u_at(n) + k] = penetration_scale(d, d.contacts.active_index[k])
 
 
-def raise_scales(d, y, scale, contacts):
+def raise_scales(d, y, scale, contact_count):
     """Raise the scales of ``set_scales`` where the tolerance would demand an error below the round-off.
 
     The round-off of positions excites, in each step, fast motions of a chain that rests on contacts. Shorter
@@ -250,15 +250,15 @@ def raise_scales(d, y, scale, contacts):
     clearances, velocities and angular velocities are raised. The arguments are those of ``set_scales``.
     """
     n, size, turned, fastest = d.links, d.chain.longest_link, 0.0, 0.0
-    if contacts == 0:
+    if contact_count == 0:
         return
     for i in range(n):
         turned = max(turned, abs(y[ANGLES + i]))
     largest = max(largest_coordinate(d), size * turned) / d.solver.tolerance
-    for k in range(contacts):
-        c = d.touch.active_index[k]
-        frequency = d.touch.law_speed[c] / d.touch.depth_scale[c]
-        lasts = frequency * (d.step.end - d.touch.onset[c]) > AGE_AT_REST
+    for k in range(contact_count):
+        c = d.contacts.active_index[k]
+        frequency = d.contacts.law_speed[c] / d.contacts.depth_scale[c]
+        lasts = frequency * (d.step.end - d.contacts.onset[c]) > AGE_AT_REST
         least = largest * (POSITION_ROUND_OFF_AT_REST if lasts else POSITION_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
         fastest = max(fastest, frequency * least)
@@ -312,21 +312,21 @@ def scaled_errors(d):
 
     While constraints act, the errors of drives' forces (``force_errors``) count as well. Estimate k, 0 or 1,
     of the tried step is row k of ``scratch.y_error`` and, for the clearances of active contacts, row k of
-    ``touch.gap_error``. Both results are infinity if the step is not finite. If any contact is active, the
+    ``contacts.gap_error``. Both results are infinity if the step is not finite. If any contact is active, the
     points must be located at the end of the step.
     """
     y, scale, total = d.trial.state, d.implicit.error_weight, 0.0
     first_error, second_error, first, second = d.scratch.y_error[0], d.scratch.y_error[1], 0.0, 0.0
-    set_scales(d, y, scale, d.touch.active_count)
+    set_scales(d, y, scale, d.contacts.active_count)
     gaps = sundman_u_at(d.links)
     for j in range(controlled_count(d)):
         # max() can hide a NaN; a sum cannot
         total += abs(first_error[j] + y[j]) + abs(second_error[j] + y[j])
         first = max(first, abs(first_error[j]) / scale[j])
         second = max(second, abs(second_error[j]) / scale[j])
-    for k in range(d.touch.active_count):
-        first = max(first, abs(d.touch.gap_error[0, k]) / scale[gaps + k])
-        second = max(second, abs(d.touch.gap_error[1, k]) / scale[gaps + k])
+    for k in range(d.contacts.active_count):
+        first = max(first, abs(d.contacts.gap_error[0, k]) / scale[gaps + k])
+        second = max(second, abs(d.contacts.gap_error[1, k]) / scale[gaps + k])
     if any_constraint(d) and d.chain.has_springs_or_dampers:
         first_force, second_force = force_errors(d)
         first, second = max(first, first_force), max(second, second_force)
@@ -366,22 +366,23 @@ def impact_energy(d):
     m is the effective mass and v₀ the impact speed in the law of a contact.
     """
     energy = 0.0
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        speed = d.touch.law_speed[c]
-        energy += 0.5 * d.touch.effective_mass[c] * (speed * speed)
+    for k in range(d.contacts.active_count):
+        c = d.contacts.active_index[k]
+        speed = d.contacts.law_speed[c]
+        energy += 0.5 * d.contacts.effective_mass[c] * (speed * speed)
     return energy
 
 
 def set_gap_errors(d, estimate):
-    """Set ``touch.gap_error``, the errors [m] of active contacts' clearances, from an estimate of the error.
+    """Set ``contacts.gap_error``, the errors [m] of active contacts' clearances, from an error estimate.
 
-    ``estimate`` is the row of the estimate in ``scratch.y_error`` and in ``touch.gap_error``, 0 or 1.
+    ``estimate`` is the row of the estimate in ``scratch.y_error`` and in ``contacts.gap_error``, 0 or 1.
     """
-    if d.touch.active_count > 0:
+    if d.contacts.active_count > 0:
         move_points(d, d.scratch.link_vector, d.scratch.y_error[estimate], d.scratch.place_change)
-    for k in range(d.touch.active_count):
-        d.touch.gap_error[estimate, k] = along(normal_row(d, d.touch.active_index[k]), d.scratch.place_change)
+    for k in range(d.contacts.active_count):
+        row = normal_row(d, d.contacts.active_index[k])
+        d.contacts.gap_error[estimate, k] = along(row, d.scratch.place_change)
 
 
 def penetration_scale(d, c):
@@ -393,6 +394,6 @@ def penetration_scale(d, c):
     by a factor: s/v₀, or less, so that the factor raises no error above LARGEST_ERROR × max(δ, δ*).
     """
     gap, _ = clearance(d, c)
-    depth = max(d.touch.depth_scale[c], -gap)
-    leeway = min(d.chain.longest_link / d.touch.law_speed[c], LARGEST_ERROR / d.solver.tolerance)
+    depth = max(d.contacts.depth_scale[c], -gap)
+    leeway = min(d.chain.longest_link / d.contacts.law_speed[c], LARGEST_ERROR / d.solver.tolerance)
     return depth * max(1.0, leeway)

@@ -15,35 +15,15 @@ not request quadratures, none is integrated.
 import numpy as np
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.function_marks import has_dual_rule
+from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
+from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
 from chain_impact.kernel.rows.geometry import at_wall
 
 # the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
 DENSE_COEFFICIENTS = len(POWERS)
-# The number of guesses of a fast method for a root, such as Newton's, in an interval that contains the root;
-# three to ten guesses usually suffice. After FAST_GUESSES guesses each further guess halves the interval.
-FAST_GUESSES = 20
-# The largest number of guesses for a root: 64 halvings make an interval of length 1 shorter than 1e-19, or
-# leave no floating-point number inside it.
-MOST_GUESSES = FAST_GUESSES + 64
 FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularized step reaches a time
-
-
-def next_guess(low, high, guess, tries):
-    """Return ``guess`` if it lies between ``low`` and ``high``, else the middle of this interval.
-
-    ``tries`` is the number of earlier calls in the search. From FAST_GUESSES on, the function always returns
-    the middle, so that the search ends also where the fast method of the guesses fails.
-    """
-    if tries < FAST_GUESSES and low < guess < high:
-        return guess
-    return 0.5 * (low + high)
-
-
-def time_rate(u):
-    """Return p = dt/ds = u/(1 + u²), the rate of time in a regularized step (sundman.py)."""
-    return u / (1.0 + u * u)
 
 
 def interpolate(step, theta, y):
@@ -90,8 +70,8 @@ def regularized_fraction(d, elapsed):
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
     # Newton's method for θ, in an interval that contains θ. The slope is dt/dθ = h p, with the step size h
-    # and p = ``time_rate``. Where u ≥ 0, time increases with θ; where u < 0, the contact has ended, and θ is
-    # too large.
+    # and p = ``regularized_time_rate``. Where u ≥ 0, time increases with θ; where u < 0, the contact has
+    # ended, and θ is too large.
     low, high, theta = 0.0, 1.0, 0.5
     for tries in range(MOST_GUESSES):
         error = interpolate_component(step, theta, clock) - elapsed
@@ -102,7 +82,7 @@ def regularized_fraction(d, elapsed):
             high = theta
         else:
             low = theta
-        slope = step.size * time_rate(u)
+        slope = step.size * regularized_time_rate(u)
         guess = next_guess(low, high, theta - error / slope if slope > 0.0 else high, tries)
         if abs(guess - theta) <= FRACTION_RESOLUTION:
             break
@@ -157,7 +137,7 @@ IMPULSE_SAMPLES = 16
 # called where the rate of the state has just been evaluated. The record has room for all kinds
 # (record/contacts.py). The impulses of walls and stops come first, with an entry for each candidate.
 QUADRATURES = (
-    ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.touch.force[c]),
+    ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.contacts.force[c]),
     ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
     ("energy that dry friction dissipates [J]", lambda _d: 1, lambda d, _i: d.friction.power),
     ("impulse of the force at the tip [N·s]", lambda _d: 2, lambda d, j: d.inputs.tip_force[j]),
@@ -181,13 +161,13 @@ def list_quadratures(d):
     quadrature = d.quadrature
     quadrature.count = 0
     if quadrature.computed:
-        for k in range(d.touch.active_count):
-            integrate(d, d.touch.active_index[k])
+        for k in range(d.contacts.active_count):
+            integrate(d, d.contacts.active_index[k])
         for k in range(d.friction.contact_count):
             integrate(d, d.candidates + d.element.index[k])
         if d.friction.count > 0:
             integrate(d, d.candidates + d.elements)
-        if d.loads > 0 and d.chain.has_inputs:
+        if d.transmitted_rows > 0 and d.chain.has_inputs:
             for j in range(2):
                 integrate(d, d.candidates + d.elements + 1 + j)
 
@@ -249,13 +229,13 @@ def correct_falling_impulses(d):
     that impulse is large enough: of points that nearly coincide, only the sum of the forces is accurate.
     """
     quadrature = d.quadrature
-    for k in range(min(quadrature.count, d.touch.active_count)):
+    for k in range(min(quadrature.count, d.contacts.active_count)):
         c, fallen = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
         if fallen > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
             # stops are left out: stops of different joints have the same wall number, though each is a wall
             # of its own
-            if k >= d.touch.compliant_count and at_wall(d, c):
+            if k >= d.contacts.compliant_count and at_wall(d, c):
                 reduce_largest_impulse(d, d.candidate.wall[c], fallen)
 
 
@@ -266,7 +246,7 @@ def reduce_largest_impulse(d, wall, amount):
     in `candidate.wall`. If no impulse on these points is positive, nothing changes.
     """
     quadrature, most, largest = d.quadrature, 0.0, -1
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         given = quadrature.state_end[k] - quadrature.state[k]
         if d.candidate.wall[quadrature.index[k]] == wall and given > most:
             most, largest = given, k
@@ -355,5 +335,5 @@ def reset_quadratures(d):
 
 def add_impulses_of_impact(d):
     """Add the impulses of rigid walls and rigid stops in the present impact to the quadratures' totals."""
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        d.quadrature.integral[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        d.quadrature.integral[d.contacts.active_index[k]] += max(0.0, d.constraints.impulse[k])

@@ -15,8 +15,9 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import rate_of_base
 from chain_impact.kernel.chain.state import sundman_u_at
+from chain_impact.kernel.combinators import join_functions
 from chain_impact.kernel.cost import count_evaluations
-from chain_impact.kernel.functions import called_in_turn, inlined
+from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.control import (
     PAST_END,
     RUNS_BACK,
@@ -196,9 +197,9 @@ def _stage(i, accepted):
     return stage
 
 
-_stages = called_in_turn(*(_stage(i, accepted=False) for i in range(1, END_STAGE)))
+_stages = join_functions(*(_stage(i, accepted=False) for i in range(1, END_STAGE)))
 _step_end, _step_sum = combination(B), weighted_sum(B)
-_dense_stages = called_in_turn(*(_stage(i, accepted=True) for i in range(END_STAGE + 1, STAGES)))
+_dense_stages = join_functions(*(_stage(i, accepted=True) for i in range(END_STAGE + 1, STAGES)))
 _errors = combinations(E5, E3)
 _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 
@@ -209,7 +210,7 @@ def size_toward_end(d, h):
     Near the predicted end of a contact with a force law, the step either passes this end, and may then be up
     to LARGEST_STRETCH times as long as h, or covers at most half of the way to this end (``size_up_to_end``).
     """
-    if d.touch.compliant_count == 0:
+    if d.contacts.compliant_count == 0:
         return h
     if d.step.regularized == NO_CONTACT:
         return toward_ends(d, h)
@@ -232,8 +233,8 @@ def toward_ends(d, h):
     """
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     left = math.inf
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         gap, gap_rate = clearance(d, c)
         if gap < 0.0 < gap_rate:
             # the clearance g is zero after the time t: g + ġ t + ½ g̈ t² = 0
@@ -276,7 +277,7 @@ def error_estimate(d, h):
     """
     controlled = controlled_count(d)
     _errors(d.scratch.stage, h, d.scratch.y_error[0, :controlled], d.scratch.y_error[1, :controlled])
-    if d.touch.active_count > 0 or any_sticking(d):
+    if d.contacts.active_count > 0 or any_sticking(d):
         locate_points(d, d.trial.state)
     set_gap_errors(d, 0)
     set_gap_errors(d, 1)
@@ -301,7 +302,7 @@ def is_smooth(d, h):
     loses its order of accuracy.
     """
     c = d.step.regularized
-    if d.touch.active_count == 0 and d.chain.base_moves:
+    if d.contacts.active_count == 0 and d.chain.base_moves:
         return h * rate_of_base(d) > FAST_SINE
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5
 

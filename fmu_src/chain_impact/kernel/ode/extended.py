@@ -94,7 +94,7 @@ def gap_at(d, k):
 
 def clearance_count(d):
     """Return the number of contacts whose clearances are in z: the active ones with a force law."""
-    return d.touch.compliant_count
+    return d.contacts.compliant_count
 
 
 def rate_at(d, k):
@@ -125,7 +125,7 @@ def extend_start(d):
         implicit.z_start[j], implicit.rate_start[j] = d.step.state_end[j], scratch.rate_start[j]
     for k in range(clearance_count(d)):
         implicit.z_start[gap_at(d, k)], implicit.z_start[rate_at(d, k)] = clearance(
-            d, d.touch.active_index[k]
+            d, d.contacts.active_index[k]
         )
     for k in range(d.quadrature.count):
         implicit.z_start[quadrature_at(d, k)] = d.quadrature.state_end[k]
@@ -142,7 +142,7 @@ def clearance_rates(d, z, rate):
     """Set ġ and g̈ of contacts with a force law in ``rate``, the rate ż of z; points must be accelerated."""
     for k in range(clearance_count(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
-        rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
+        rate[rate_at(d, k)] = gap_acceleration(d, d.contacts.active_index[k])
 
 
 def extended_rate(d, z, elapsed, rate):
@@ -156,7 +156,7 @@ def extended_rate(d, z, elapsed, rate):
     clear_loads(d)
     dissipated = 0.0
     for k in range(clearance_count(d)):
-        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+        dissipated += apply_contact(d, d.contacts.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
     # ``free_rate_from_loads`` also writes to the indices of u and t in y; z has other components at these
@@ -183,7 +183,7 @@ def extended_slopes(d, z):
     for i in range(drive_count(d)):
         implicit.drive_damping[i], implicit.drive_stiffness[i] = drive_slopes(d, z, i)
     for k in range(clearance_count(d)):
-        c = d.touch.active_index[k]
+        c = d.contacts.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
         implicit.contact_stiffness[k], implicit.contact_damping[k] = law_slopes(d, c, depth, rate)
 
@@ -314,7 +314,7 @@ def project_coordinates(d, y, derivative, change):
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.scratch.load)
     for k in range(clearance_count(d)):
-        c = d.touch.active_index[k]
+        c = d.contacts.active_index[k]
         gap, gap_rate = clearance(d, c)
         impulse = contact_impedance(d, k, implicit.shift) * (
             implicit.normal[k] - (gap_rate if derivative else gap)
@@ -354,8 +354,8 @@ def largest_mismatch(d, z):
     """
     worst = 0.0
     for k in range(clearance_count(d)):
-        c = d.touch.active_index[k]
+        c = d.contacts.active_index[k]
         gap, _ = clearance(d, c)
-        depth = max(d.touch.depth_scale[c], -gap)
+        depth = max(d.contacts.depth_scale[c], -gap)
         worst = max(worst, abs(z[gap_at(d, k)] - gap) / depth)
     return worst

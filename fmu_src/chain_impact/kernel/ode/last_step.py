@@ -14,7 +14,7 @@ from chain_impact.kernel.chain.kinematics import (
     note_points_at_end,
     note_points_elsewhere,
 )
-from chain_impact.kernel.chain.motion import move_channels_to_state
+from chain_impact.kernel.chain.prescribed_motion import move_channels_to_state
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.cost import count_evaluations, counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points, rate_from_state
@@ -34,7 +34,7 @@ from chain_impact.kernel.ode.dense import (
     truncate_quadratures,
 )
 from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
-from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
+from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_for_sizes
 from chain_impact.kernel.rows.constraints import any_constraint
 
 # values of step.dense_for: for whom the step's dense output was completed; NOT_REQUESTED: for nobody yet
@@ -63,7 +63,7 @@ def reset_step(d, time, y):
     step.dense_for = SOLVER
     # no implicit step may extrapolate its stages from this step, so the method is EXPLICIT
     step.last_method = EXPLICIT
-    mark_jump(d)
+    count_break(d)
 
 
 def reset_times(d, time):
@@ -94,7 +94,7 @@ def make_last_step(d):
     step.remainder_whole = step.remainder_end
     # Coordinates and rates that have faded almost to 0 are set to 0. Only contacts, friction, springs and
     # dampers make them fade, so without these no value is set to 0.
-    resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
+    resisted = d.contacts.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
     faded = clear_faded(d, y) if resisted else False
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
@@ -111,7 +111,7 @@ def make_last_step(d):
         collocation.store_stages(d, faded)
     else:
         # with active contacts, the points have already been located at the end of the explicit step
-        find_rate(d, d.touch.active_count > 0)
+        find_rate(d, d.contacts.active_count > 0)
 
 
 def project_trial(d):
@@ -164,7 +164,7 @@ def roll_back(d):
         step.state_end[j] = step.state[j]
     step.remainder_end = step.remainder
     roll_back_quadratures(d)
-    mark_jump(d)
+    count_break(d)
 
 
 def truncate_step(d, theta):
@@ -189,10 +189,10 @@ def end_at_fraction(d, theta):
     add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])
     truncate_quadratures(d, theta)
     step.end_fraction = theta
-    mark_jump(d)
+    count_break(d)
 
 
-def set_own_communication_point(d, time):
+def set_communication_point_in_step(d, time):
     """Set the communication point to a ``time`` [s] in the last step.
 
     The dense output of the step is computed if it does not exist yet.
@@ -224,7 +224,7 @@ def return_to_stored_state(d):
     d.step.start_delay = 0.0
 
 
-def mark_jump(d):
+def count_break(d):
     """Count a break; mark rate and points at the end of the last step as unknown."""
     d.step.rate_known = 0
     note_points_elsewhere(d)
@@ -240,7 +240,7 @@ def choose_variable(d, size_chosen):
             have begun or ended; otherwise a change of the variable converts the size.
     """
     step, root = d.step, sundman_u_at(d.links)
-    before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
+    before, (contact, u) = time_rate_for_sizes(d, step.state_end), lone_contact(d)
     changed = contact != step.regularized
     step.regularized = contact
     step.state_end[root] = u
@@ -248,7 +248,7 @@ def choose_variable(d, size_chosen):
     if changed:
         step.breaks += 1
         if not size_chosen:
-            scale_next_size(d, before / time_rate_now(d, step.state_end))
+            scale_next_size(d, before / time_rate_for_sizes(d, step.state_end))
 
 
 def ensure_rate(d):
@@ -264,7 +264,7 @@ def find_rate(d, located):
     they are already located at the call.
     """
     y, rate = d.step.state_end, d.scratch.rate_end
-    touching = d.touch.active_count > 0 or d.friction.count > 0
+    touching = d.contacts.active_count > 0 or d.friction.count > 0
     if touching:
         if not located:
             locate_points(d, y)

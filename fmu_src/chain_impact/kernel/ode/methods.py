@@ -75,8 +75,8 @@ def choose_method(d):
     a damper. The points must be located at the start of the next step.
     """
     step = d.step
-    touching = d.touch.active_count > 0
-    if d.contact.any_rigid and not (d.contact.any_force or d.chain.has_springs_or_dampers):
+    touching = d.contacts.active_count > 0
+    if d.contact_settings.any_rigid and not (d.contact_settings.any_force or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # rigid walls are constraints, which are not stiff
     elif d.solver.method != AUTO:
         step.method = prescribed_method(d.solver.method)
@@ -135,12 +135,12 @@ def limit_to_stable(d):
 
 def contacts_last(d):
     """Return whether contacts with a force law are active and all of them sustained (SUSTAINED_AFTER)."""
-    if d.touch.compliant_count == 0:
+    if d.contacts.compliant_count == 0:
         return False
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
-        scale = d.touch.depth_scale[c] / d.touch.law_speed[c]
-        if d.step.end - d.touch.onset[c] < SUSTAINED_AFTER * scale:
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
+        scale = d.contacts.depth_scale[c] / d.contacts.law_speed[c]
+        if d.step.end - d.contacts.onset[c] < SUSTAINED_AFTER * scale:
             return False
     return True
 
@@ -230,10 +230,10 @@ def fastest_contact(d):
     onset. The points must be located.
     """
     fastest = 0.0
-    for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
+    for k in range(d.contacts.compliant_count):
+        c = d.contacts.active_index[k]
         stiffness, damping = contact_slopes(d, c)
-        mass = d.touch.effective_mass[c]
+        mass = d.contacts.effective_mass[c]
         fastest = max(fastest, damping / mass, math.sqrt(stiffness / mass))
     return fastest
 

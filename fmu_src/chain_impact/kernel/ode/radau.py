@@ -23,7 +23,7 @@ The terms that A leaves out cause more iterations, but no loss of accuracy: each
 
 import math
 
-from chain_impact.kernel.functions import called_in_turn
+from chain_impact.kernel.combinators import join_functions
 from chain_impact.kernel.mathematics.powers import power
 
 RADAU_STAGES = 5
@@ -138,7 +138,7 @@ def _correct(d, size):
         implicit.z[j] = largest
 
 
-_transform = called_in_turn(*(_transformed(i) for i in range(RADAU_STAGES)))
+_transform = join_functions(*(_transformed(i) for i in range(RADAU_STAGES)))
 
 
 def simplified_newton(begin, rate, note, linearize, factorize, solve):

@@ -21,9 +21,9 @@ import math
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.equations import rate_from_state
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.control import EXPLICIT
-from chain_impact.kernel.ode.dense import time_rate
+from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
 # value of step.regularized if no contact is regularized: the integration variable of the step is time
@@ -45,13 +45,13 @@ def regularized_rate(d, y, rate):
         to_fictitious_time(d, y, rate)
 
 
-def regularize(d, y, time_rate, rate):
-    """Set ``rate`` to dy/ds in state y, from ``time_rate``, which is dy/dt in this state.
+def regularize(d, y, rate_in_time, rate):
+    """Set ``rate`` to dy/ds in state y, from ``rate_in_time``, which is dy/dt in this state.
 
     y is the state at the start or at the end of a step. In a regularized step the points must be located.
     """
     for j in range(len(rate)):
-        rate[j] = time_rate[j]
+        rate[j] = rate_in_time[j]
     if d.step.regularized != NO_CONTACT:
         to_fictitious_time(d, y, rate)
 
@@ -59,7 +59,7 @@ def regularize(d, y, time_rate, rate):
 def to_fictitious_time(d, y, rate):
     """Convert ``rate`` from dy/dt to dy/ds in state y, s the fictitious time; points must be located."""
     u = y[sundman_u_at(d.links)]
-    p = time_rate(u)
+    p = regularized_time_rate(u)
     for j in range(len(rate)):
         rate[j] *= p
     rate[sundman_u_at(d.links)] = root_rate(d, u)
@@ -71,7 +71,7 @@ def root_rate(d, u):
     The points must be located.
     """
     _, gap_rate = clearance(d, d.step.regularized)
-    return -0.5 * gap_rate / (d.touch.depth_scale[d.step.regularized] * (1.0 + u * u))
+    return -0.5 * gap_rate / (d.contacts.depth_scale[d.step.regularized] * (1.0 + u * u))
 
 
 def root_curve(d, u, slope):
@@ -82,30 +82,24 @@ def root_curve(d, u, slope):
     quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
     # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²), with u′ = du/ds, p = dt/ds and δ̈ = d²δ/dt² of the
     # penetration δ
-    curve = 0.5 * time_rate(u) * -gap_acceleration(d, c) / d.touch.depth_scale[c]
+    curve = 0.5 * regularized_time_rate(u) * -gap_acceleration(d, c) / d.contacts.depth_scale[c]
     return quotient * (curve - 2.0 * u * slope * slope)
 
 
-def time_rate_change(u, slope):
-    """Return p′ = dp/ds = u′ (1 − u²)/(1 + u²)², the rate of p = dt/ds; ``slope`` is u′."""
-    quotient = 1.0 / (1.0 + u * u)
-    return slope * (1.0 - u * u) * quotient * quotient
-
-
-def time_rate_of(d, u):
+def time_rate_at(d, u):
     """Return dt/ds for the integration variable s of the step: u/(1 + u²), or 1 if s is time.
 
     ``u`` is the root of the relative penetration of the regularized contact.
     """
-    return 1.0 if d.step.regularized == NO_CONTACT else time_rate(u)
+    return 1.0 if d.step.regularized == NO_CONTACT else regularized_time_rate(u)
 
 
-def time_rate_now(d, y):
+def time_rate_for_sizes(d, y):
     """Return dt/ds in state y, but at least RESTING_SUM, to convert step sizes to and from seconds.
 
     Without the lower limit a size would be divided by almost 0 where the contact begins or ends.
     """
-    return max(RESTING_SUM, time_rate_of(d, y[sundman_u_at(d.links)]))
+    return max(RESTING_SUM, time_rate_at(d, y[sundman_u_at(d.links)]))
 
 
 def runs_back(d, y):
@@ -127,12 +121,12 @@ def lone_contact(d):
     suit the others. An implicit step always runs in time. The points must be located at the start of the
     step.
     """
-    if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
+    if d.step.method != EXPLICIT or not d.contacts.active_count == d.contacts.compliant_count == 1:
         return NO_CONTACT, 1.0
-    c = d.touch.active_index[0]
+    c = d.contacts.active_index[0]
     gap, gap_rate = clearance(d, c)
-    u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
+    u = math.sqrt(max(0.0, -gap) / d.contacts.depth_scale[c])
     over = u == 0.0 and gap_rate >= 0.0
-    if over or u + abs(gap_rate) / d.touch.law_speed[c] <= RESTING_SUM:
+    if over or u + abs(gap_rate) / d.contacts.law_speed[c] <= RESTING_SUM:
         return NO_CONTACT, 1.0
     return c, u

@@ -6,7 +6,7 @@ from chain_impact.kernel.chain.state import coordinate_count
 from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
-from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, table, written_by
+from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, layout, table, written_by
 
 # Number of ended contacts, not yet collected, in a full log. ``trajectory`` then returns, and ``run_each``
 # collects them; in other functions new entries overwrite the oldest. The log has one more row for each
@@ -15,7 +15,7 @@ LOG_SIZE = 32
 LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
 
 
-@written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
+@written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/prescribed_motion.py"))
 def candidate_dtype(candidates: int) -> np.dtype:
     """Return the layout of the candidates: pairs of a point and a wall, stops of joints and of the slider."""
     return table(
@@ -77,14 +77,14 @@ def most_constraints(candidates: int, elements: int) -> int:
     gap_error="ode/control.py",
     **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "forces/force_formula.py"),
 )
-def touch_dtype(candidates: int) -> np.dtype:
+def contacts_dtype(candidates: int) -> np.dtype:
     """Return the layout of the data of the contacts, one entry for each candidate.
 
     The impact speed v₀ and the effective mass are latched at the onset, as are expected penetration and
     damping, which are computed anew if v₀ is raised or the law changes. At a stop in a joint, lengths and
     speeds are angles and their rates times a lever arm, and forces are moments over this lever arm.
     """
-    return record(
+    return layout(
         # number of times that ``list_touching`` has listed the active contacts; an implicit step from before
         # the last listing may have entries of other contacts, and does not predict the next step
         ("listings", INTEGER),
@@ -136,7 +136,7 @@ def touch_dtype(candidates: int) -> np.dtype:
 @written_by("forces/active_contacts.py")
 def impact_dtype() -> np.dtype:
     """Return the layout of the counts of impacts and of the data of the latest onset."""
-    return record(
+    return layout(
         ("count", INTEGER),  # number of onsets since the start of the run
         ("last_time", REAL),  # s, time of the latest onset; the start of the run before the first one
         # point of the latest onset, as in `candidate.point`; −1 before the first impact
@@ -154,7 +154,7 @@ def latest_dtype() -> np.dtype:
     The values of a stop in a joint belong to angles: rad/s for speeds, N·m for ``peak_force``, rad for
     ``max_penetration`` and N·m·s for ``impulse``.
     """
-    return record(
+    return layout(
         ("requested", bounded(0, LATEST)),  # number of latest impacts that the scene requests
         # number of ended contacts when the list was last written; −1: a contact was active at this time
         ("listed", INTEGER),
@@ -190,7 +190,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     - accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
     """
     count = most_constraints(candidates, elements)
-    return record(
+    return layout(
         # change that all impulses together cause: of each coordinate, or of its rate or its acceleration,
         # depending on the problem
         ("change", REAL, (coordinate_count(links),)),
@@ -222,7 +222,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # DIFFERENCE (ode/folds.py); small if the force is smooth
         ("uneven", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
-        # sampled, the earlier time first; the points are in the order of ``touch.active_index``
+        # sampled, the earlier time first; the points are in the order of ``contacts.active_index``
         ("sample", REAL, (2, candidates)),
         # N, least force of the rigid wall on each held candidate in the stages of a step; 0 if none is < 0
         ("least_force", REAL, (candidates,)),
@@ -237,7 +237,7 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
     """
     # at least the number of constraints, because every candidate is an element; 0 in a scene without friction
     count = 2 * elements
-    return record(
+    return layout(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
         ("change", REAL, (coordinate_count(links),)),
         ("inside", INTEGER, (count,)),  # 1: the force is between its limits; 0: the force is at a limit
@@ -269,7 +269,7 @@ def contact_log_dtype(candidates: int) -> np.dtype:
     ``effective_mass`` and N·m·s for ``impulse``.
     """
     log = LOG_SIZE + candidates
-    return record(
+    return layout(
         ("count", INTEGER),  # number of contacts that have ended since the start of the run
         # value of ``count`` when the caller last collected ended contacts
         ("collected", INTEGER),
@@ -278,25 +278,25 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("onset", REAL, (log,)),  # s, time of the contact's onset
         # s, end of the contact; for an active contact NaN, or in ``list_latest`` the communication point
         ("end", REAL, (log,)),
-        ("impact_speed", REAL, (log,)),  # m/s, approach speed at the onset, `touch.impact_speed`
+        ("impact_speed", REAL, (log,)),  # m/s, approach speed at the onset, `contacts.impact_speed`
         ("separation_speed", REAL, (log,)),  # m/s, rate of the clearance at ``end``; NaN if ``end`` is NaN
         ("peak_force", REAL, (log,)),  # N, peak force of the contact
         ("max_penetration", REAL, (log,)),  # m, largest penetration of the contact
         ("effective_mass", REAL, (log,)),  # kg, effective mass at the onset of the contact
         ("impulse", REAL, (log,)),  # N·s, impulse of the wall on the point in the contact
-        # N, largest force in any joint during the contact; 0 if no loads are requested
+        # N, largest force in any joint during the contact; 0 if no transmitted forces are requested
         ("joint_force", REAL, (log,)),
         ("joint", INTEGER, (log,)),  # number of the joint with the largest force, 1…N; 0 for none
         ("x", REAL, (log,)),  # m, x of the position at which the candidate touched at the onset
         ("y", REAL, (log,)),
-        ("impact_number", INTEGER, (log,)),  # number of the contact's onset, as in `touch.impact_number`
+        ("impact_number", INTEGER, (log,)),  # number of the contact's onset, as in `contacts.impact_number`
     )
 
 
 @written_by("events/contact_log.py")
 def peaks_dtype() -> np.dtype:
     """Return the layout of the largest forces and depths over all contacts logged since the run's start."""
-    return record(
+    return layout(
         ("force", REAL),  # N, largest force of a wall on a point, or of a stop of the slider
         ("penetration", REAL),  # m, largest penetration at a wall or a stop of the slider
         ("moment", REAL),  # N·m, largest moment of a stop on a joint
@@ -312,7 +312,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     for the quadratures that steps integrate at present, in the order of ``index``.
     """
     count = candidates + elements + 3
-    return record(
+    return layout(
         ("computed", INTEGER),  # 1: steps integrate quadratures; 0: no output needs a quadrature
         # N·s, value of ``integral`` at the onset of the candidate's latest contact
         ("impulse_at_onset", REAL, (candidates,)),

@@ -14,9 +14,10 @@ class Counts(NamedTuple):
     # F, number of elements, parts that may have dry friction: C candidates, N joints and, if present, the
     # slider; 0 in a scene without dry friction
     elements: int = 0
-    # L, rows of the outputs of loads: N joints, then all walls; 0 if no loads are requested
-    loads: int = 0
-    # K, number of prescribed motions (chain/motion.py): two for a moving base, and two for each moving wall
+    # L, rows of the transmitted forces: N joints, then all walls; 0 if their outputs are not requested
+    transmitted_rows: int = 0
+    # K, number of prescribed motions (chain/prescribed_motion.py): two for a moving base, and two for each
+    # moving wall
     channels: int = 0
     sites: int = 0  # P, number of sites: points of links other than the links' ends (chain/sites.py)
     signals: int = 0  # D, number of inputs and prescribed motions that signals drive (chain/signals.py)

@@ -45,12 +45,12 @@ def written_by(*writers, **fields):
     kernel/tangent/ also set fields of tangent instances.
     """
 
-    def declare(layout):
+    def declare(dtype_of_part):
         of_fields = {
             name: (modules,) if isinstance(modules, str) else modules for name, modules in fields.items()
         }
-        WRITERS[layout.__name__.removesuffix("_dtype")] = {"": writers, **of_fields}
-        return layout
+        WRITERS[dtype_of_part.__name__.removesuffix("_dtype")] = {"": writers, **of_fields}
+        return dtype_of_part
 
     return declare
 
@@ -71,14 +71,14 @@ def settable(when: int):
     same values.
     """
 
-    def declare(layout):
-        SETTABLE[layout.__name__.removesuffix("_dtype")] = when
-        return layout
+    def declare(dtype_of_part):
+        SETTABLE[dtype_of_part.__name__.removesuffix("_dtype")] = when
+        return dtype_of_part
 
     return declare
 
 
-def record(*fields: tuple[object, ...]) -> np.dtype:
+def layout(*fields: tuple[object, ...]) -> np.dtype:
     """Return the layout of a record, whose fields are given as (name, type) or (name, type, shape)."""
     return np.dtype(list(fields), align=True)
 
@@ -88,7 +88,7 @@ def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
 
     The numbers of one row are neighbours in memory, because the kernel mostly reads whole rows.
     """
-    return np.dtype((record(*columns), (count,)))
+    return np.dtype((layout(*columns), (count,)))
 
 
 def is_table(dtype: np.dtype) -> bool:
@@ -101,7 +101,7 @@ def is_table(dtype: np.dtype) -> bool:
 
 def vectors_dtype(points: int, scalar: type = REAL) -> np.dtype:
     """Return the layout of vectors, with an array of x and an array of y, each of length ``points``."""
-    return record(("x", scalar, (points,)), ("y", scalar, (points,)))
+    return layout(("x", scalar, (points,)), ("y", scalar, (points,)))
 
 
 def place_count(links: int, sites: int) -> int:
@@ -113,10 +113,10 @@ def loads_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
     """Return the layout of loads: forces x, y at places, and moments in joints and on links; or impulses."""
     places = place_count(links, sites)
     numbers = ((name, scalar, (links,)) for name in ("joint", "link"))
-    return record(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)
+    return layout(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)
 
 
 def impedance_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
     """Return the layout of impedances: a symmetric 2×2 matrix [kg] at each place, κ [kg·m²] in each joint."""
     matrices = ((name, scalar, (place_count(links, sites),)) for name in ("xx", "xy", "yy"))
-    return record(*matrices, ("joint", scalar, (links,)))
+    return layout(*matrices, ("joint", scalar, (links,)))

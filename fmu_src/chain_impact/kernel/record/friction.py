@@ -3,7 +3,7 @@
 import numpy as np
 
 from chain_impact.kernel.forces.friction import NO_FRICTION
-from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, written_by
+from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, layout, written_by
 
 # number of changes of friction modes for which the log has room, divided by the number of elements
 CHANGES_OF_EACH = 4
@@ -12,7 +12,7 @@ CHANGES_OF_EACH = 4
 @written_by("forces/friction.py")
 def friction_dtype(elements: int) -> np.dtype:
     """Return the layout of the data of dry friction in the whole scene; `element` has each element's data."""
-    return record(
+    return layout(
         ("used", INTEGER),  # 1: some wall, joint or the slider has dry friction
         # number of elements with friction at present: active contacts, joints and the slider, in this order
         ("count", bounded(0, elements)),
@@ -30,7 +30,7 @@ def friction_dtype(elements: int) -> np.dtype:
 )
 def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
-    return record(
+    return layout(
         # indices of the elements with friction at present; only the first `friction.count` entries are used
         ("index", bounded(0, elements - 1), (elements,)),
         # indices of the sticking elements; only the first `friction.stuck_count` entries are used
@@ -65,7 +65,7 @@ def changes_dtype(elements: int) -> np.dtype:
     Friction that begins or ends is a change, too. A caller that has collected changes sets ``count`` to 0.
     """
     log = CHANGES_OF_EACH * elements
-    return record(
+    return layout(
         ("count", INTEGER),  # number of changes since the caller has last collected them
         ("time", REAL, (log,)),  # s, time of each change
         ("point", INTEGER, (log,)),  # number of the point or joint of the element; 0 for the slider

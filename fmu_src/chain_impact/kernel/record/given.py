@@ -15,7 +15,7 @@ from chain_impact.kernel.record.fields import (
     POSITIVE,
     REAL,
     bounded,
-    record,
+    layout,
     settable,
     written_by,
 )
@@ -32,7 +32,7 @@ EFFECT_FLAGS = (
 @written_by("initialize.py", **dict.fromkeys(EFFECT_FLAGS, "chain/drives.py"))
 def chain_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the chain's data, and of the walls of the box."""
-    return record(
+    return layout(
         ("gravity", REAL, (2,)),  # m/s², x and y of gravity
         ("length", POSITIVE, (links,)),  # m, length of each link
         ("mass", POSITIVE, (links,)),  # kg, mass of each link
@@ -52,8 +52,9 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("has_base_joint", INTEGER),
         # 1: the scene has inputs other than motions of walls (a wall acts on the chain only in a contact)
         ("has_inputs", INTEGER),
-        ("has_servos", INTEGER),  # 1: all drives are servos, whose targets are inputs; 0: no drive is a servo
-        ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
+        ("has_targets", INTEGER),  # 1: all drives have targets, which are inputs; 0: no drive has one
+        # 1: a pinned base moves with the first two channels (chain/prescribed_motion.py)
+        ("base_moves", INTEGER),
         # ---- derived at initialization
         # m, distance along each link from its proximal joint to its centre of mass, given or derived
         ("center_of_mass", FINITE, (links,)),
@@ -93,12 +94,12 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
 
 @settable(AT_START)
 @written_by("forces/candidate_laws.py")
-def contact_dtype() -> np.dtype:
+def contact_settings_dtype() -> np.dtype:
     """Return the layout of contact data common to all walls and the slider's stops.
 
     `given` and `walls` have the other data of the laws of these walls and stops.
     """
-    return record(
+    return layout(
         ("exponent", POSITIVE),  # exponent n of the elastic force K δⁿ
         ("radius", NOT_NEGATIVE),  # m, radius of the points, and of sites without a radius of their own
         # m/s, least impact speed v₀ in the laws of walls and of the slider's stops: v₀ of a slower impact is
@@ -115,9 +116,9 @@ def contact_dtype() -> np.dtype:
 @written_by("initialize.py", restitution="forces/candidate_laws.py")
 def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints; `given` has its stiffness and restitution."""
-    return record(
+    return layout(
         ("law", INTEGER),  # number of the law of stops in joints, from 1; 0: the law of the walls is used
-        # exponent n of the law of stops; the number DERIVED of chain/inertia.py: that of `contact` is used
+        # exponent n of the law of stops; the number DERIVED of chain/inertia.py: that of `contact_settings`
         ("given_exponent", REAL),
         ("minimum_impact_speed", POSITIVE),  # rad/s, least impact speed in the law of stops in joints
         # ---- derived at initialization
@@ -132,7 +133,7 @@ def stops_dtype() -> np.dtype:
 @written_by("initialize.py")
 def slider_dtype() -> np.dtype:
     """Return the layout of the slider: the line along which the base slides, and its carriage."""
-    return record(
+    return layout(
         ("angle", FINITE),  # rad, direction of the slider's line, from +x
         ("mass", NOT_NEGATIVE),  # kg, mass of the carriage, which moves with the base
         # ---- derived at initialization
@@ -153,7 +154,7 @@ def drive_dtype(links: int) -> np.dtype:
     `chain` has ``joint_armature``.
     """
     rows = (links + 1,)
-    return record(
+    return layout(
         ("friction_moment", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
         # N·m, largest absolute value of the sum of the torques of motor, spring and damper; ∞: no limit
         ("torque_limit", LIMIT, rows),
@@ -174,7 +175,7 @@ def drive_dtype(links: int) -> np.dtype:
 @written_by()
 def initial_dtype(links: int) -> np.dtype:
     """Return the layout of the positions and velocities at the start of a run."""
-    return record(
+    return layout(
         ("position", REAL, (2,)),  # m, initial position of the base, x and y
         ("velocity", REAL, (2,)),  # m/s, initial velocity of the base, x and y; not used with a slider
         ("angle", REAL, (links,)),  # rad, initial absolute angle of each link
@@ -187,7 +188,7 @@ def initial_dtype(links: int) -> np.dtype:
 @written_by()
 def solver_dtype() -> np.dtype:
     """Return the layout of the settings of the solver."""
-    return record(
+    return layout(
         # number of the method of integration, from 1: its position in SOLVER_METHODS of ode/control.py
         ("method", bounded(1, len(SOLVER_METHODS))),
         ("tolerance", POSITIVE),  # allowed error of a step, relative to the scales of ode/control.py
@@ -213,7 +214,7 @@ def piece_dtype(links: int) -> np.dtype:
 
     kernel/chain/inputs.py has the formula.
     """
-    return record(
+    return layout(
         ("degree", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
         # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. In a
         # piece with an end, −1 ≤ x ≤ 1, so that the powers of x lose no digits in a short or late piece.
@@ -227,18 +228,18 @@ def piece_dtype(links: int) -> np.dtype:
 
 
 @settable(AT_ANY_TIME)
-@written_by(changed="chain/inputs.py", piece="chain/inputs.py")
+@written_by(pending="chain/inputs.py", piece="chain/inputs.py")
 def given_dtype(links: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
 
     The kernel applies new values at the start of the next call that advances the run. A piece of the inputs
     that continues the present piece without a jump is applied at the start of the next step.
     """
-    return record(
+    return layout(
         # kind of the values that are set, but not in use yet, a constant of chain/inputs.py. REINITIALIZE: an
         # input or a parameter, so that the solver re-initializes; CONTINUES: only the next piece of the
         # inputs, without a jump; 0: no values
-        ("changed", INTEGER),
+        ("pending", INTEGER),
         # number, from 1, of the contact law of walls and stops; stops in joints have `stops.law`, if > 0
         ("law", INTEGER),
         # N/m^exponent, stiffness K of the slider's stops, and of walls without a stiffness in `walls`
@@ -264,7 +265,7 @@ def given_dtype(links: int) -> np.dtype:
 @written_by("chain/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
     """Return the layout of the values in use of the inputs, and of the damping and stiffness of drives."""
-    return record(
+    return layout(
         # N·m·s/rad, damping of each joint's drive; the last entry belongs to the slider, N·s/m
         ("drive_damping", REAL, (links + 1,)),
         # N·m/rad, stiffness of each joint's drive; the last entry belongs to the slider, N/m
@@ -278,16 +279,17 @@ def inputs_dtype(links: int) -> np.dtype:
 @written_by("initialize.py")
 def site_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the sites in the order of their links: points of links other than their ends."""
-    return record(
+    return layout(
         ("link", bounded(0, links - 1), (sites,)),  # index of the site's link, from 0
         # 1 to 4: number of the box's corner at which the site lies (``corner_of_box``); 0: not a corner
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint
         ("y", FINITE, (sites,)),  # m, distance of the site from the link's line; > 0: to the left
-        # m, given radius; the number DERIVED of chain/inertia.py: not given, `contact.radius` is used
+        # m, given radius; the number DERIVED of chain/inertia.py: not given, `contact_settings.radius` is
+        # used
         ("given_radius", REAL, (sites,)),
         # ---- derived at initialization
-        ("radius", NOT_NEGATIVE, (sites,)),  # m, radius of the site, given or that of `contact`
+        ("radius", NOT_NEGATIVE, (sites,)),  # m, radius of the site, given or that of the settings
         ("along", REAL, (sites,)),  # position x of the site divided by the link's length
         ("beside", REAL, (sites,)),  # position y of the site divided by the link's length
     )
@@ -301,7 +303,7 @@ def walls_dtype(candidates: int) -> np.dtype:
     The arrays have room for a wall at an angle for each candidate. New values of materials take effect at any
     time, those of ``x``, ``y`` and ``angle`` at the start of the next run.
     """
-    return record(
+    return layout(
         ("x", FINITE, (candidates,)),  # m, x of one point on the edge of each wall
         ("y", FINITE, (candidates,)),  # m, y of the same point
         # rad, direction of each wall, from +x; the free side is to the left of this direction

@@ -12,7 +12,7 @@ describes the state vector y.
 Every size and offset is an affine function of the counts (counts.py): a constant plus a multiple of each
 count. The compiled kernel relies on this (compilation/record_type.py). The offset of a field depends on the
 sizes of the fields before it, so the fields that every chain has come first. Fields of candidates, of dry
-friction, of loads, channels, sites and signals follow.
+friction, of transmitted forces, channels, sites and signals follow.
 """
 
 import numpy as np
@@ -21,20 +21,20 @@ from chain_impact.kernel.record.contacts import (
     candidate_dtype,
     constraints_dtype,
     contact_log_dtype,
+    contacts_dtype,
     impact_dtype,
     latest_dtype,
     law_dtype,
     limited_forces_dtype,
     peaks_dtype,
     quadrature_dtype,
-    touch_dtype,
 )
 from chain_impact.kernel.record.counts import COUNTS, Counts
-from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
+from chain_impact.kernel.record.fields import INTEGER, REAL, layout, written_by
 from chain_impact.kernel.record.friction import changes_dtype, element_dtype, friction_dtype
 from chain_impact.kernel.record.given import (
     chain_dtype,
-    contact_dtype,
+    contact_settings_dtype,
     drive_dtype,
     given_dtype,
     initial_dtype,
@@ -45,7 +45,7 @@ from chain_impact.kernel.record.given import (
     stops_dtype,
     walls_dtype,
 )
-from chain_impact.kernel.record.motions import channel_dtype, given_channel_dtype, wall_motion_dtype
+from chain_impact.kernel.record.prescribed_motion import channel_dtype, given_channel_dtype, wall_motion_dtype
 from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
 from chain_impact.kernel.record.solver import (
     balance_dtype,
@@ -60,12 +60,15 @@ from chain_impact.kernel.record.solver import (
 )
 
 
-@written_by("observe.py", **dict.fromkeys(("load", "slider_reaction", "slider_moment"), "loads.py"))
+@written_by(
+    "observe.py",
+    **dict.fromkeys(("transmitted", "slider_reaction", "slider_moment"), "transmitted_forces.py"),
+)
 def output_dtype(
     links: int,
     candidates: int,
     elements: int,
-    loads: int,
+    transmitted_rows: int,
     channels: int = 0,
     sites: int = 0,
     signals: int = 0,
@@ -78,7 +81,7 @@ def output_dtype(
     angular impulses [N·m·s]; the entry of the second stop is 0.
     """
     points = links + 1 + sites
-    return record(
+    return layout(
         ("point_position", REAL, (points, 2)),  # m, positions of the points 0…N, then of the sites
         ("point_velocity", REAL, (points, 2)),  # m/s, velocities of the points 0…N, then of the sites
         ("point_acceleration", REAL, (points, 2)),  # m/s², accelerations of the points 0…N, then of the sites
@@ -93,9 +96,9 @@ def output_dtype(
         ("slider_velocity", REAL),  # m/s, velocity of the base along the slider's line
         ("slider_acceleration", REAL),  # m/s², acceleration of the base along the slider's line
         # N, force of the slider's line on the carriage, > 0 to the left of the line's direction; set only if
-        # loads are requested
+        # the outputs of transmitted forces are requested
         ("slider_reaction", REAL),
-        # N·m, moment of the slider's line on the carriage, anticlockwise; set only if loads are requested
+        # N·m, moment of the slider's line on the carriage, anticlockwise; set as ``slider_reaction``
         ("slider_moment", REAL),
         # N, normal force of the wall on the point, ≥ 0; for joints' stops see ``combine_forces``
         ("force", REAL, (candidates,)),
@@ -115,7 +118,7 @@ def output_dtype(
         ("supplied", REAL),
         ("total", REAL),  # J, sum of the kinetic, potential and elastic energy
         ("friction", friction_output_dtype(elements)),
-        ("load", load_output_dtype(loads)),
+        ("transmitted", transmitted_output_dtype(transmitted_rows)),
         # m, position of each channel: base, walls and belts with prescribed motions
         ("channel", REAL, (channels,)),
         # value of each signal that drives an input or a motion, and the first and second derivative in time
@@ -133,7 +136,7 @@ STATE_OUTPUTS = (
 
 def friction_output_dtype(elements: int) -> np.dtype:
     """Return the layout of the outputs of dry friction; an element is a candidate, a joint or the slider."""
-    return record(
+    return layout(
         ("force", REAL, (elements,)),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, impulse of ``force`` since the run's start
         # 1: the contact of a candidate sticks; 0: the contact slides or has no friction, or does not exist
@@ -147,73 +150,81 @@ def friction_output_dtype(elements: int) -> np.dtype:
     )
 
 
-def load_output_dtype(loads: int) -> np.dtype:
-    """Return the layout of the outputs of loads: a row for each joint, then a row for each wall.
+def transmitted_output_dtype(rows: int) -> np.dtype:
+    """Return the layout of the outputs of transmitted forces: a row for each joint, then a row for each wall.
 
     Impulses, peaks and times of peaks are not used in the rows of walls.
     """
-    return record(
+    return layout(
         # N, x and y of a force. Rows of joints: the force on the joint's outer link, by the link before, the
         # ground or the carriage. Rows of walls: the force of all points on the wall
-        ("x", REAL, (loads,)),
-        ("y", REAL, (loads,)),
+        ("x", REAL, (rows,)),
+        ("y", REAL, (rows,)),
         # N·m, rows of joints: moment on the joint's outer link; rows of walls: moment on the wall, about the
         # wall's point in `walls`, or about the origin for a wall of the box
-        ("moment", REAL, (loads,)),
-        ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the run's start, x
-        ("impulse_y", REAL, (loads,)),
-        ("peak", REAL, (loads,)),  # N, largest magnitude of the force in the joint since the run's start
-        ("peak_time", REAL, (loads,)),  # s, time of ``peak``; the run's start as long as ``peak`` is 0
+        ("moment", REAL, (rows,)),
+        # N·s, impulse of the joint's force since the run's start, x
+        ("impulse_x", REAL, (rows,)),
+        ("impulse_y", REAL, (rows,)),
+        # N, largest magnitude of the force in the joint since the run's start
+        ("peak", REAL, (rows,)),
+        # s, time of ``peak``; the run's start as long as ``peak`` is 0
+        ("peak_time", REAL, (rows,)),
     )
 
 
-@written_by("loads.py")
-def transmitted_dtype(loads: int) -> np.dtype:
-    """Return the layout of the data from which loads follow.
+@written_by("transmitted_forces.py")
+def transmitted_dtype(rows: int) -> np.dtype:
+    """Return the layout of the data from which the outputs of transmitted forces follow.
 
-    An array of shape (loads,) has the rows of ``load_output_dtype``: the joints, then the walls.
+    An array of shape (rows,) has the rows of ``transmitted_output_dtype``: the joints, then the walls.
     """
-    return record(
+    return layout(
         ("run_start", REAL),  # s, time at which the run started
         # N·s, impulse of the input force at the tip from the run's start to the communication point
         ("tip_impulse", REAL, (2,)),
         # N·s, x and y of the momentum of each joint's outer link at the run's start; rows of walls are not
         # used
-        ("start_x", REAL, (loads,)),
-        ("start_y", REAL, (loads,)),
-        # N², the largest squared force in each joint from the run's start to the last ``update_load_peaks``
-        ("peak_square", REAL, (loads,)),
-        ("peak_time", REAL, (loads,)),  # s, time at which each joint had the squared force ``peak_square``
+        ("start_x", REAL, (rows,)),
+        ("start_y", REAL, (rows,)),
+        # N², the largest squared force in each joint from the run's start to the last
+        # ``raise_joint_force_peaks``
+        ("peak_square", REAL, (rows,)),
+        # s, time at which each joint had the squared force ``peak_square``
+        ("peak_time", REAL, (rows,)),
         # N², the largest squared force in each joint that the search of the last step has found so far; the
-        # search starts from a stored maximum (loads.py)
-        ("largest_square", REAL, (loads,)),
-        ("largest_time", REAL, (loads,)),  # s, time of ``largest_square``, if this exceeds ``peak_square``
-        # N², ``largest_square`` after ``fill_load_peaks`` (loads.py) has last searched a whole step
-        ("searched_square", REAL, (loads,)),
-        # values of `step.breaks` and of `step.end` [s] when ``fill_load_peaks`` last searched a whole step:
-        # the values tell which step this was
+        # search starts from a stored maximum (transmitted_forces.py)
+        ("largest_square", REAL, (rows,)),
+        # s, time of ``largest_square``, if this exceeds ``peak_square``
+        ("largest_time", REAL, (rows,)),
+        # N², ``largest_square`` after ``fill_joint_force_peaks`` (transmitted_forces.py) has last searched a
+        # whole step
+        ("searched_square", REAL, (rows,)),
+        # values of `step.breaks` and of `step.end` [s] when ``fill_joint_force_peaks`` last searched a whole
+        # step: the values tell which step this was
         ("searched_breaks", INTEGER),
         ("searched_end", REAL),
-        ("x", REAL, (loads,)),  # N, x and y of the joint forces at the last sampled time (loads.py)
-        ("y", REAL, (loads,)),
+        # N, x and y of the joint forces at the last sampled time (transmitted_forces.py)
+        ("x", REAL, (rows,)),
+        ("y", REAL, (rows,)),
         # N², squares of the joint forces at three successive sampled times
-        ("square_before", REAL, (loads,)),
-        ("square_middle", REAL, (loads,)),
-        ("square_after", REAL, (loads,)),
+        ("square_before", REAL, (rows,)),
+        ("square_middle", REAL, (rows,)),
+        ("square_after", REAL, (rows,)),
     )
 
 
 def instance_dtype(*counts: int) -> np.dtype:
     """Return the layout of an instance; ``counts`` are the values of ``Counts`` in their order."""
-    links, candidates, elements, loads, channels, sites, signals, knots = Counts(*counts)
-    return record(
+    links, candidates, elements, transmitted_rows, channels, sites, signals, knots = Counts(*counts)
+    return layout(
         *((name, INTEGER) for name in COUNTS),
         ("skewed", INTEGER),  # 1: the centre of mass of some link may lie beside the link's line; else 0
         ("slides", INTEGER),  # 1: the base slides along a line, on a carriage; 0: the base is free or pinned
         # number of tangent instances that follow the record in memory (kernel/tangent/)
         ("tangents", INTEGER),
         ("chain", chain_dtype(links, sites)),
-        ("contact", contact_dtype()),
+        ("contact_settings", contact_settings_dtype()),
         ("stops", stops_dtype()),
         ("slider", slider_dtype()),
         ("drive", drive_dtype(links)),
@@ -232,7 +243,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("balance", balance_dtype()),
         ("scratch", scratch_dtype(links, sites)),
         ("friction", friction_dtype(elements)),
-        ("touch", touch_dtype(candidates)),
+        ("contacts", contacts_dtype(candidates)),
         ("candidate", candidate_dtype(candidates)),
         ("walls", walls_dtype(candidates)),
         ("law", law_dtype(candidates)),
@@ -244,8 +255,8 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("element", element_dtype(elements)),
         ("quadrature", quadrature_dtype(candidates, elements)),
         ("changes", changes_dtype(elements)),
-        ("output", output_dtype(links, candidates, elements, loads, channels, sites, signals)),
-        ("transmitted", transmitted_dtype(loads)),
+        ("output", output_dtype(links, candidates, elements, transmitted_rows, channels, sites, signals)),
+        ("transmitted", transmitted_dtype(transmitted_rows)),
         ("wall_motion", wall_motion_dtype(candidates)),
         ("given_channel", given_channel_dtype(channels)),
         ("channel", channel_dtype(channels)),

@@ -11,7 +11,7 @@ from chain_impact.kernel.record.fields import (
     NOT_NEGATIVE,
     REAL,
     bounded,
-    record,
+    layout,
     settable,
     written_by,
 )
@@ -25,7 +25,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
     If one signal of the scene drives several values, its given numbers are only in the entry of the first of
     these values; ``source`` of each entry is the index of this first entry.
     """
-    return record(
+    return layout(
         # kind of the signal, 0 to 4: constant, sine, ramp, steps, table
         ("form", bounded(CONSTANT, TABLE), (signals,)),
         # shape of a ramp: SMOOTH, LINEAR or TRAPEZOID of chain/signals.py
@@ -81,7 +81,7 @@ def knot_dtype(knots: int) -> np.dtype:
     The scene gives ``time`` and ``powers`` of a table. The kernel computes both for any other signal; for a
     signal of steps, from ``given_time`` and ``given_value``.
     """
-    return record(
+    return layout(
         ("given_time", REAL, (knots,)),  # s, given times at which a signal of steps changes its value
         # values of a signal of steps, each from its given time on, in the unit of the input
         ("given_value", REAL, (knots,)),

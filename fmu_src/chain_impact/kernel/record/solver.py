@@ -17,9 +17,9 @@ from chain_impact.kernel.record.fields import (
     REAL,
     bounded,
     impedance_dtype,
+    layout,
     loads_dtype,
     place_count,
-    record,
     vectors_dtype,
     written_by,
 )
@@ -35,7 +35,7 @@ from chain_impact.kernel.status import LAST_STATUS, OK
 def step_dtype(links: int, candidates: int) -> np.dtype:
     """Return the layout of the last accepted step, of its dense output, and of data for the next step."""
     state = state_size(links)
-    return record(
+    return layout(
         ("communication_point", REAL),  # s, the communication point; between calls it lies in the last step
         ("start", REAL),  # s, time at which the last step starts
         # s, time that is added to the entry t of the state y: the start of the last or of the tried step
@@ -83,7 +83,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
 @written_by("ode/control.py", state=("ode/collocation.py", "ode/last_step.py"))
 def trial_dtype(links: int) -> np.dtype:
     """Return the layout of the outcome of the tried step."""
-    return record(
+    return layout(
         ("size", REAL),  # size of the tried step in its integration variable: time [s] or fictitious time [s]
         ("state", REAL, (state_size(links),)),  # state y at the end of the tried step
         # ACCEPTED, or the reason why the tried step is rejected, such as INACCURATE (kernel/ode/control.py)
@@ -102,13 +102,13 @@ def fault_dtype() -> np.dtype:
     # number of the part of the scene that causes the fault: 1…C for the candidates, then the links, the
     # drives (of the N joints and of a slider) and, for each candidate, the base at this candidate's wall;
     # 0: no part
-    return record(("part", INTEGER))
+    return layout(("part", INTEGER))
 
 
 @written_by("cost.py", status="status.py")
 def statistics_dtype() -> np.dtype:
     """Return the layout of the run's status, and of counts of steps and evaluations since its start."""
-    return record(
+    return layout(
         ("steps", INTEGER),  # number of accepted steps
         ("rejected_steps", INTEGER),  # number of tried steps that were rejected
         # number of evaluations of ẏ that the solver needs; evaluations for outputs do not count
@@ -121,14 +121,14 @@ def statistics_dtype() -> np.dtype:
 @written_by("cost.py")
 def budget_dtype() -> np.dtype:
     """Return the layout of the data that limit the number of events and the cost in windows of time."""
-    return record(
+    return layout(
         ("event_start", REAL),  # s, start of the window in which events are counted
         ("event_count", INTEGER),  # number of events since ``event_start``
         ("cost_start", REAL),  # s, start of the window in which the cost is limited
-        ("cost_count", INTEGER),  # cost from the start of the run to ``cost_start``, in evaluations
+        ("cost_at_window", INTEGER),  # cost from the start of the run to ``cost_start``, in evaluations
         # cost from the start of the run to the start of the present communication step, in evaluations;
         # UNLIMITED of cost.py: this step may have any cost
-        ("call_count", INTEGER),
+        ("cost_at_communication_step", INTEGER),
         # cost, from the start of the run, of calculations other than evaluations of ẏ (locating points,
         # finding responses to impulses), as a number of evaluations that cost as much
         ("other_cost", INTEGER),
@@ -138,7 +138,7 @@ def budget_dtype() -> np.dtype:
 @written_by("ode/balance.py")
 def balance_dtype() -> np.dtype:
     """Return the layout of the energy balance (equations.py) and its allowed changes (ode/balance.py)."""
-    return record(
+    return layout(
         ("at_end", REAL),  # J, energy balance at the end of the last step
         ("at_start", REAL),  # J, energy balance at the start of the last step
         # value of `step.breaks` when the energy balance was last evaluated at the start of a step
@@ -168,7 +168,7 @@ def balance_dtype() -> np.dtype:
 
 def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
     """Return the layout of the factors of ``slots`` matrices M + Jᵀ D J + K (chain/response.py)."""
-    return record(
+    return layout(
         # factors of each link, with the inertia H and the coupling h of the link's rotation, and the
         # resistance κ of the link's inner joint: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling``
         # σ = κ/(H + κ) and ``complement`` 1 − σ = H/(H + κ)
@@ -190,7 +190,7 @@ def elimination_dtype(links: int) -> np.dtype:
     moment of inertia about the link's joint on the side of ``meeting_joint``, h the coupling of the rotation
     about this joint with the joint's acceleration, and h₀ the moment about it without accelerations.
     """
-    return record(
+    return layout(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
         # kg, articulated inertia at the joint where the arms of a free chain meet, or at a base on a slider;
         # not set with a pinned base
@@ -218,7 +218,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
     points, state = links + 1, state_size(links)
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
-    return record(
+    return layout(
         ("stage", REAL, (STAGES, state)),  # rates dy/ds at the stages of a step
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
         # ẏ at the end of the last step, if `step.rate_known` is 1; valid after the step, too
@@ -263,7 +263,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
 )
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with each φ (exclusion.py) at both ends of an interval."""
-    return record(
+    return layout(
         # what is known of the candidates' φ (``phi_end``) at the last step's end (events/exclusion.py):
         # NOTHING; VALUES: φ and φ′; WITH_CURVES: also φ″; SAFE_DISTANCE: candidates without contact have at
         # least the clearance ``safe_distance``
@@ -322,7 +322,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     # Data of the linear systems with complex shifts s, one shift of each conjugate pair. ``factors`` has a
     # slot for each shift; the other fields serve one system at a time. For the real shift, `scratch` has such
     # data, and ``parts`` has x.
-    pairs = record(
+    pairs = layout(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
         ("load", loads_dtype(links, sites, COMPLEX)),
@@ -330,7 +330,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("change", COMPLEX, (coordinate_count(links),)),
         ("x", COMPLEX, (extended,)),  # right-hand side of the linear system, later its solution
     )
-    return record(
+    return layout(
         ("z_start", REAL, (extended,)),  # extended state z at the start of a step
         ("rate_start", REAL, (extended,)),  # rate ż of the extended state at the start of a step
         # the extended state that is evaluated; after ``correct_stages`` (ode/radau.py) the largest absolute
@@ -348,8 +348,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("parts", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
         ("last_stages", REAL, (RADAU_STAGES, extended)),
-        # value of `touch.listings` in the step of ``last_stages``; while `touch.listings` has this value, the
-        # active contacts are the same, and ``last_stages`` can predict the stages of the next step
+        # value of `contacts.listings` in the step of ``last_stages``; while `contacts.listings` has this
+        # value, the active contacts are the same, and ``last_stages`` can predict the stages of the next step
         ("listing", INTEGER),
         ("iterations", INTEGER),  # number of Newton iterations in the tried step
         # largest component of the last Newton correction, over the tolerated error
@@ -362,10 +362,10 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         # m, link vectors L_i in the state at which the Jacobian A was evaluated
         ("link_vector", vectors_dtype(links + 1)),
         # N/m, slope ∂F/∂δ of the force F of each active contact with a force law, by the penetration; in the
-        # order of `touch.active_index`
+        # order of `contacts.active_index`
         ("contact_stiffness", REAL, (candidates,)),
         # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law, by the rate of the
-        # penetration; in the order of `touch.active_index`
+        # penetration; in the order of `contacts.active_index`
         ("contact_damping", REAL, (candidates,)),
         # N·m/rad, slope −∂F/∂ψ of the torque F of each joint's drive, by the joint's angle ψ; the last entry
         # belongs to the slider [N/m]
@@ -374,7 +374,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         # entry belongs to the slider [N·s/m]
         ("drive_damping", REAL, (links + 1,)),
         # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
-        # active contacts; in the order of `touch.active_index`
+        # active contacts; in the order of `contacts.active_index`
         ("normal", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the
         # elimination

@@ -94,7 +94,7 @@ def joints_loaded(d):
 
     The sticking friction of a slider counts, too.
     """
-    return d.chain.has_armatures != 0 or d.touch.joint_stop_count + d.friction.stuck_joints > 0
+    return d.chain.has_armatures != 0 or d.contacts.joint_stop_count + d.friction.stuck_joints > 0
 
 
 def solve_space(d, link_vectors, space, slot, change):

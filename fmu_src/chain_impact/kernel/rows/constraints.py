@@ -29,7 +29,7 @@ import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
-from chain_impact.kernel.functions import has_dual_rule, inlined
+from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.rows.compliance import (
     STICKING_ITERATIONS,
     factorize_contacts,
@@ -105,7 +105,7 @@ def set_impedance(d, amount):
 
 def scale_sticking_impedances(d):
     """Multiply sticking elements' impedances by max(LEAST_STICKING_IMPEDANCE, limit/largest limit) each."""
-    friction, first, most = d.friction, d.touch.active_count, 0.0
+    friction, first, most = d.friction, d.contacts.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
     for i in range(friction.stuck_count):
@@ -115,8 +115,8 @@ def scale_sticking_impedances(d):
 
 def set_single_solution_impedances(d):
     """Set impedances: at sticking elements one solution has about the effect of STICKING_ITERATIONS."""
-    for k in range(d.touch.compliant_count, constraint_count(d)):
-        times = SINGLE_SOLUTION_FACTOR if k >= d.touch.active_count else 1.0
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
+        times = SINGLE_SOLUTION_FACTOR if k >= d.contacts.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
     if any_sticking(d):
         scale_sticking_impedances(d)
@@ -222,7 +222,7 @@ def solve_single(d, only):
     add_along(constraint_row(d, only), d.scratch.load, 1.0)
     solve_space(d, d.scratch.link_vector, d.scratch, FREE, constraints.change)
     mobility = along(constraint_row(d, only), motion)
-    if only >= d.touch.active_count:
+    if only >= d.contacts.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE_MOBILITY:
         return False
@@ -307,8 +307,8 @@ def solve_lcp(d, scale):
     definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of pivots, the
     problem is recorded as unsolved. Arguments and results are as in ``solve_equality``.
     """
-    constraints, first = d.constraints, d.touch.compliant_count
-    count = d.touch.active_count - first
+    constraints, first = d.constraints, d.contacts.compliant_count
+    count = d.contacts.active_count - first
     fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
     for _ in range(EXTRA_PIVOTS + 4 * count):
         solve_equality(d, scale)
@@ -337,14 +337,14 @@ def note_unsolved(d):
 
 def note_moving(d, tolerated):
     """Record MOVING if a held point's acceleration is off its target by more than ``tolerated`` [m/s²]."""
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if d.constraints.unsolved == SOLVED and abs(d.constraints.residual[k]) > tolerated:
             d.constraints.unsolved = MOVING
 
 
 def note_squeezed(d, tolerated):
     """Record SQUEEZED if a held point lies deeper in its rigid wall than ``tolerated`` [m]."""
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if d.constraints.target[k] - d.constraints.reached[k] > tolerated:
             d.constraints.unsolved = SQUEEZED
 
@@ -359,9 +359,9 @@ def count_stalls(wrong, fewest, stalls_left):
 def count_violations(d, scale):
     """Count and mark violations above round-off: impulses < 0 in the active set, motions < target outside."""
     constraints, largest, wrong = d.constraints, 0.0, 0
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         largest = max(largest, abs(constraints.impulse[k]))
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if constraints.in_active_set[k]:
             constraints.violated[k] = constraints.impulse[k] < -SIGN_TOLERANCE * largest
         else:
@@ -372,7 +372,7 @@ def count_violations(d, scale):
 
 def any_point_held(d):
     """Return whether a rigid wall holds any point."""
-    return d.touch.active_count > d.touch.compliant_count
+    return d.contacts.active_count > d.contacts.compliant_count
 
 
 def any_constraint(d):
@@ -382,9 +382,9 @@ def any_constraint(d):
 
 def activate_all(d):
     """Let the active set be the contacts without a force law and the sticking elements, with target 0."""
-    for k in range(d.touch.compliant_count):
+    for k in range(d.contacts.compliant_count):
         remove_from_active_set(d, k)
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         add_to_active_set(d, k, 0.0)
 
 

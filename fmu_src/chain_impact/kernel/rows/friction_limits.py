@@ -66,13 +66,13 @@ def find_limited_forces(d):
         if solved or cost_exceeded(d):
             break
     for i in range(d.friction.stuck_count):
-        limited.at_limit[i] = sign_at_limit(d, d.touch.active_count + i)
+        limited.at_limit[i] = sign_at_limit(d, d.contacts.active_count + i)
 
 
 def largest_residual_inside(d):
     """Return the largest |residual| [m/s²] of the constraints whose forces are inside their limits."""
     limited, largest = d.limited_forces, 0.0
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         if limited.inside[k]:
             largest = max(largest, abs(limited.residual[k]))
     return largest
@@ -85,7 +85,7 @@ def largest_start(d):
     Contacts with a force law do not count.
     """
     scale = 0.0
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         scale = max(scale, abs(d.constraints.unforced[k]))
     return scale
 
@@ -107,7 +107,7 @@ def lower_limit(d, k):
 
     The lower limit is 0 for a point at a rigid wall, and minus the upper limit for a sticking element.
     """
-    return 0.0 if k < d.touch.active_count else -upper_limit(d, k)
+    return 0.0 if k < d.contacts.active_count else -upper_limit(d, k)
 
 
 def upper_limit(d, k):
@@ -117,7 +117,7 @@ def upper_limit(d, k):
     friction, because a contact at its limit slides. For a sticking joint or slider the limit is its largest
     friction. For a point at a rigid wall the limit is infinite.
     """
-    first = d.touch.active_count
+    first = d.contacts.active_count
     if k < first:
         return math.inf
     e = d.element.stuck[k - first]
@@ -143,7 +143,7 @@ def minimize_within_limits(d, scale):
     for _ in range(EXTRA_PIVOTS + 4 * end):
         solve_inside(d)
         found, part = first_at_limit(d)
-        for k in range(d.touch.compliant_count, end):
+        for k in range(d.contacts.compliant_count, end):
             if limited.inside[k]:
                 limited.force[k] += part * (limited.unlimited[k] - limited.force[k])
         if found >= 0:
@@ -163,7 +163,7 @@ def first_at_limit(d):
         reaches the limit, or 1.
     """
     limited, first, part = d.limited_forces, -1, 1.0
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         limit = clipped(d, k, limited.unlimited[k])
         if limited.inside[k] and limit != limited.unlimited[k]:
             reached = (limit - limited.force[k]) / (limited.unlimited[k] - limited.force[k])
@@ -178,9 +178,9 @@ def constraint_to_release(d, scale):
     The result is −1 if no clipped ``unlimited`` is farther from the limit than round-off.
     """
     limited, found, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         largest = max(largest, abs(limited.force[k]))
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         inward = abs(clipped(d, k, limited.unlimited[k]) - limited.force[k])
         round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
         if not limited.inside[k] and inward > max(round_off, most_of_all):
@@ -196,14 +196,14 @@ def solve_inside(d):
     """
     limited, motion = d.limited_forces, d.scratch.place_change
     for k in range(constraint_count(d)):
-        moves = k < d.touch.compliant_count
+        moves = k < d.contacts.compliant_count
         limited.impedance[k] = 0.0 if moves or not limited.inside[k] else d.constraints.impedance[k]
         limited.correction[k] = limited.impedance[k] * limited.residual[k]
         if not moves and not limited.inside[k]:
             limited.correction[k] = limited.force[k] - limited.center[k]
     factorize_contacts(d, HELD, limited.impedance)
     solve_contacts(d, HELD, limited.correction, limited.change)
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         residual = limited.residual[k] - along(constraint_row(d, k), motion)
         limited.unlimited[k] = limited.center[k] + d.constraints.impedance[k] * residual
     count_other_cost(d, 1)
@@ -213,7 +213,7 @@ def update_residuals(d):
     """Begin the next iteration: set p (``center``) to the present forces, and find their residuals."""
     limited = d.limited_forces
     solve_contacts(d, FREE, limited.force, limited.change)
-    for k in range(d.touch.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.compliant_count, constraint_count(d)):
         limited.center[k] = limited.force[k]
         reached = d.constraints.unforced[k] + along(constraint_row(d, k), d.scratch.place_change)
         limited.residual[k] = d.constraints.target[k] - reached

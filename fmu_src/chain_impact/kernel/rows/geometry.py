@@ -6,8 +6,8 @@ The clearance g of a point at p is positive while point and wall are apart:
 
     g = n·p − offset − radius,   ġ = n·ṗ − w,   g̈ = n·p̈ − ẇ,
 
-with the present offset, speed w and acceleration ẇ of a wall that moves along n (chain/motion.py). A wall at
-rest has w = ẇ = 0. The tangential motion is relative to the wall's belt.
+with the present offset, speed w and acceleration ẇ of a wall that moves along n (chain/prescribed_motion.py).
+A wall at rest has w = ẇ = 0. The tangential motion is relative to the wall's belt.
 
 The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
 
@@ -30,7 +30,7 @@ from chain_impact.kernel.chain.drives import (
     lever_of_drive,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, largest_component, set_polar
-from chain_impact.kernel.chain.motion import fastest_wall
+from chain_impact.kernel.chain.prescribed_motion import fastest_wall
 from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_place
 from chain_impact.kernel.chain.slider import along_slider
 
@@ -54,7 +54,7 @@ def set_candidate_rows(d):
     """Set the place and radius of each candidate, and the normal and offset of its wall or stop."""
     for c in range(d.candidates):
         wall, point = d.candidate.wall[c], d.candidate.point[c]
-        d.candidate.place[c], d.candidate.radius[c] = point, d.contact.radius
+        d.candidate.place[c], d.candidate.radius[c] = point, d.contact_settings.radius
         if point > d.links:
             s = site_of_point(d, point)
             d.candidate.place[c], d.candidate.radius[c] = site_place(d, s), d.site.radius[s]
@@ -197,7 +197,7 @@ def row_of_drive(d, i):
 
 def constraint_count(d):
     """Return the number of constraints: the active contacts plus the sticking elements."""
-    return d.touch.active_count + d.friction.stuck_count
+    return d.contacts.active_count + d.friction.stuck_count
 
 
 def any_sticking(d):
@@ -210,9 +210,9 @@ def constraint_row(d, k):
 
     The constraints are numbered: first the active contacts, then the sticking elements.
     """
-    if k < d.touch.active_count:
-        return normal_row(d, d.touch.active_index[k])
-    return tangent_row(d, d.element.stuck[k - d.touch.active_count])
+    if k < d.contacts.active_count:
+        return normal_row(d, d.contacts.active_index[k])
+    return tangent_row(d, d.element.stuck[k - d.contacts.active_count])
 
 
 def along(row, vectors):
@@ -277,9 +277,9 @@ def tangential_acceleration(d, e):
 
 def constraint_acceleration(d, k):
     """Return the acceleration [m/s²] of constraint k, relative to wall or belt, at accelerated points."""
-    if k < d.touch.active_count:
-        return gap_acceleration(d, d.touch.active_index[k])
-    return tangential_acceleration(d, d.element.stuck[k - d.touch.active_count])
+    if k < d.contacts.active_count:
+        return gap_acceleration(d, d.contacts.active_index[k])
+    return tangential_acceleration(d, d.element.stuck[k - d.contacts.active_count])
 
 
 def add_joint_loads(d, load):

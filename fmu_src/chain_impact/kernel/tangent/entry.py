@@ -8,11 +8,11 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.entry import within_bounds
-from chain_impact.kernel.events.contact_log import update_own_to_communication_point
-from chain_impact.kernel.observe import fill_outputs, refill_motion
+from chain_impact.kernel.events.contact_log import update_instance_to_communication_point
+from chain_impact.kernel.observe import fill_outputs, refill_outputs_but_integrals
 from chain_impact.kernel.ode.last_step import (
     return_to_stored_state,
-    set_own_communication_point,
+    set_communication_point_in_step,
     store_output_state,
 )
 from chain_impact.kernel.status import OK
@@ -44,22 +44,22 @@ def observe_tangent(d, t):
     """Set the derivatives of the outputs at the communication point; NaN if they cannot be trusted.
 
     The derivatives are also NaN after a fault of the run, and in the directions of ``forget_missing``. After
-    ``mark_split`` only the derivatives of the outputs of friction and of loads are NaN.
+    ``mark_split`` only the derivatives of the outputs of friction and of transmitted forces are NaN.
     """
-    set_own_communication_point(t, d.step.communication_point)
+    set_communication_point_in_step(t, d.step.communication_point)
     fill_outputs(t)
     if not is_trusted(t) or d.statistics.status != OK:
         forget_slopes(as_words(t.output))
     elif t.trust.split:
         forget_slopes(as_words(t.output.friction))
-        forget_slopes(as_words(t.output.load))
+        forget_slopes(as_words(t.output.transmitted))
     forget_missing(t)
 
 
 def observe_trial_of_tangent(_d, t):
     """Set the derivatives of those outputs that a trial of new input or parameter values changes at once."""
     return_to_stored_state(t)
-    refill_motion(t)
+    refill_outputs_but_integrals(t)
     if not is_trusted(t):
         forget_slopes(as_words(t.output))
     forget_missing(t)
@@ -86,9 +86,9 @@ def truncate_tangent(d, t):
 
     The state there is stored, so that each trial of new input values can return to this state.
     """
-    set_own_communication_point(t, d.step.communication_point)
+    set_communication_point_in_step(t, d.step.communication_point)
     store_output_state(t)
-    update_own_to_communication_point(t)
+    update_instance_to_communication_point(t)
     move_end(t)
 
 
@@ -98,7 +98,12 @@ def all_valid(d):
     for b in range(d.tangents):
         t = block(d, b)
         fits = fits and t.links == d.links and t.candidates == d.candidates
-        fits = fits and t.elements == d.elements and t.loads == d.loads and t.channels == d.channels
+        fits = (
+            fits
+            and t.elements == d.elements
+            and t.transmitted_rows == d.transmitted_rows
+            and t.channels == d.channels
+        )
         fits = fits and t.sites == d.sites and t.signals == d.signals and t.knots == d.knots
         fits = fits and within_bounds(t)
     return 1 if fits else 0
@@ -117,6 +122,6 @@ HOOKS = {
     hooks.on_observe_trial: for_all(observe_trial_of_tangent),
     hooks.on_truncate: for_all(truncate_tangent),
     hooks.indices_valid: all_valid,
-    hooks.words_behind: tangent_word_count,
+    hooks.tangent_words: tangent_word_count,
 }
 """Function of kernel/hooks.py → its replacement in a kernel that carries derivatives."""

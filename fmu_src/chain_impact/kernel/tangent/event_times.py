@@ -84,7 +84,7 @@ def evaluate_end(t):
 
 _kink_after, _kink_rate = along_motion(kink_height)
 _delay_of_kink = delay_along_motion(_kink_after)
-_force_after, _force_rate = along_motion(lambda t, c: t.touch.force[c])
+_force_after, _force_rate = along_motion(lambda t, c: t.contacts.force[c])
 _delay_of_release = delay_along_motion(_force_after)
 _margin_after, _margin_rate = along_motion(lambda t, _c: mode_margin(t, t.scratch.state))
 _delay_of_margin = delay_along_motion(_margin_after)
@@ -98,7 +98,7 @@ def delay_of_crossing(t, c, kind):
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
         # RELATCH: φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀, with the impact speed v₀
-        change, rate = -gap_rate - RELATCH_RATIO * t.touch.law_speed[c], -gap_acceleration(t, c)
+        change, rate = -gap_rate - RELATCH_RATIO * t.contacts.law_speed[c], -gap_acceleration(t, c)
     else:
         change, rate = gap, gap_rate
     return dual_with_slope(0.0, -reciprocal(value(rate)), change)

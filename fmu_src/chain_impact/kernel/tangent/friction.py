@@ -40,11 +40,11 @@ from chain_impact.kernel.tangent.event_times import (
     step_length,
 )
 from chain_impact.kernel.tangent.trust import (
-    AT_LIMIT,
-    FROM_REST,
+    AT_FRICTION_LIMIT,
     OPEN_DISTANCE,
+    SIMULTANEOUS_CHANGES,
+    SLIDES_FROM_REST,
     SLOW_CHANGE,
-    TOGETHER,
     TRUSTED,
     check_coefficient,
     fastest_speed,
@@ -126,7 +126,7 @@ def delay_of_sliding(t, e):
     """
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.chain.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
-        end_derivatives(t, FROM_REST, e)
+        end_derivatives(t, SLIDES_FROM_REST, e)
     rate = margin_rate(t, e)
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
         if friction_drops(t, e) and step_length(t) > 0.0:
@@ -199,7 +199,9 @@ def check_changes(t, time):
             slowly = slowly or (stops and acceleration_may_be_error(t, e))
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not stays_at_rest(t, after, time) and not negligible(t, after):
-                end_derivatives(t, SLOW_CHANGE if acceleration_may_be_error(t, e) else TOGETHER, e)
+                end_derivatives(
+                    t, SLOW_CHANGE if acceleration_may_be_error(t, e) else SIMULTANEOUS_CHANGES, e
+                )
     # If several elements stop, or if an acceleration may be an error, the derivatives of friction impulses
     # are not known: for example, the friction at each end of a rod on a floor depends on the times at which
     # the two ends stop.
@@ -210,7 +212,7 @@ def check_changes(t, time):
             e = t.element.index[i]
             matters = t.element.event[e] == STICKING_ENDS and (friction_drops(t, e) or any_stops_sliding(t))
             if matters and not slips_for_nearby_parameters(t, e, time):
-                end_derivatives(t, TOGETHER, e)
+                end_derivatives(t, SIMULTANEOUS_CHANGES, e)
         evaluate_end(t)
 
 
@@ -290,7 +292,7 @@ def make_modes_consistent(t):
     for i in range(t.friction.count):
         e = t.element.index[i]
         if t.element.undecided[e] and is_nearly_at_limit(t, e):
-            end_derivatives(t, AT_LIMIT, e)
+            end_derivatives(t, AT_FRICTION_LIMIT, e)
 
 
 def any_begins_to_stick(t):
@@ -332,7 +334,7 @@ def check_onsets_at_rest(t):
                 if t.element.mode[e] == STICKS:
                     t.element.undecided[e] = STOPPED
                 else:
-                    end_derivatives(t, FROM_REST, e)
+                    end_derivatives(t, SLIDES_FROM_REST, e)
 
 
 def contact_resistance(t):
@@ -356,7 +358,7 @@ def check_coefficients(t):
     if t.elements == 0:
         return
     for c in range(t.candidates):
-        if t.touch.active[c]:
+        if t.contacts.active[c]:
             check_coefficient(t, t.law.static_friction[c])
     for i in range(first_joint(t), drive_count(t)):
         check_coefficient(t, t.drive.friction_moment[i])

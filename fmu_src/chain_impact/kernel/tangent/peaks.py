@@ -8,10 +8,10 @@ import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.forces.active_contacts import contact_force, set_extremes, set_joint_square
-from chain_impact.kernel.loads import set_load_peak, square_of_force
 from chain_impact.kernel.ode.last_step import set_start_delay
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value, with_slope
+from chain_impact.kernel.transmitted_forces import set_joint_force_peak, square_of_force
 
 # a contact's force at the end of a step counts as the contact's peak if it is below the stored peak by at
 # most this part of the peak
@@ -25,21 +25,23 @@ def forget_peaks(t, delay):
     set. A peak that is found later, at the start of the next step, gets NaN from ``step.start_delay``.
     """
     set_start_delay(t, with_unknown_slopes(t.step.start_delay, delay))
-    for i in range(t.links if t.loads > 0 else 0):
+    for i in range(t.links if t.transmitted_rows > 0 else 0):
         at_end, peak = value(square_of_force(t, i)), t.transmitted.peak_square[i]
         if at_end >= value(peak):
             time = with_unknown_slopes(t.transmitted.peak_time[i], delay)
-            set_load_peak(t, i, with_unknown_slopes(peak, delay), time)
-        for k in range(t.touch.active_count):
-            c = t.touch.active_index[k]
-            if at_end >= value(t.touch.joint_square[c]):
-                set_joint_square(t, c, with_unknown_slopes(t.touch.joint_square[c], delay), t.touch.joint[c])
-    if t.touch.compliant_count > 0:
+            set_joint_force_peak(t, i, with_unknown_slopes(peak, delay), time)
+        for k in range(t.contacts.active_count):
+            c = t.contacts.active_index[k]
+            if at_end >= value(t.contacts.joint_square[c]):
+                set_joint_square(
+                    t, c, with_unknown_slopes(t.contacts.joint_square[c], delay), t.contacts.joint[c]
+                )
+    if t.contacts.compliant_count > 0:
         locate_points(t, t.step.state_end)
-    for k in range(t.touch.active_count):
-        c = t.touch.active_index[k]
-        peak = t.touch.peak_force[c]
-        if k >= t.touch.compliant_count:
+    for k in range(t.contacts.active_count):
+        c = t.contacts.active_index[k]
+        peak = t.contacts.peak_force[c]
+        if k >= t.contacts.compliant_count:
             at_end = value(t.constraints.sample[1, k])
         else:
             # The force of a force law does not jump where the two steps meet, because position and velocity
@@ -47,7 +49,7 @@ def forget_peaks(t, delay):
             gap, gap_rate = clearance(t, c)
             at_end = value(contact_force(t, c, gap, gap_rate)) + FORCE_ROUND_OFF * value(peak)
         if at_end >= value(peak):
-            set_extremes(t, c, with_unknown_slopes(peak, delay), t.touch.max_penetration[c])
+            set_extremes(t, c, with_unknown_slopes(peak, delay), t.contacts.max_penetration[c])
 
 
 def with_unknown_slopes(number, delay):

@@ -58,8 +58,8 @@ from chain_impact.kernel.ode.extended import (
 )
 from chain_impact.kernel.ode.last_step import (
     choose_variable,
+    count_break,
     make_last_step,
-    mark_jump,
     reset_step,
     set_start_delay,
     truncate_step,
@@ -90,7 +90,7 @@ from chain_impact.kernel.tangent.step_ends import (
 )
 from chain_impact.kernel.tangent.trust import (
     NO_IMPACT,
-    NOT_SOLVED,
+    NOT_CONVERGED,
     TRUSTED,
     begin_trust,
     check_turns,
@@ -182,7 +182,7 @@ def make_implicit(d, t, h):
     factorize_real(t, h * REAL_EIGENVALUE)
     # derivatives that have already ended are not iterated
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
-        mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
+        mark_untrusted(t, NOT_CONVERGED, NO_IMPACT, d.step.start)
     set_result(t, h)
     if clearance_count(t) > 0:
         project_clearances(t, t.implicit.z, t.trial.state)
@@ -205,7 +205,7 @@ def copy_jacobian_data(d, t):
             source.link_vector.x[i],
             source.link_vector.y[i],
         )
-    for k in range(d.touch.active_count):
+    for k in range(d.contacts.active_count):
         implicit.contact_stiffness[k], implicit.contact_damping[k] = (
             source.contact_stiffness[k],
             source.contact_damping[k],
@@ -316,7 +316,7 @@ def replay(d, t):
     check_turns(t)
     if lands:
         copy_end_values(d, t)
-        mark_jump(t)
+        count_break(t)
     else:
         if d.step.end_fraction != 1.0:
             truncate_step(t, d.step.end_fraction)
@@ -335,7 +335,7 @@ def repeat_step(d, t, h):
         make_implicit(d, t, h)
     else:
         explicit.make_step(t, h)
-        if t.touch.active_count > 0 or any_sticking(t):
+        if t.contacts.active_count > 0 or any_sticking(t):
             locate_points(t, t.trial.state)
     make_last_step(t)
 
@@ -346,7 +346,7 @@ def ends_regularized(d):
     The force has a kink there. d has computed the step beyond the kink, and has not repeated the step to end
     there. t makes only the part of the step up to the kink.
     """
-    return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
+    return d.step.regularized >= 0 and d.contacts.event[d.step.regularized] == END
 
 
 def copy_end_values(d, t):

@@ -84,7 +84,7 @@ def at_begin(t, j):
 
 def is_linear(t):
     """Return whether the rates at the start of the run are linear in the inputs."""
-    return t.touch.active_count == 0 and t.friction.count == 0 and not t.chain.has_drive_limits
+    return t.contacts.active_count == 0 and t.friction.count == 0 and not t.chain.has_drive_limits
 
 
 def nearest(t):

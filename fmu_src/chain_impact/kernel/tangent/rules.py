@@ -7,13 +7,13 @@ the results of ``has_effect``, ``iterated_enough`` and ``contact_resistance`` al
 
 import math
 
-from chain_impact.kernel import loads
+from chain_impact.kernel import transmitted_forces
 from chain_impact.kernel.chain import drives, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import force_formula, holding, user_law
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
-from chain_impact.kernel.ode import dense
+from chain_impact.kernel.ode import dense, sundman_rate
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent.duals import (
@@ -142,7 +142,7 @@ def fraction(t, time):
     if step.regularized < 0:
         return elapsed / step.size
     theta = value(dense.regularized_fraction(t, elapsed))
-    rate = value(step.size) * dense.time_rate(
+    rate = value(step.size) * sundman_rate.regularized_time_rate(
         value(dense.interpolate_component(step, theta, sundman_u_at(t.links)))
     )
     error = dense.interpolate_component(step, theta, clock) - elapsed
@@ -160,7 +160,7 @@ def event_fraction(t):
     step = t.step
     rate = value(step.size)
     if step.regularized >= 0:
-        rate *= dense.time_rate(value(step.state[sundman_u_at(t.links)]))
+        rate *= sundman_rate.regularized_time_rate(value(step.state[sundman_u_at(t.links)]))
     return dual_with_slope(0.0, reciprocal(max(0.0, rate)), step.start_delay)
 
 
@@ -244,7 +244,7 @@ DUAL_RULES = {
     saturation.choose_saturation: choose_saturation,
     dense.fraction: fraction,
     dense.event_fraction: event_fraction,
-    loads.time_of_peak: time_of_peak,
+    transmitted_forces.time_of_peak: time_of_peak,
     segments.shift_start: shift_start,
     angles.direction: direction,
     kinematics.set_polar: set_polar,

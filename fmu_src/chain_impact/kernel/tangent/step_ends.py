@@ -10,11 +10,11 @@ from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE,
 from chain_impact.kernel.events.segments import has_ended
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
+    count_break,
     ensure_dense,
     ensure_points,
     ensure_rate,
     evaluate_start,
-    mark_jump,
     set_start_delay,
 )
 from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, value
@@ -39,7 +39,7 @@ def move_end(t):
         if is_crossing(t, c):
             prepare_end(t)
             check_onsets(t)
-            move_along(t, delay_of_crossing(t, c, t.touch.event[c]))
+            move_along(t, delay_of_crossing(t, c, t.contacts.event[c]))
             return
     if pending_changes(t) > 0:
         prepare_end(t)
@@ -51,9 +51,9 @@ def move_end(t):
     if not step_length(t) > 0.0:
         return
     for c in range(t.candidates):
-        if t.touch.event[c] in (KINK, RELEASE):
+        if t.contacts.event[c] in (KINK, RELEASE):
             prepare_end(t)
-            move_along(t, delay_without_force_jump(t, c, t.touch.event[c]))
+            move_along(t, delay_without_force_jump(t, c, t.contacts.event[c]))
             return
     if t.drive.mode_ends:
         prepare_end(t)
@@ -77,7 +77,7 @@ def is_crossing(t, c):
     The result is False without an event of c there, for RELEASE and KINK, for END of the regularized contact,
     and for RELATCH at the end of a step without duration.
     """
-    kind = t.touch.event[c]
+    kind = t.contacts.event[c]
     # at the end of a regularized contact dt/ds = 0, with the step's variable s, so a shift of the end in s
     # changes nothing
     if kind == END:
@@ -108,7 +108,7 @@ def move_along(t, time):
     quadrature = t.quadrature
     for k in range(quadrature.count):
         quadrature.state_end[k] += value(quadrature.rate_end[k]) * time
-    mark_jump(t)
+    count_break(t)
 
 
 def ends_at_limit(t):
@@ -132,7 +132,7 @@ def ends_with_segment(t):
 def ends_with_contact(t):
     """Return whether the last step ends with an event of a contact or of dry friction."""
     for c in range(t.candidates):
-        if t.touch.event[c]:
+        if t.contacts.event[c]:
             return True
     return pending_changes(t) > 0
 
@@ -145,7 +145,7 @@ def fix_start(t):
     in ``start_delay``: the search for peaks in the next step begins at the event.
     """
     delay = t.step.start_delay + dual_with_slope(0.0, 1.0, t.step.end)
-    mark_jump(t)
+    count_break(t)
     ensure_rate(t)
     move_along(t, dual_with_slope(0.0, -1.0, t.step.end))
     set_start_delay(t, delay)

@@ -17,8 +17,17 @@ from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value
 
-TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
-SLOW_CHANGE, AT_LIMIT, TOGETHER, FROM_REST = 6, 7, 8, 9
+# values of ``trust.reason``
+TRUSTED = 0  # the derivatives are valid
+GRAZING = 1  # a point grazes a wall: its approach speed at the onset is almost 0
+AT_LEAST_SPEED = 2  # the approach speed at an onset is the least impact speed of the law
+SIMULTANEOUS_ONSETS = 3  # several contacts begin at the same time
+FORCE_JUMPS = 4  # a user's force jumps where the penetration turns
+NOT_CONVERGED = 5  # the derivatives of an implicit step do not converge
+SLOW_CHANGE = 6  # an element changes its friction mode so slowly that errors decide when
+AT_FRICTION_LIMIT = 7  # the force of a sticking element is at its limit, so that errors decide its mode
+SIMULTANEOUS_CHANGES = 8  # the order of simultaneous changes of friction modes decides
+SLIDES_FROM_REST = 9  # an element slides from rest; a small opposite speed would first be stopped
 NO_IMPACT = -1  # value of ``c`` in ``mark_untrusted`` if no candidate and no element is the reason
 JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint or of the slider
 # [1] The derivatives end at a choice, unless its effect is negligible, if the quantity that decides is at
@@ -38,7 +47,7 @@ def check_onsets(t):
     """
     onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
-        if t.touch.event[c] == ONSET:
+        if t.contacts.event[c] == ONSET:
             onsets += 1
             _, gap_rate = clearance(t, c)
             if -value(gap_rate) < least:
@@ -50,9 +59,9 @@ def check_onsets(t):
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
         mark_untrusted(t, GRAZING, first, value(t.step.end))
     elif not t.law.impulsive[first] and near_least_speed(t, first, least):
-        mark_untrusted(t, AT_FLOOR, first, value(t.step.end))
+        mark_untrusted(t, AT_LEAST_SPEED, first, value(t.step.end))
     elif onsets > 1:
-        mark_untrusted(t, AT_ONE_TIME, first, value(t.step.end))
+        mark_untrusted(t, SIMULTANEOUS_ONSETS, first, value(t.step.end))
 
 
 def near_least_speed(t, c, speed):
@@ -97,12 +106,12 @@ def check_turns(t):
         return
     if not t.scratch.located_at_end:
         locate_points(t, t.step.state_end)
-    for k in range(t.touch.compliant_count):
-        c = t.touch.active_index[k]
+    for k in range(t.contacts.compliant_count):
+        c = t.contacts.active_index[k]
         gap, gap_rate = clearance(t, c)
-        turned = value(t.touch.penetration_rate[c]) * value(gap_rate) > 0.0
+        turned = value(t.contacts.penetration_rate[c]) * value(gap_rate) > 0.0
         if turned and t.law.number[c] == USER_LAW and jumps_at_rest(t, c, max(0.0, -gap)):
-            mark_untrusted(t, JUMP, c, value(t.step.start))
+            mark_untrusted(t, FORCE_JUMPS, c, value(t.step.start))
 
 
 def jumps_at_rest(t, c, depth):
@@ -110,7 +119,7 @@ def jumps_at_rest(t, c, depth):
 
     ``depth`` [m] is the penetration there.
     """
-    rate = NEAR_REST * t.touch.law_speed[c]
+    rate = NEAR_REST * t.contacts.law_speed[c]
     rising, _ = uncut_force(t, c, depth, rate, False)
     falling, _ = uncut_force(t, c, depth, -rate, False)
     return abs(value(rising) - value(falling)) > RELATIVE_JUMP * max(abs(value(rising)), abs(value(falling)))
@@ -119,7 +128,7 @@ def jumps_at_rest(t, c, depth):
 def mark_untrusted(t, reason, c, time):
     """End the derivatives at a ``time`` [s]; the cause is candidate or element c, neither if c = NO_IMPACT.
 
-    ``reason`` is a number of this module, from GRAZING to FROM_REST.
+    ``reason`` is a number of this module, from GRAZING to SLIDES_FROM_REST.
     """
     trust = t.trust
     trust.reason, trust.time = reason, time

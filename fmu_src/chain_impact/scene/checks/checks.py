@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.kernel.chain.inertia import loose_links
-from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
+from chain_impact.kernel.forces.friction import choose_wall_friction
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
 from chain_impact.scene.checks.signal_checks import check_signals
 from chain_impact.scene.contents import Contents
@@ -178,10 +179,10 @@ def check_moved_walls(scene: Contents) -> None:
 def coefficients(contact: Contact, material: Material | Contact) -> tuple[float, float]:
     """Return the coefficients of sliding friction and of static friction at the wall with ``material``.
 
-    A coefficient that is None in ``material`` follows by the rule of the kernel's ``wall_friction``.
+    A coefficient that is None in ``material`` follows by the rule of the kernel's ``choose_wall_friction``.
     """
     own = (-1.0 if value is None else value for value in (material.friction, material.static_friction))
-    sliding, static = wall_friction(contact.friction, contact.static_friction, *own)
+    sliding, static = choose_wall_friction(contact.friction, contact.static_friction, *own)
     return sliding, static
 
 

@@ -22,7 +22,7 @@ from chain_impact.scene.words.names import SENSITIVITY, DataPath
 from chain_impact.simulation.kernels import counts_and_flags, kernel_for
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS, word_index
-from chain_impact.variables.listing import BEHIND
+from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.selection import missing_output_hint
 from chain_impact.variables.variable import Variable
@@ -69,7 +69,7 @@ class Job:
         joints, found = stop_pairs(self.scene), dict[str, list[DataPath]]()
         for c, pair in enumerate(candidates(self.scene)):
             name = "stop.peak_moment" if pair in joints else "peak_force"
-            found.setdefault(name, [("law", c, "impulsive")]).append(("touch", "impact_number", c))
+            found.setdefault(name, [("law", c, "impulsive")]).append(("contacts", "impact_number", c))
         return found
 
     @property
@@ -189,7 +189,9 @@ class Runner:
         }
         if "latest" not in looked_at:
             self._instance["latest"]["requested"] = 0
-            self._instance["quadrature"]["computed"] = bool(looked_at & {"impulse", "friction", "load"})
+            self._instance["quadrature"]["computed"] = bool(
+                looked_at & {"impulse", "friction", "transmitted"}
+            )
         in_record = [k for k, path in enumerate(job.varied) if path]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._varied_indices = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
@@ -272,6 +274,6 @@ class Runner:
         Outputs of the impacts before the fault and of the solver stay.
         """
         failed = rows[STATUS] != OK
-        outputs = [name for name, one in self._columns.items() if one.record_path[0] in {"output", BEHIND}]
+        outputs = [name for name, one in self._columns.items() if one.record_path[0] in {"output", TANGENTS}]
         for name in (*self._job.largest, *outputs):
             rows[name][failed] = np.nan

@@ -53,7 +53,7 @@ enum { LARGEST_COUNT = 1048575 };
 /* kernel/status.py: statuses of the kernel that are no faults */
 enum { PAUSED = -2, ONSET_DUE = -3 };
 
-/* kernel/chain/inputs.py: the value of given.changed with which the solver re-initializes */
+/* kernel/chain/inputs.py: the value of given.pending with which the solver re-initializes */
 enum { REINITIALIZE = 1 };
 
 /* compilation/signatures.py: the functions of the kernel */

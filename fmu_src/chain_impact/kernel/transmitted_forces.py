@@ -1,4 +1,4 @@
-"""Loads: the forces and moments that the joints transmit, and the forces and moments of the chain on walls.
+"""The forces and moments that the joints transmit, and the forces and moments of the chain on walls.
 
 Newton's law for the links i to N gives the force f_i of link i − 1 on link i. With F_k the force at point k,
 m_j the mass of link j, a_Cj the acceleration of its centre of mass, and g gravity, this force is
@@ -17,8 +17,8 @@ The peak of |f_i| is searched for in the dense output of each step; impulses of 
 peak. A contact begins and ends at ends of steps. So the largest force during a contact is the largest one in
 the steps in which the contact is active.
 
-In the record, loads have a row for each joint, from row 0 for the joint at the base, and after these a row
-for each wall. If a scene does not request loads, its record has no such rows.
+In the record, transmitted forces have a row for each joint, from row 0 for the joint at the base, and after
+these a row for each wall. If a scene does not request the outputs of loads, its record has no such rows.
 """
 
 import math
@@ -29,7 +29,7 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.cost import counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
-from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate
 from chain_impact.kernel.ode.folds import refine_rate
@@ -53,7 +53,7 @@ INTERVALS, IMPLICIT_INTERVALS = 8, 32
 NEAR_PEAK = 0.95
 
 
-def start_loads(d, time):
+def start_transmitted_forces(d, time):
     """Clear the peaks at the start of a run at ``time`` [s], and store the momenta of the links.
 
     The momenta are those at the end of the last step, which has the length 0.
@@ -61,9 +61,9 @@ def start_loads(d, time):
     transmitted = d.transmitted
     locate_points(d, d.step.state_end)
     transmitted.run_start, transmitted.searched_end = time, math.nan
-    link_momenta(d, transmitted.start_x, transmitted.start_y)
+    set_link_momenta(d, transmitted.start_x, transmitted.start_y)
     for i in range(d.links):
-        set_load_peak(d, i, 0.0, time)
+        set_joint_force_peak(d, i, 0.0, time)
 
 
 def store_tip_impulse(d, j, impulse):
@@ -74,19 +74,19 @@ def store_tip_impulse(d, j, impulse):
     d.transmitted.tip_impulse[j] = impulse
 
 
-def set_load_peak(d, i, square, time):
+def set_joint_force_peak(d, i, square, time):
     """Set the largest squared force |f|² [N²] so far of the joint in row i, and its time [s]."""
     d.transmitted.peak_square[i], d.transmitted.peak_time[i] = square, time
 
 
-def link_momenta(d, x, y):
+def set_link_momenta(d, x, y):
     """Set x and y to the momentum [N·s] of each link, for the located points."""
     for i in range(d.links):
         vx, vy = at_center_of_mass(d, d.scratch.velocity, i)
         x[i], y[i] = d.chain.mass[i] * vx, d.chain.mass[i] * vy
 
 
-def joint_forces(d, contact_force, friction_force, x, y):
+def set_joint_forces(d, contact_force, friction_force, x, y):
     """Set x and y to the force f_i [N] in each joint, on its outer link, for the accelerated points.
 
     ``contact_force`` has the normal force [N] of each candidate, and ``friction_force`` the friction force
@@ -96,8 +96,8 @@ def joint_forces(d, contact_force, friction_force, x, y):
         ax, ay = at_center_of_mass(d, d.scratch.acceleration, i)
         x[i] = d.chain.mass[i] * (ax - d.chain.gravity[0])
         y[i] = d.chain.mass[i] * (ay - d.chain.gravity[1])
-    for k in range(d.touch.active_count):
-        subtract_contact(d, d.touch.active_index[k], contact_force, friction_force, x, y)
+    for k in range(d.contacts.active_count):
+        subtract_contact(d, d.contacts.active_index[k], contact_force, friction_force, x, y)
     sum_from_tip(d, d.inputs.tip_force, x, y)
 
 
@@ -142,7 +142,7 @@ def wall_force(d, c, along_normal, along_tangent):
     return fx, fy
 
 
-def fill_loads(d, y, rate):
+def fill_transmitted_forces(d, y, rate):
     """Fill the outputs of forces and moments of joints and walls, for the accelerated points.
 
     The outputs of contact forces and of dry friction must have been filled. The moment of a joint is the
@@ -150,21 +150,21 @@ def fill_loads(d, y, rate):
     armature. With this definition each link obeys Euler's law.
     """
     out = d.output
-    joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
+    set_joint_forces(d, out.force, out.friction.force, out.transmitted.x, out.transmitted.y)
     for i in range(d.links):
-        out.load.moment[i] = transmitted_moment(d, y, rate, i)
+        out.transmitted.moment[i] = transmitted_moment(d, y, rate, i)
         if d.elements > 0:
-            out.load.moment[i] += out.friction.drive_friction[i]
+            out.transmitted.moment[i] += out.friction.drive_friction[i]
     if d.slides:
         fill_slider_reaction(d)
-    for row in range(d.links, d.loads):
-        out.load.x[row], out.load.y[row], out.load.moment[row] = 0.0, 0.0, 0.0
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
+    for row in range(d.links, d.transmitted_rows):
+        out.transmitted.x[row], out.transmitted.y[row], out.transmitted.moment[row] = 0.0, 0.0, 0.0
+    for k in range(d.contacts.active_count):
+        c = d.contacts.active_index[k]
         if at_wall(d, c):
-            add_wall_load(d, c)
+            add_force_on_wall(d, c)
         elif at_joint_stop(d, c):
-            out.load.moment[d.candidate.point[c] - 1] += joint_stop_moment(d, c, out.force[c])
+            out.transmitted.moment[d.candidate.point[c] - 1] += joint_stop_moment(d, c, out.force[c])
 
 
 def fill_slider_reaction(d):
@@ -175,11 +175,11 @@ def fill_slider_reaction(d):
     out, slider, gravity = d.output, d.slider, d.chain.gravity
     # reaction of the line from the force f₁ in joint 1 and the weight m g: R = n·(f₁ − m g), n = (−u_y, u_x);
     # the carriage does not turn
-    fx, fy = out.load.x[0] - slider.mass * gravity[0], out.load.y[0] - slider.mass * gravity[1]
-    out.slider_reaction, out.slider_moment = slider.ux * fy - slider.uy * fx, out.load.moment[0]
+    fx, fy = out.transmitted.x[0] - slider.mass * gravity[0], out.transmitted.y[0] - slider.mass * gravity[1]
+    out.slider_reaction, out.slider_moment = slider.ux * fy - slider.uy * fx, out.transmitted.moment[0]
 
 
-def add_wall_load(d, c):
+def add_force_on_wall(d, c):
     """Add the force of candidate c's point on its wall, and the moment of this force, to the outputs.
 
     The moment is about the given point of the wall (`walls.x`, `walls.y`), which does not move with the wall;
@@ -192,19 +192,23 @@ def add_wall_load(d, c):
         x -= d.walls.x[wall - len(WALLS)]
         y -= d.walls.y[wall - len(WALLS)]
     row = d.links + wall
-    out.load.x[row] -= fx
-    out.load.y[row] -= fy
-    out.load.moment[row] -= x * fy - y * fx
+    out.transmitted.x[row] -= fx
+    out.transmitted.y[row] -= fy
+    out.transmitted.moment[row] -= x * fy - y * fx
 
 
-def fill_load_impulses(d):
+def fill_joint_impulses(d):
     """Fill the outputs of the joints' impulses from the run's start to the communication point.
 
     The points must be located at the communication point.
     """
     out, transmitted = d.output, d.transmitted
-    x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.communication_point - transmitted.run_start
-    link_momenta(d, x, y)
+    x, y, lasted = (
+        out.transmitted.impulse_x,
+        out.transmitted.impulse_y,
+        d.step.communication_point - transmitted.run_start,
+    )
+    set_link_momenta(d, x, y)
     for i in range(d.links):
         x[i] -= transmitted.start_x[i] + d.chain.mass[i] * d.chain.gravity[0] * lasted
         y[i] -= transmitted.start_y[i] + d.chain.mass[i] * d.chain.gravity[1] * lasted
@@ -213,13 +217,13 @@ def fill_load_impulses(d):
     sum_from_tip(d, transmitted.tip_impulse, x, y)
 
 
-def fill_load_peaks(d):
+def fill_joint_force_peaks(d):
     """Fill the outputs of the largest joint forces since the start, up to the communication point.
 
     A whole step is searched only once. Only if the step raises a peak, an output at a time within the step
     needs a second search, up to this time. After a search, the points are not located at the output's time.
     """
-    out, transmitted, rises = d.output.load, d.transmitted, False
+    out, transmitted, rises = d.output.transmitted, d.transmitted, False
     if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:
         search_step(d)
         for i in range(d.links):
@@ -237,28 +241,28 @@ def fill_load_peaks(d):
         out.peak_time[i] = transmitted.largest_time[i]
 
 
-def update_load_peaks(d):
+def raise_joint_force_peaks(d):
     """Raise the stored largest joint forces to those in the last step, where these are larger.
 
     Two maxima of |f|² [N²] are stored: for each joint since the start of the run
     (``transmitted.peak_square``, with its time), and for each active contact since its onset, over all joints
-    (``touch.joint_square``, with the joint's number). The evaluations do not count as cost, because loads are
-    outputs. Afterwards points and forces are those at the end of the step.
+    (``contacts.joint_square``, with the joint's number). The evaluations do not count as cost, because they
+    serve outputs only. Afterwards points and forces are those at the end of the step.
     """
-    transmitted, touch, counted = d.transmitted, d.touch, counted_cost(d)
+    transmitted, contacts, counted = d.transmitted, d.contacts, counted_cost(d)
     ensure_dense(d, OUTPUTS)
     search_step(d)
     for i in range(d.links):
         if transmitted.largest_square[i] > transmitted.peak_square[i]:
-            set_load_peak(d, i, transmitted.largest_square[i], transmitted.largest_time[i])
-    for k in range(touch.active_count):
-        c = touch.active_index[k]
+            set_joint_force_peak(d, i, transmitted.largest_square[i], transmitted.largest_time[i])
+    for k in range(contacts.active_count):
+        c = contacts.active_index[k]
         for i in range(first_joint(d), d.links):
-            if transmitted.largest_square[i] > touch.joint_square[c]:
+            if transmitted.largest_square[i] > contacts.joint_square[c]:
                 set_joint_square(d, c, transmitted.largest_square[i], i + 1)
     # the search has evaluated other times: set the forces, and what follows from them, to those at the end of
     # the step
-    load_joints_at(d, fraction(d, d.step.end))
+    set_joint_forces_at(d, fraction(d, d.step.end))
     ensure_points(d)
     uncount_cost(d, counted)
 
@@ -271,8 +275,8 @@ def search_step(d):
     maxima instead, and raises none.
     """
     transmitted, least = d.transmitted, math.inf
-    for k in range(d.touch.active_count):
-        least = min(least, d.touch.joint_square[d.touch.active_index[k]])
+    for k in range(d.contacts.active_count):
+        least = min(least, d.contacts.joint_square[d.contacts.active_index[k]])
     for i in range(d.links):
         transmitted.largest_square[i] = min(transmitted.peak_square[i], least)
     search_peaks(d, d.step.end, time_of_peak(d, d.step.end, d.step.end))
@@ -289,7 +293,7 @@ def search_peaks(d, time, peak_at_end):
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
         theta = first + (end - first) * m / intervals
-        load_joints_at(d, theta)
+        set_joint_forces_at(d, theta)
         sampled_at = peak_at_end if m == intervals else time_of_peak(d, time_of_joint_forces(d), theta)
         for i in range(d.links):
             transmitted.square_after[i] = square_of_force(d, i)
@@ -320,7 +324,7 @@ def time_of_peak(_d, time, _place):
 
 
 def time_of_joint_forces(d):
-    """Return the time [s] of the forces in ``transmitted.x`` and ``.y``, after ``load_joints_at``."""
+    """Return the time [s] of the forces in ``transmitted.x`` and ``.y``, after ``set_joint_forces_at``."""
     return d.step.start + d.scratch.state[time_at(d.links)]
 
 
@@ -346,7 +350,7 @@ def rises_between(left, top, right, highest):
     return top + (right - left) * (right - left) / (8.0 * bend) > NEAR_PEAK * highest
 
 
-def load_joints_at(d, theta):
+def set_joint_forces_at(d, theta):
     """Set ``transmitted.x`` and ``.y`` to the forces in the joints at the fraction θ of the last step.
 
     Afterwards the points are located and accelerated there.
@@ -357,7 +361,7 @@ def load_joints_at(d, theta):
     rate_from_points(d, y, rate)
     refine_rate(d, theta, y, rate)
     accelerate_points(d, y, rate)
-    joint_forces(d, d.touch.force, d.element.force, d.transmitted.x, d.transmitted.y)
+    set_joint_forces(d, d.contacts.force, d.element.force, d.transmitted.x, d.transmitted.y)
 
 
 def square_of_force(d, i):
@@ -371,7 +375,7 @@ def square_at(d, i, theta):
     If ``transmitted.largest_square`` of the joint is smaller than the result, the result and its time are
     stored in ``largest_square`` and ``largest_time``.
     """
-    load_joints_at(d, theta)
+    set_joint_forces_at(d, theta)
     square = square_of_force(d, i)
     raise_largest(d, i, square, time_of_peak(d, time_of_joint_forces(d), theta))
     return square

@@ -68,7 +68,7 @@ def move_wall(d, c, m):
     wall.belt_acceleration[c] = channel.acceleration[m + 1]
 
 
-def motion_bounds(d, m):
+def channel_bounds(d, m):
     """Return upper bounds of |velocity| [m/s] and |acceleration| [m/s²] of channel m over the last step."""
     piece, channel = d.inputs.piece, d.channel
     scale = piece.scale

@@ -1,26 +1,27 @@
 """The end of a run in which a wall reaches a pinned base; wall and base are at rest or move as prescribed.
 
-The distance g of the base from a wall follows from the prescribed motions of both alone (chain/motion.py).
-The search is like that of crossing.py. With a bound |g̈| ≤ A over an interval of width w, g lies below its
-chord by at most A w²/8. An interval in which g may therefore fall to −OVERLAP is halved. So the search also
-finds a wall that passes the base within a step and comes back.
+The distance g of the base from a wall follows from the prescribed motions of both alone
+(chain/prescribed_motion.py). The search is like that of crossing.py. With a bound |g̈| ≤ A over an interval
+of width w, g lies below its chord by at most A w²/8. An interval in which g may therefore fall to −OVERLAP is
+halved. So the search also finds a wall that passes the base within a step and comes back.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.motion import move_channels
+from chain_impact.kernel.chain.prescribed_motion import move_channels
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
-from chain_impact.kernel.ode.dense import MOST_GUESSES, fraction
+from chain_impact.kernel.mathematics.root_search import MOST_GUESSES
+from chain_impact.kernel.ode.dense import fraction
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
 from chain_impact.kernel.rows.geometry import OVERLAP, base_clearance, faces_base
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
 
 
-def end_at_base(d):
-    """End the last step where a wall reaches the pinned base, if any wall does; ``check_base`` ends the run.
+def end_where_wall_meets_base(d):
+    """End the last step where a wall reaches the pinned base, if any wall does.
 
-    Afterwards the points are located at the end of the step.
+    ``check_base_at_walls`` then ends the run. Afterwards the points are located at the end of the step.
     """
     reached = d.step.end
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
@@ -33,15 +34,15 @@ def end_at_base(d):
     locate_points(d, d.step.state_end)
 
 
-def check_base(d):
+def check_base_at_walls(d):
     """Return BASE_BEYOND_WALL if the pinned base is beyond a wall at the end of the last step, else OK.
 
     The base is beyond the wall if ``base_clearance`` is below −OVERLAP/2.
     """
     move_channels(d, d.step.end)
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
-        # if ``end_at_base`` has cut the step, the clearance is −OVERLAP up to round-off; the limit −OVERLAP/2
-        # leaves a margin for this round-off
+        # if ``end_where_wall_meets_base`` has cut the step, the clearance is −OVERLAP up to round-off; the
+        # limit −OVERLAP/2 leaves a margin for this round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK

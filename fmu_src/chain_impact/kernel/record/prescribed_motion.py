@@ -1,16 +1,16 @@
-"""The parts of the record with the prescribed motions of base, walls and belts: kernel/chain/motion.py."""
+"""The parts of the record with prescribed motions of base, walls and belts (chain/prescribed_motion.py)."""
 
 import numpy as np
 
 from chain_impact.kernel.chain.inputs import DEGREE
-from chain_impact.kernel.record.fields import AT_ANY_TIME, INTEGER, REAL, record, settable, table, written_by
+from chain_impact.kernel.record.fields import AT_ANY_TIME, INTEGER, REAL, layout, settable, table, written_by
 
 
 @settable(AT_ANY_TIME)
 @written_by("chain/inputs.py")
 def given_channel_dtype(channels: int) -> np.dtype:
-    """Return the layout of the motions given for base and walls, by channel, see kernel/chain/motion.py."""
-    return record(
+    """Return the layout of the motions given for base and walls, by channel (chain/prescribed_motion.py)."""
+    return layout(
         # 1: the kernel sets ``piece`` to cubics, from the values given at communication points; 0: the
         # polynomials in ``piece`` are given
         ("interpolates", INTEGER),
@@ -25,10 +25,12 @@ def given_channel_dtype(channels: int) -> np.dtype:
     )
 
 
-@written_by("chain/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
+@written_by(
+    "chain/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/prescribed_motion.py")
+)
 def channel_dtype(channels: int) -> np.dtype:
     """Return the layout of the present motions of base and walls, and of the given values that cause them."""
-    return record(
+    return layout(
         ("run_start", REAL),  # s, time at which the run started
         ("until", REAL),  # s, the communication point at which the cubics of the motions end
         # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
@@ -39,7 +41,8 @@ def channel_dtype(channels: int) -> np.dtype:
         # s, time from the previous to the new given values of the channel in ``contradiction``
         ("lasted", REAL),
         ("new_velocity", REAL),  # m/s, new given velocity of the channel in ``contradiction``
-        ("position", REAL, (channels,)),  # m, position after the last `move_channels` (chain/motion.py)
+        # m, position after the last `move_channels` (chain/prescribed_motion.py)
+        ("position", REAL, (channels,)),
         ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`
         ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move_channels`
         # m, polynomial coefficients (rows) of each channel's position in the present piece of the inputs
@@ -70,7 +73,7 @@ def channel_dtype(channels: int) -> np.dtype:
     )
 
 
-@written_by("chain/motion.py", unmoved_offset="rows/geometry.py")
+@written_by("chain/prescribed_motion.py", unmoved_offset="rows/geometry.py")
 def wall_motion_dtype(candidates: int) -> np.dtype:
     """Return the layout of the motion of wall and belt of each candidate.
 
