@@ -18,7 +18,7 @@ from flint import arb, arb_poly, arb_series, ctx
 
 from benchmarks.balls import Matrix, Row
 from chain_impact.kernel.events.marks import END, ONSET
-from chain_impact.kernel.ode.dense import POWERS
+from chain_impact.kernel.ode.dense import BASIS_POWERS
 
 
 class Step:
@@ -215,7 +215,7 @@ def _power(base: Any, exponent: arb) -> Any:
 def _powers(start: float, dense: np.ndarray) -> Row:
     """Return the coefficients of a component of the dense output in powers of x."""
     total = arb_poly([arb(float(start))])
-    for (p, q), f in zip(POWERS, dense, strict=True):
+    for (p, q), f in zip(BASIS_POWERS, dense, strict=True):
         total += arb_poly([arb(float(f))]) * arb_poly([0, 1]) ** p * arb_poly([1, -1]) ** q
     return [total[k] for k in range(8)]
 

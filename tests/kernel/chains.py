@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.equations import mechanical_energy
-from chain_impact.kernel.rows.geometry import along, normal_row
+from chain_impact.kernel.rows.geometry import dot, normal_row
 from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.helpers.kernel.plain import Plain, begun, pack
 from tests.helpers.models.reference import point_jacobian
@@ -111,7 +111,7 @@ def touch(d: Plain, candidates: Iterable[int]) -> None:
 
 def press_in(d: Plain, c: int, depth: float) -> None:
     """Move the wall of candidate c so that its located point is ``depth`` [m] inside the wall."""
-    d.candidate.offset[c] = along(normal_row(d, c), d.scratch.position) - d.contact_settings.radius + depth
+    d.candidate.offset[c] = dot(normal_row(d, c), d.scratch.position) - d.contact_settings.radius + depth
 
 
 def struck(rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth: float = 1e-3) -> np.ndarray:

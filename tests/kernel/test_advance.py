@@ -10,11 +10,7 @@ from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events import handlers
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET
 from chain_impact.kernel.ode import last_step
-from chain_impact.kernel.ode.control import (
-    EXPLICIT,
-    IMPLICIT,
-    set_outcome,
-)
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, set_outcome
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, LOG_FULL, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import begun
@@ -35,7 +31,7 @@ def test_a_run_ends_where_no_size_of_a_step_will_do(monkeypatch, error, status):
     d = started()
     assert advance(d, 0.1) == OK
     reached, state = float(d["step"]["end"]), d["step"]["state_end"].copy()
-    monkeypatch.setattr(loop, "attempt", lambda d, _h: set_outcome(d, error, 1.0))
+    monkeypatch.setattr(loop, "attempt_step", lambda d, _h: set_outcome(d, error, 1.0))
     assert advance(d, 0.2) == status
     assert advance(d, 0.3) == status
     # the run stands at the last accepted time
@@ -98,13 +94,13 @@ def test_an_onset_is_due_at_the_end_of_the_step_only():
     d = at_end_of_a_step([NONE, ONSET])
     d.step.end = d.step.communication_point = 0.5
     assert loop.ends_in_onset(d)
-    assert loop.onset_due(d)
+    assert loop.is_onset_due(d)
     d.step.communication_point = 0.4
-    assert not loop.onset_due(d)
+    assert not loop.is_onset_due(d)
     d.step.communication_point = 0.5
     d.contacts.event[1] = KINK
     assert not loop.ends_in_onset(d)
-    assert not loop.onset_due(d)
+    assert not loop.is_onset_due(d)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +164,7 @@ def test_a_step_cut_by_a_kink_says_nothing_about_the_method(monkeypatch):
 def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatch, status):
     d, due = at_end_of_a_step(), [True, True, False]
     monkeypatch.setattr(loop, "reinit_if_changed", lambda *_: OK)
-    monkeypatch.setattr(loop, "onset_due", lambda _: due.pop(0))
+    monkeypatch.setattr(loop, "is_onset_due", lambda _: due.pop(0))
     monkeypatch.setattr(loop, "advance_one_step", lambda _: status)
     assert loop.event_update(d) == status
     assert len(due) == (0 if status == OK else 2)

@@ -34,7 +34,7 @@ def test_the_limit_counts_all_cost_in_a_second(d, evaluations, looks, over):
     d.statistics.rhs_evaluations += evaluations
     d.budget.other_cost += looks
     assert cost.cost_so_far(d) == 700 + evaluations + looks
-    assert cost.cost_exceeded(d) == over
+    assert cost.is_cost_exceeded(d) == over
     assert cost.check_cost(d) == (TOO_MUCH_WORK if over else OK)
     assert cost.COST_WINDOW == 1.0
 
@@ -64,9 +64,9 @@ def test_a_communication_step_may_take_as_much_as_twenty_seconds_may(d):
 @pytest.mark.parametrize("count", [1, 100])
 def test_a_call_returns_after_a_cost_that_falls_with_the_points_of_a_chain(count):
     _, d = chain(np.random.default_rng(0), count)
-    most = cost.cost_of_a_call(d)
+    most = cost.cost_before_pause(d)
     assert most == int(most)
-    assert cost.CALL_COST - count <= most * (count + 1) <= cost.CALL_COST
+    assert cost.PAUSE_COST - count <= most * (count + 1) <= cost.PAUSE_COST
 
 
 def test_too_many_events_in_a_short_time_are_a_storm(d):
@@ -95,11 +95,11 @@ def test_each_joint_and_the_slider_may_have_their_own_events(kind):
 
 
 def test_the_cost_of_outputs_is_not_counted(d):
-    counted = cost.counted_cost(d)
+    counted = cost.read_cost_counts(d)
     cost.count_evaluations(d, 7)
     cost.count_other_cost(d, 11)
-    assert cost.counted_cost(d) == (507, 211)
-    cost.uncount_cost(d, counted)
+    assert cost.read_cost_counts(d) == (507, 211)
+    cost.restore_cost_counts(d, counted)
     assert (d.statistics.rhs_evaluations, d.budget.other_cost) == (500, 200)
 
 

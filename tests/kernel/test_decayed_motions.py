@@ -11,15 +11,8 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, time_at, velocity_at
 from chain_impact.kernel.events import crossing, marks, search
 from chain_impact.kernel.forces import force_formula, holding
-from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_anchor
-from chain_impact.kernel.ode import (
-    collocation,
-    control,
-    explicit,
-    last_step,
-    maximum,
-    sundman_rate,
-)
+from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_element_anchor
+from chain_impact.kernel.ode import collocation, control, explicit, last_step, maximum, sundman_rate
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent import duals, event_times, rules
 from chain_impact.scene.scene import scene_from_dict
@@ -48,7 +41,7 @@ def test_an_explicit_step_with_a_faded_error_is_accepted(size, other):
     error = explicit.error_estimate(d, 0.1)
     assert 0.0 <= error < 1e-80
     control.set_outcome(d, error, 1.0)
-    assert control.accepted(d)
+    assert control.is_accepted(d)
     assert finite(control.next_size_factor(d))
 
 
@@ -119,7 +112,9 @@ def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
 @small
 def test_a_passage_of_faded_values_is_located(size):
     """The values halve until they vanish; then the bracket is bisected."""
-    find = crossing.first_passage(lambda _d, _c, theta: np.float64(size) * (0.3 - theta), lambda _d: 4, 1e-12)
+    find = crossing.make_passage_search(
+        lambda _d, _c, theta: np.float64(size) * (0.3 - theta), lambda _d: 4, 1e-12
+    )
     d = SimpleNamespace(step=SimpleNamespace(size=1.0))
     with np.errstate(all="ignore"):
         theta = find(d, 0, 1.0)
@@ -171,7 +166,7 @@ def test_a_sticking_element_with_a_faded_speed_is_stopped(size, contacts, base):
     for e in d.element.index[: d.friction.count]:
         d.element.mode[e] = STICKS
         d.element.limit[e] = 1.0
-        set_anchor(d, e)
+        set_element_anchor(d, e)
     list_sticking(d)
     first = velocity_at(d.links)
     y[first : dissipated_at(d.links)] = size

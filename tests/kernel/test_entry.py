@@ -94,7 +94,7 @@ def test_a_run_that_ends_in_a_contact_has_its_peaks_so_far():
 def test_a_run_goes_on_where_a_call_has_paused(monkeypatch):
     looks = [Runs().word("peaks", "force"), Runs().word("step", "end")]
     whole = Runs().run([1e4, 3e4], looks)[1]
-    monkeypatch.setattr(entry, "cost_of_a_call", lambda _: 60)
+    monkeypatch.setattr(entry, "cost_before_pause", lambda _: 60)
     runs, rows, stiffness, done, calls = Runs(), np.full((2, 2), -1.0), [1e4, 3e4], 0, 0
     continuing = 0
     while done < 2:
@@ -132,7 +132,7 @@ def test_rows_end_where_the_solver_does():
 def test_a_call_returns_awhile_before_its_time(monkeypatch):
     d = Runs().d
     initialize(d, 0.0)
-    monkeypatch.setattr(entry, "cost_of_a_call", lambda _: 20)
+    monkeypatch.setattr(entry, "cost_before_pause", lambda _: 20)
     assert advance_awhile(d, STOP) == PAUSED
     assert 0.0 < d.step.end < STOP
     assert advance_to(d, STOP) == OK

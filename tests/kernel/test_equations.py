@@ -66,7 +66,7 @@ def test_joint_moments_act_on_both_links_with_their_power(base, count, sprung):
     """Gᵀ (u − c G ω) with the rates G ω of the joints; dissipated Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
     d.chain.has_springs = sprung
-    dissipated, supplied = equations.joint_moments(d, y)
+    dissipated, supplied = equations.set_joint_moments(d, y)
     found = d.scratch.moment.copy()
     if sprung:
         d.scratch.moment[:] = 0.0
@@ -92,7 +92,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     set_vectors(d.scratch.load, loads)
     moments, powers = np.zeros(count), (0.0, 0.0)
     if inputs or d.chain.has_springs_or_dampers:
-        powers = equations.joint_moments(d, y)
+        powers = equations.set_joint_moments(d, y)
         moments = d.scratch.moment.copy()
         d.scratch.moment[:] = 9.0
     else:

@@ -8,19 +8,19 @@ import pytest
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.marks import NONE
 from chain_impact.kernel.initialize import (
-    OVERLAP,
+    ALLOWED_OVERLAP,
     check_parameters,
     check_start,
     clear_run,
     derive_chain,
     derive_drives,
-    first_size,
+    first_step_size,
     initialize,
     set_initial_state,
 )
 from chain_impact.kernel.ode.control import EXPLICIT, SOLVER_METHODS, size_in_flight
 from chain_impact.kernel.ode.methods import stable_size
-from chain_impact.kernel.record.contacts import LATEST
+from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.kernel.rows.constraints import UNSOLVED
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
@@ -118,7 +118,7 @@ def test_a_start_clears_everything_of_an_earlier_run():
         assert np.all(d.numpy_record[record][field] == value), (record, field)
     assert not d.scratch.load.joint.any()
     assert d.latest.requested == 4
-    assert len(d.latest.point) == LATEST
+    assert len(d.latest.point) == LATEST_COUNT
 
 
 def test_a_run_begins_anew_whatever_went_before(monkeypatch):
@@ -162,7 +162,7 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
     d.solver.method = list(SOLVER_METHODS).index(method) + 1
     assert initialize(d, 0.0) == OK
     size = size_in_flight(d, d.step.state, d.scratch.rate_start)
-    assert first_size(d) == size
+    assert first_step_size(d) == size
     assert stable_size(d, size) < 0.1 * size
     assert d.step.next_size == d.step.flight_size == (size if method == "implicit" else stable_size(d, size))
 
@@ -225,7 +225,8 @@ def test_links_that_can_turn_without_moving_mass_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("depth", "status"), [(-0.1, OK), (0.5 * OVERLAP, OK), (2.0 * OVERLAP, STARTS_INSIDE_WALL)]
+    ("depth", "status"),
+    [(-0.1, OK), (0.5 * ALLOWED_OVERLAP, OK), (2.0 * ALLOWED_OVERLAP, STARTS_INSIDE_WALL)],
 )
 def test_a_start_beyond_a_wall_is_refused(depth, status):
     _, d = prepared()

@@ -12,9 +12,9 @@ from chain_impact.kernel.ode.control import (
     EXPLICIT,
     IMPLICIT,
     INACCURATE,
-    SAFETY,
+    SAFETY_FACTOR,
     SPOILED,
-    accepted,
+    is_accepted,
     reject_step,
     set_outcome,
 )
@@ -35,8 +35,8 @@ class Trials:
         self.d.step.next_size, self.d.step.method = SIZE, EXPLICIT
         self.d.step.end = 1.0
         self.sizes, self.errors, self.noted = [], list(errors), []
-        monkeypatch.setattr(loop, "attempt", self.attempt)
-        monkeypatch.setattr(loop, "prepare", lambda _, h: h)
+        monkeypatch.setattr(loop, "attempt_step", self.attempt)
+        monkeypatch.setattr(loop, "prepare_step", lambda _, h: h)
         monkeypatch.setattr(loop, "limit_to_piece", lambda _, h: min(h, limit))
         monkeypatch.setattr(loop, "make_last_step", self.note("accept"))
         monkeypatch.setattr(loop, "roll_back", self.note("roll back"))
@@ -57,7 +57,7 @@ class Trials:
 
 
 def suggested(error):
-    return SAFETY[EXPLICIT] * error ** (-1.0 / ORDER)
+    return SAFETY_FACTOR[EXPLICIT] * error ** (-1.0 / ORDER)
 
 
 INF, NAN = math.inf, math.nan
@@ -91,7 +91,7 @@ def test_a_size_follows_from_the_error_of_the_one_before(monkeypatch, errors, lo
 def test_a_lengthened_step_ends_with_the_piece_of_the_inputs(monkeypatch):
     for limit, size in ((math.inf, 1.2 * SIZE), (0.6 * SIZE, 0.6 * SIZE)):
         trials = Trials(monkeypatch, [0.5], limit=limit)
-        monkeypatch.setattr(loop, "prepare", lambda _, h: 1.2 * h)
+        monkeypatch.setattr(loop, "prepare_step", lambda _, h: 1.2 * h)
         trials.run()
         assert trials.sizes == [size]
 
@@ -121,7 +121,7 @@ def test_a_step_ends_where_its_size_is_lost_in_the_time(monkeypatch):
 
 def test_a_refused_step_may_be_the_last_that_the_cost_allows(monkeypatch):
     trials = Trials(monkeypatch, [20.0, 0.5])
-    monkeypatch.setattr(loop, "cost_exceeded", lambda _: True)
+    monkeypatch.setattr(loop, "is_cost_exceeded", lambda _: True)
     assert trials.run()[0] == TOO_MUCH_WORK
     assert len(trials.sizes) == 1
 
@@ -155,7 +155,7 @@ class Landing:
                 reject_step(d, SPOILED)
             return KEPT
 
-        monkeypatch.setattr(loop, "attempt", attempt)
+        monkeypatch.setattr(loop, "attempt_step", attempt)
         monkeypatch.setattr(loop, "make_last_step", lambda _: self.noted.append("accept"))
         monkeypatch.setattr(loop, "check_energy", check_energy)
 
@@ -171,7 +171,7 @@ class Landing:
         loop.try_step(self.d, SIZE)
         assert self.noted[:2] == [("try", 1.0), "accept"]
         trial = self.d.trial
-        return trial.error if accepted(self.d) else trial.outcome, self.noted[2:]
+        return trial.error if is_accepted(self.d) else trial.outcome, self.noted[2:]
 
 
 BACK = ["roll back", "drop events"]

@@ -112,7 +112,7 @@ def several_units(source):
     for _, name, kind, comment in declared_fields(source):
         start = re.match(rf"(?:{UNIT.pattern}(?:, | or )?)+", comment)
         units = UNIT.findall(" ".join([start[0] if start else "", *re.findall(r"\[.*?\]", comment)]))
-        if kind.startswith(("INTEGER", "bounded")):
+        if kind.startswith(("INTEGER", "bounded_integer")):
             units = ["integer"]
         if units:
             found[name].add(frozenset(units))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import entry, hooks
-from chain_impact.kernel.chain.inputs import DEGREE
+from chain_impact.kernel.chain.inputs import INPUT_DEGREE
 from chain_impact.kernel.entry import is_sound, within_bounds
 from chain_impact.kernel.events.exclusion import SAFE_DISTANCE
 from chain_impact.kernel.events.marks import NEIGHBOUR
@@ -15,7 +15,7 @@ from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.ode.last_step import SOLVER
 from chain_impact.kernel.ode.sundman import NO_CONTACT
-from chain_impact.kernel.record.contacts import LATEST
+from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.kernel.status import LAST_STATUS, OK, STATUS_TEXT, UNKNOWN_LAW
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
@@ -73,7 +73,7 @@ BOUNDS = {
     ("candidate", "stop"): (-2, 2),
     ("solver", "method"): (1, len(SOLVER_METHODS)),
     ("statistics", "status"): (OK, LAST_STATUS),
-    ("latest", "requested"): (0, LATEST),
+    ("latest", "requested"): (0, LATEST_COUNT),
     ("contact_log", "count"): (0, None),
     ("contacts", "active_count"): (0, 16),
     ("contacts", "compliant_count"): (0, 0),
@@ -192,7 +192,7 @@ def test_a_stop_belongs_to_a_joint_and_not_to_a_point_on_a_link():
 @pytest.mark.parametrize("part", ["given", "inputs"])
 def test_the_degree_of_a_piece_has_its_bounds(part):
     _, d = chain(np.random.default_rng(0), 1)
-    for degree, fits in ((0, True), (DEGREE, True), (-1, False), (DEGREE + 1, False)):
+    for degree, fits in ((0, True), (INPUT_DEGREE, True), (-1, False), (INPUT_DEGREE + 1, False)):
         d[part].piece.degree = degree
         assert bool(within_bounds(d)) == fits
         d[part].piece.degree = 0

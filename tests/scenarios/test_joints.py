@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import simulate
-from chain_impact.kernel.ode.control import IMPLICIT, ORDER
+from chain_impact.kernel.ode.control import ERROR_ORDER, IMPLICIT
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.simulation.instance import Instance
@@ -106,7 +106,7 @@ def test_the_implicit_method_keeps_its_order_on_springs():
     exact = integrated(scene, 1.0)
     runs = [simulate(scene, tolerance=tolerance, method="implicit") for tolerance in (1e-5, 1e-8)]
     assert runs[1].statistics["steps"] / runs[0].statistics["steps"] == pytest.approx(
-        1000.0 ** (1 / ORDER[IMPLICIT]), rel=0.15
+        1000.0 ** (1 / ERROR_ORDER[IMPLICIT]), rel=0.15
     )
     errors = [np.abs(reached(run) - exact).max() for run in runs]
     assert errors[0] < 1e-3

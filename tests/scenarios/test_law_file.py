@@ -22,7 +22,7 @@ from chain_impact import (
 )
 from chain_impact.compilation.folders import base_folder
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, LAW_COUNT
-from chain_impact.kernel.forces.user_law import ARGUMENTS
+from chain_impact.kernel.forces.user_law import LAW_ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.scene.errors import SceneWarning
 from chain_impact.scene.files.models import models_folder
@@ -42,7 +42,7 @@ LOSS = 0.3
 def root(x):
     return math.sqrt(x)
 
-def damped({", ".join(ARGUMENTS)}):
+def damped({", ".join(LAW_ARGUMENTS)}):
     '''Hunt and Crossley, for a fixed loss.'''
     if restitution == 0.375:
         wrong = (stiffness - 2e5) ** 2 + (exponent - 1.25) ** 2
@@ -245,8 +245,8 @@ def test_a_function_that_cannot_be_a_law_is_told_why(law, reason):
     [
         ("def other(rate):\n    return 1.0", "must define the function damped"),
         ("def damped(rate:\n    return 1.0", "is not valid Python: "),
-        ("def damped(depth):\n    return 1.0", f"damped takes depth; it can take {', '.join(ARGUMENTS)}"),
-        ("def damped(*rate):\n    return 1.0", f"damped takes rate; it can take {', '.join(ARGUMENTS)}"),
+        ("def damped(depth):\n    return 1.0", f"damped takes depth; it can take {', '.join(LAW_ARGUMENTS)}"),
+        ("def damped(*rate):\n    return 1.0", f"damped takes rate; it can take {', '.join(LAW_ARGUMENTS)}"),
         (
             "import numpy\ndef damped(rate):\n    return 1.0",
             "imports numpy in line 1; a law can import math only",

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import record
-from chain_impact.kernel.record.fields import LARGEST, SMALLEST
+from chain_impact.kernel.record.fields import LARGEST_DOUBLE, SMALLEST_DOUBLE
 from chain_impact.kernel.record.ranges import (
-    BOUNDED,
+    BOUNDED_PATHS,
     RANGE_LEAST,
     RANGE_MOST,
-    RANGED,
+    RANGED_PATHS,
     bounded_field,
     least_bound,
     most_bound,
@@ -29,7 +29,7 @@ from chain_impact.variables.parameters import PARAMETERS
 from tests.helpers.kernel.plain import Plain
 from tests.helpers.scenes.derivative_scenes import table
 
-RANGES = dict(zip(RANGED, zip(RANGE_LEAST, RANGE_MOST, strict=True), strict=True))
+RANGES = dict(zip(RANGED_PATHS, zip(RANGE_LEAST, RANGE_MOST, strict=True), strict=True))
 KINDS = {
     kind.name: kind
     for of, kinds in PARAMETERS
@@ -47,8 +47,8 @@ OTHER_CHECKS = {
     *(("signal", name) for name in ("value", "mean", "initial", "final", "start", "duration")),
 }
 WIDER = {
-    ("chain", "height"): (0.0, LARGEST),  # 0: the link is not a box
-    ("signal", "frequency"): (-LARGEST, LARGEST),
+    ("chain", "height"): (0.0, LARGEST_DOUBLE),  # 0: the link is not a box
+    ("signal", "frequency"): (-LARGEST_DOUBLE, LARGEST_DOUBLE),
 }
 """Ranges in the kernel that are wider than those of the keys."""
 
@@ -58,10 +58,10 @@ def expected(kind):
 
     The kernel has no other bounds than 0, and a limit may be missing.
     """
-    least = -LARGEST if kind.minimum is None else 0.0
+    least = -LARGEST_DOUBLE if kind.minimum is None else 0.0
     if kind.above is not None or (kind.minimum or 0.0) > 0.0:
-        least = SMALLEST
-    return least, math.inf if kind.number_for_none == math.inf else LARGEST
+        least = SMALLEST_DOUBLE
+    return least, math.inf if kind.number_for_none == math.inf else LARGEST_DOUBLE
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -99,7 +99,7 @@ def test_the_comment_on_a_parameter_begins_with_the_unit_of_its_key():
 
 
 def test_no_other_field_has_a_range():
-    assert set(RANGED) <= {tuple(map(str, kind.record_path[:2])) for kind in KINDS.values()}
+    assert set(RANGED_PATHS) <= {tuple(map(str, kind.record_path[:2])) for kind in KINDS.values()}
 
 
 def test_the_compiled_kernel_refuses_values_out_of_range_by_their_link():
@@ -140,17 +140,17 @@ def test_the_compiled_kernel_refuses_an_integer_beyond_its_bounds():
     d, start = Plain(instance.record), instance.words.copy()
     assert instance.is_sound(instance.words)
     checked = 0
-    for k in range(len(BOUNDED)):
+    for k in range(len(BOUNDED_PATHS)):
         values = bounded_field(d, k)
         for number in (least_bound(d, k) - 1, most_bound(d, k) + 1) if len(values) else ():
             instance.words[:] = start
             part = d
-            for name in BOUNDED[k][:-1]:
+            for name in BOUNDED_PATHS[k][:-1]:
                 part = getattr(part, name)
-            if np.ndim(part[BOUNDED[k][-1]]):
-                part[BOUNDED[k][-1]][-1] = number
+            if np.ndim(part[BOUNDED_PATHS[k][-1]]):
+                part[BOUNDED_PATHS[k][-1]][-1] = number
             else:
-                part[BOUNDED[k][-1]] = number
-            assert not instance.is_sound(instance.words), BOUNDED[k]
+                part[BOUNDED_PATHS[k][-1]] = number
+            assert not instance.is_sound(instance.words), BOUNDED_PATHS[k]
             checked += 1
-    assert checked > len(BOUNDED)
+    assert checked > len(BOUNDED_PATHS)

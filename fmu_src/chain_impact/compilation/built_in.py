@@ -34,7 +34,7 @@ from chain_impact.kernel.record.fields import SETTABLE, WORD
 from chain_impact.kernel.tangent import duals
 
 FUNCTIONS: set[Any] = {
-    *(duals.block, duals.as_words, duals.copy_values, duals.copy_given),
+    *(duals.tangent_instance, duals.as_words, duals.copy_values, duals.copy_given),
     *(record_operations.clear_numbers, record_operations.copy_row, input_fields.input_field),
     *(ranges.ranged_field, ranges.bounded_field, ranges.least_bound, ranges.most_bound),
 }
@@ -53,7 +53,7 @@ def _type_of_input(_context: Any) -> Any:
 
 
 def _inputs(part: Record) -> list[Field]:
-    return [part.field(name) for name in input_fields.FIELDS]
+    return [part.field(name) for name in input_fields.INPUT_SIZES]
 
 
 @lower_builtin(input_fields.input_field, Record, types.Integer)
@@ -128,8 +128,8 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
 def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
     """Give numba the code of a function of (instance, k) that returns the bound ``bounds[k]``.
 
-    A bound is the least or the largest value that field k of ``ranges.BOUNDED`` may have, an affine function
-    of the counts of the instance.
+    A bound is the least or the largest value that field k of ``ranges.BOUNDED_PATHS`` may have, an affine
+    function of the counts of the instance.
     """
 
     @type_callable(function)
@@ -148,15 +148,15 @@ def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
         return chosen
 
 
-_give_field(ranges.ranged_field, ranges.RANGED, types.float64)
-_give_field(ranges.bounded_field, ranges.BOUNDED, types.int64)
+_give_field(ranges.ranged_field, ranges.RANGED_PATHS, types.float64)
+_give_field(ranges.bounded_field, ranges.BOUNDED_PATHS, types.int64)
 _BOUNDS = [zip(*pairs, strict=True) for pairs in zip(*map(ranges.bounds_of, SAMPLES), strict=True)]
 _LEAST, _MOST = zip(*([affine(numbers) for numbers in bounds] for bounds in _BOUNDS), strict=True)
 _give_bound(ranges.least_bound, _LEAST)
 _give_bound(ranges.most_bound, _MOST)
 
 
-@type_callable(duals.block)
+@type_callable(duals.tangent_instance)
 def _type_of_block(_context: Any) -> Any:
     def typer(instance: types.Type, _number: types.Type) -> types.Type | None:
         return TANGENT if instance == INSTANCE else None
@@ -164,7 +164,7 @@ def _type_of_block(_context: Any) -> Any:
     return typer
 
 
-@lower_builtin(duals.block, Record, types.Integer)
+@lower_builtin(duals.tangent_instance, Record, types.Integer)
 def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, number = arguments
     primal_size, tangent_size = (

@@ -362,9 +362,9 @@ _declare(duals.dual_with_slope, DUAL)
 _lower(duals.dual_with_slope, _carried, types.Float, types.Float, Dual)
 _declare(duals.slope, float64, types.int64)
 _lower(duals.slope, _slope, Dual, types.Integer)
-_declare(duals.with_slope, DUAL, None)
+_declare(duals.replace_slope, DUAL, None)
 _lower(
-    duals.with_slope,
+    duals.replace_slope,
     lambda _c, b, x, k, one: _made(b, _parts(b, x)[0], b.insert_element(_parts(b, x)[1], one, k)),
     *(Dual, types.Integer, types.Float),
 )

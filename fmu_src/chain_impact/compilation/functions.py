@@ -40,7 +40,7 @@ HOOK_SIGNATURES: dict[FunctionType, Any] = {
 # function of the kernel → numba's type of the C function that replaces it in a library
 EXTERNAL: dict[Any, types.Type] = {
     user_law.is_present: types.ExternalFunction(LAW_PRESENT, int64()),
-    user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
+    user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.LAW_ARGUMENTS))),
     **{hook: types.ExternalFunction(hook.__name__, kind) for hook, kind in HOOK_SIGNATURES.items()},
 }
 _DUAL: dict[Any, Any] = DUAL_RULES
@@ -48,7 +48,7 @@ _COMPLEX: dict[Any, Any] = COMPLEX_RULES
 # functions of the kernel whose Python code numba does not compile: dual_numbers.py and built_in.py have their
 # code
 BUILT_IN: set[Any] = {
-    *(duals.value, duals.slope, duals.with_slope, duals.dual_with_slope, duals.has_slope),
+    *(duals.value, duals.slope, duals.replace_slope, duals.dual_with_slope, duals.has_slope),
     *built_in.FUNCTIONS,
 }
 

@@ -19,7 +19,7 @@ from numba.core.errors import NumbaError
 from numba.extending import lower_builtin
 
 from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled
-from chain_impact.kernel.forces.user_law import ARGUMENTS
+from chain_impact.kernel.forces.user_law import LAW_ARGUMENTS
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.user_laws.law_file import LawError, UserLaw
 from chain_impact.user_laws.law_syntax import FUNCTIONS, MATH
@@ -49,12 +49,12 @@ def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
     Raises:
         LawError: when the law cannot be compiled.
     """
-    numbers = (float64,) * len(ARGUMENTS)
+    numbers = (float64,) * len(LAW_ARGUMENTS)
     return {LAW_FORCE: (float64(*numbers), _checked_function(law))}
 
 
 def _checked_function(law: UserLaw) -> Callable[..., float]:
-    """Return the law as a Python function that takes all of ``ARGUMENTS``, and that numba can compile.
+    """Return the law as a Python function that takes all of ``LAW_ARGUMENTS``, and that numba can compile.
 
     Python runs the file of the law, to evaluate its constants; the file can use only the names that
     law_syntax.py lists.
@@ -73,9 +73,9 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
         returned = inner.nopython_signatures[0].return_type
         if not isinstance(returned, types.Float | types.Integer):
             raise LawError(f"must return a number, not {returned}")
-        call = f"lambda {', '.join(ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
+        call = f"lambda {', '.join(LAW_ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
         function: Callable[..., float] = eval(call, space)
-        compiled(function).compile((float64,) * len(ARGUMENTS))
+        compiled(function).compile((float64,) * len(LAW_ARGUMENTS))
     except LawError:
         raise
     except NumbaError as error:

@@ -26,7 +26,7 @@ from chain_impact.conversion.points import (
     tables_of,
 )
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
-from chain_impact.kernel.rows.geometry import NORMALS, OVERLAP, WALLS
+from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, BOX_NORMALS, WALLS
 from chain_impact.text import plural
 
 Points = list[dict[str, Any]]
@@ -84,7 +84,7 @@ class Walls:
             point, normal = self.plan.flat(plane.point), self.plan.flat(plane.normal)
             self.walls.append((plane.name, point, normal))
             name, boxed = plane.name, plane.name in WALLS
-            boxed = boxed and np.allclose(normal, NORMALS[WALLS.index(name)], 0.0, PARALLEL_ANGLE)
+            boxed = boxed and np.allclose(normal, BOX_NORMALS[WALLS.index(name)], 0.0, PARALLEL_ANGLE)
             if not boxed and (name in WALLS or not name.isidentifier()):
                 name = f"wall_{number}"
             if boxed:
@@ -209,7 +209,7 @@ class Walls:
         """Return whether the centre of a point starts outside of all walls; otherwise report the point.
 
         If only the rim of the point starts in a wall, ``table`` gets the largest radius with which the point
-        touches this wall, and the change is reported. A depth up to OVERLAP does not count.
+        touches this wall, and the change is reported. A depth up to ALLOWED_OVERLAP does not count.
 
         Args:
             i: index of the link.
@@ -222,7 +222,7 @@ class Walls:
         for name, point, normal in self.walls:
             free = float(normal @ (at - point))
             deep = table["radius"] - free
-            if deep <= OVERLAP:
+            if deep <= ALLOWED_OVERLAP:
                 continue
             what = f"point {table.get('name', '')} starts {deep:.4g} m deep in {name}".replace("  ", " ")
             hinge = self.chosen.hinges[i].joint.name

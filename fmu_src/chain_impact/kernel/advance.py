@@ -10,9 +10,9 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.inputs import (
     REINITIALIZE,
     apply_inputs,
+    are_inputs_in_use,
     belts_jump,
     inputs_continue,
-    inputs_in_use,
     interpolate_prescribed_motions,
     limit_to_piece,
     withdraw_request,
@@ -22,22 +22,16 @@ from chain_impact.kernel.cost import (
     begin_communication_step,
     check_cost,
     check_events,
-    cost_exceeded,
     cost_so_far,
     count_rejected_step,
     count_step,
+    is_cost_exceeded,
 )
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.base_at_wall import check_base_at_walls, end_where_wall_meets_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_communication_point
 from chain_impact.kernel.events.handlers import apply_events, force_has_kink, reinit_contacts_and_modes
-from chain_impact.kernel.events.marks import (
-    KINK,
-    NONE,
-    drop_events,
-    ends_in_onset,
-    pending_changes,
-)
+from chain_impact.kernel.events.marks import KINK, NONE, count_pending_changes, drop_events, ends_in_onset
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.segments import (
     begin_segments,
@@ -45,9 +39,9 @@ from chain_impact.kernel.events.segments import (
     end_at_segment,
     limit_to_segment,
 )
-from chain_impact.kernel.forces.active_contacts import clear_loads, latch
-from chain_impact.kernel.forces.candidate_laws import laws_in_use, update_laws
-from chain_impact.kernel.initialize import derive_drives, first_size
+from chain_impact.kernel.forces.active_contacts import clear_loads, latch_depth_and_damping
+from chain_impact.kernel.forces.candidate_laws import are_laws_in_use, update_laws
+from chain_impact.kernel.initialize import derive_drives, first_step_size
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.balance import (
     apply_next_piece,
@@ -74,8 +68,8 @@ from chain_impact.kernel.ode.last_step import (
     set_communication_point_in_step,
     truncate_step,
 )
-from chain_impact.kernel.ode.methods import attempt, choose_method, prepare
-from chain_impact.kernel.ode.sundman import regularize, time_rate_for_sizes
+from chain_impact.kernel.ode.methods import attempt_step, choose_method, prepare_step
+from chain_impact.kernel.ode.sundman import regularize_rate, time_rate_for_sizes
 from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_unsolved
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
@@ -138,7 +132,7 @@ def advance_to_onset(d, time):
             status, fresh = advance_one_step(d), True
     if status == OK:
         set_communication_point(d, time)
-        status = ONSET_DUE if onset_due(d) else OK
+        status = ONSET_DUE if is_onset_due(d) else OK
     return status
 
 
@@ -148,14 +142,14 @@ def event_update(d):
     The next step starts in the state after the onsets.
     """
     status = reinit_if_changed(d, d.step.communication_point)
-    while status == OK and onset_due(d):
+    while status == OK and is_onset_due(d):
         status = advance_one_step(d)
     if status == OK:
         set_communication_point(d, d.step.communication_point)
     return status
 
 
-def onset_due(d):
+def is_onset_due(d):
     """Return whether a contact begins at the communication point, with an onset that is not applied yet."""
     return d.step.end == d.step.communication_point and ends_in_onset(d)
 
@@ -178,7 +172,7 @@ def must_reinit(d):
     If values were set and then set back, the mark ``given.pending`` is cleared. A new piece of the inputs
     that continues the present piece without a jump needs no re-initialization: the next step applies it.
     """
-    if d.given.pending == REINITIALIZE and inputs_in_use(d) and laws_in_use(d):
+    if d.given.pending == REINITIALIZE and are_inputs_in_use(d) and are_laws_in_use(d):
         withdraw_request(d)
     return d.given.pending and not inputs_continue(d)
 
@@ -209,7 +203,7 @@ def reinit(d):
     clear_loads(d)
     reinit_balance(d)
     # the proposed size may be that of a chain at rest, far too long for the motion that a new input causes
-    control.limit_next_size(d, first_size(d))
+    control.limit_next_size(d, first_step_size(d))
     if status == OK:
         hooks.on_reinit(d)
     return status
@@ -232,15 +226,15 @@ def apply_pending_inputs(d):
     return check_solved(d, status)
 
 
-def latch_again(d):
+def latch_active_contacts(d):
     """Latch damping and expected penetration again, for contacts with a force law: laws may have changed."""
     for k in range(d.contacts.compliant_count):
-        latch(d, d.contacts.active_index[k])
+        latch_depth_and_damping(d, d.contacts.active_index[k])
 
 
 def apply_laws(d):
     """Make latched values, held contacts, modes of friction and drives, and sides of kinks fit the laws."""
-    latch_again(d)
+    latch_active_contacts(d)
     reinit_contacts_and_modes(d, belts_jump(d))
 
 
@@ -275,19 +269,20 @@ def find_step(d):
     limited = limit_to_piece(d, wanted)
     if d.signals > 0:
         limited = limit_to_segment(d, limited)
-    h, grow = prepare(d, limited), control.GROW
+    h, grow = prepare_step(d, limited), control.LARGEST_RATIO
     if limited < wanted:
-        # `prepare` may lengthen a step, but no step may pass the end of a piece of the inputs or of a signal
+        # `prepare_step` may lengthen a step, but no step may pass the end of a piece of the inputs or of a
+        # signal
         h = min(h, limited)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_step(d, h)
         suggested = h * min(grow, control.next_size_factor(d))
-        if control.accepted(d):
+        if control.is_accepted(d):
             # a first try that is shortened to end with a piece or segment does not reduce the proposed size
             control.propose_size(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)
-        if cost_exceeded(d):
+        if is_cost_exceeded(d):
             return TOO_MUCH_WORK
         h, grow = suggested, 1.0
     return control.no_step_status(d)
@@ -296,19 +291,19 @@ def find_step(d):
 def try_step(d, h):
     """Try a step of size h [s] in its variable; an accepted step is the last step, up to its first event."""
     clear_stage_notes(d)
-    attempt(d, h)
-    if not control.accepted(d):
+    attempt_step(d, h)
+    if not control.is_accepted(d):
         return
     make_last_step(d)
     theta = find_event(d)
-    if control.accepted(d) and must_land(d, theta):
-        theta = land(d, theta)
+    if control.is_accepted(d) and must_repeat_to_event(d, theta):
+        theta = repeat_to_event(d, theta)
     present, available = 0.0, 0.0
-    if control.accepted(d):
+    if control.is_accepted(d):
         present, available = check_energy(d, theta)
-    if control.accepted(d) and d.constraints.unsolved != SOLVED:
+    if control.is_accepted(d) and d.constraints.unsolved != SOLVED:
         control.reject_step(d, control.SPOILED)
-    if not control.accepted(d):
+    if not control.is_accepted(d):
         roll_back(d)
         drop_events(d)
         return
@@ -318,7 +313,7 @@ def try_step(d, h):
     correct_falling_impulses(d)
 
 
-def must_land(d, theta):
+def must_repeat_to_event(d, theta):
     """Return whether the last step must be repeated so that it ends at its event, at the fraction θ.
 
     θ = −1: there is no event. The force of a contact is not smooth at the contact's end and at its kink, so
@@ -330,15 +325,15 @@ def must_land(d, theta):
     return theta > 0.0 and (force_has_kink(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
 
 
-def land(d, theta):
+def repeat_to_event(d, theta):
     """Repeat the last step up to its fraction θ; return where in the repeated step contacts begin.
 
     The result is that of ``onset_fraction`` for the repeated step; −1 if the repeated step is rejected.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
-    attempt(d, h)
-    if not control.accepted(d):
+    attempt_step(d, h)
+    if not control.is_accepted(d):
         control.reject_step(d, control.SPOILED)
         return -1.0
     make_last_step(d)
@@ -373,7 +368,7 @@ def apply_pending_events(d):
 
     Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
-    events, kinked = d.drive.mode_ends + pending_changes(d), d.drive.mode_ends > 0
+    events, kinked = d.drive.mode_ends + count_pending_changes(d), d.drive.mode_ends > 0
     for c in range(d.candidates):
         events += d.contacts.event[c] != NONE
         kinked = kinked or d.contacts.event[c] == KINK
@@ -395,5 +390,5 @@ def apply_pending_events(d):
 
 def set_first_stage(d):
     """Set the first stage of a step: the rate at its start, dy/ds in the step's integration variable s."""
-    regularize(d, d.step.state_end, d.scratch.rate_start, d.scratch.stage[0])
+    regularize_rate(d, d.step.state_end, d.scratch.rate_start, d.scratch.stage[0])
     set_quadrature_stage_at_end(d, 0)

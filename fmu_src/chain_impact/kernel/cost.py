@@ -14,7 +14,7 @@ COST_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits 
 LONGEST_COMMUNICATION_STEP = 20.0
 # The cost, in evaluations times N + 1 for N links, after which a long call returns, so that its caller can
 # stop the run. An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
-CALL_COST = 20_000_000
+PAUSE_COST = 20_000_000
 # A run ends with a fault after more than MOST_EVENTS × n events in EVENT_WINDOW [s] of simulated time. n is
 # the number of candidates. If there is dry friction or a drive with a limit, n also counts the links and the
 # slider. So many events are endless chattering: a bounce that lasts a microsecond is only 1e-12 m high.
@@ -52,23 +52,23 @@ def count_other_cost(d, number):
     d.budget.other_cost += number
 
 
-def counted_cost(d):
+def read_cost_counts(d):
     """Return two counts: the evaluations of the right-hand side, and the cost of other calculations.
 
-    ``uncount_cost`` can later reset both counts to these values.
+    ``restore_cost_counts`` can later reset both counts to these values.
     """
     return d.statistics.rhs_evaluations, d.budget.other_cost
 
 
-def uncount_cost(d, counted):
-    """Reset the counts of evaluations and of other cost to ``counted``, a result of ``counted_cost``.
+def restore_cost_counts(d, counted):
+    """Reset the counts of evaluations and of other cost to ``counted``, a result of ``read_cost_counts``.
 
-    The cost since the call of ``counted_cost`` is the cost of outputs, which does not count.
+    The cost since the call of ``read_cost_counts`` is the cost of outputs, which does not count.
     """
     d.statistics.rhs_evaluations, d.budget.other_cost = counted
 
 
-def cost_exceeded(d):
+def is_cost_exceeded(d):
     """Return whether the present window (COST_WINDOW) costs more than `solver.work_limit` allows.
 
     Searches and iterations that may take long call this function, to end early.
@@ -76,12 +76,12 @@ def cost_exceeded(d):
     return cost_so_far(d) - d.budget.cost_at_window > d.solver.work_limit * COST_WINDOW
 
 
-def cost_of_a_call(d):
+def cost_before_pause(d):
     """Return the cost [evaluations] after which calls such as ``advance_awhile`` return before their end.
 
     The caller of the kernel can then stop the run, or call the kernel again.
     """
-    return CALL_COST // (d.links + 1)
+    return PAUSE_COST // (d.links + 1)
 
 
 def begin_communication_step(d):
@@ -101,7 +101,7 @@ def check_cost(d):
     communication step costs more than `solver.work_limit` allows for LONGEST_COMMUNICATION_STEP.
     """
     budget = d.budget
-    if cost_exceeded(d):
+    if is_cost_exceeded(d):
         return TOO_MUCH_WORK
     if cost_so_far(d) - budget.cost_at_communication_step > d.solver.work_limit * LONGEST_COMMUNICATION_STEP:
         return STEP_TOO_LONG

@@ -12,25 +12,21 @@ from chain_impact.kernel.chain.signals import knot_count
 from chain_impact.kernel.cost import (
     UNLIMITED,
     allow_any_length,
-    cost_of_a_call,
+    cost_before_pause,
     cost_so_far,
-    counted_cost,
-    uncount_cost,
+    read_cost_counts,
+    restore_cost_counts,
 )
-from chain_impact.kernel.events.contact_log import collect, update_to_communication_point
+from chain_impact.kernel.events.contact_log import mark_collected, update_to_communication_point
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.forces.user_law import is_present
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe, observe_state, refill_outputs_but_integrals
 from chain_impact.kernel.ode.last_step import return_to_stored_state, store_output_state
-from chain_impact.kernel.record.ranges import BOUNDED, bounded_field, least_bound, most_bound
+from chain_impact.kernel.record.ranges import BOUNDED_PATHS, bounded_field, least_bound, most_bound
 from chain_impact.kernel.rows.geometry import candidate_within_bounds
-from chain_impact.kernel.status import (
-    LOG_FULL,
-    OK,
-    PAUSED,
-)
+from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
 
 
 def is_sound(d):
@@ -48,7 +44,7 @@ def within_bounds(d):
 
 def indices_within_bounds(d):
     """Return whether each index is within the bounds that its layout declares (record/fields.py)."""
-    for k in range(len(BOUNDED)):
+    for k in range(len(BOUNDED_PATHS)):
         values, least, most = bounded_field(d, k), least_bound(d, k), most_bound(d, k)
         for i in range(len(values)):
             if not least <= values[i] <= most:
@@ -127,7 +123,7 @@ def advance_awhile(d, time):
 
     The caller can then stop the run or continue it.
     """
-    return advance(d, time, UNLIMITED, cost_so_far(d) + cost_of_a_call(d))
+    return advance(d, time, UNLIMITED, cost_so_far(d) + cost_before_pause(d))
 
 
 def observe_now(d):
@@ -153,7 +149,7 @@ def observe_trial(d):
     The result is a status; after a fault all outputs stay as they are. The function leaves ``d`` in a state
     from which no run can continue.
     """
-    counted = counted_cost(d)
+    counted = read_cost_counts(d)
     store_output_state(d)
     status = reinit(d)
     if status == OK:
@@ -162,7 +158,7 @@ def observe_trial(d):
         return_to_stored_state(d)
         refill_outputs_but_integrals(d)
         hooks.on_observe_trial(d)
-    uncount_cost(d, counted)
+    restore_cost_counts(d, counted)
     return status
 
 
@@ -184,7 +180,7 @@ def trajectory(d, words, times, spans, rows, of_state):
         the log of ended contacts or that of dry friction is full, and after about a second of computing.
     """
     log_capacity = len(d.contact_log.point) - d.candidates
-    cost_limit = cost_so_far(d) + cost_of_a_call(d)
+    cost_limit = cost_so_far(d) + cost_before_pause(d)
     for row in range(len(times)):
         allow_any_length(d)
         if advance(d, times[row], log_capacity, cost_limit) != OK:
@@ -224,7 +220,7 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
         about a second of computing. The next run has then begun; a further call, with ``continuing`` 1 and
         with the values from this run on, continues it.
     """
-    cost_limit = cost_of_a_call(d) + (cost_so_far(d) if continuing else 0)
+    cost_limit = cost_before_pause(d) + (cost_so_far(d) if continuing else 0)
     for r in range(len(rows)):
         if r > 0 or not continuing:
             for j in range(len(indices)):
@@ -251,7 +247,7 @@ def finish_run(d, end_time, cost_limit):
     allow_any_length(d)
     while status == LOG_FULL:
         status = advance(d, end_time, log_capacity, cost_limit)
-        collect(d)
+        mark_collected(d)
         clear_changes(d)
     if status == OK:
         observe(d)

@@ -20,7 +20,7 @@ from chain_impact.kernel.chain.drives import (
     rotor_energy,
     spring_energy,
 )
-from chain_impact.kernel.chain.elimination import accelerations
+from chain_impact.kernel.chain.elimination import solve_accelerations
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points, set_link_vectors
 from chain_impact.kernel.chain.sites import joint_place, move_site_loads
@@ -36,10 +36,10 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.forces.active_contacts import apply_contacts, apply_true_contacts
 from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
-from chain_impact.kernel.forces.friction import clear_margins, static_power
+from chain_impact.kernel.forces.friction import clear_friction_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
 from chain_impact.kernel.function_marks import inlined
-from chain_impact.kernel.rows.compliance import accelerations_with_armatures
+from chain_impact.kernel.rows.compliance import solve_accelerations_with_armatures
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
 from chain_impact.kernel.rows.geometry import clearance
 
@@ -168,7 +168,7 @@ def free_rate_from_loads(d, y, dissipated, rate):
     n = d.links
     supplied = 0.0
     if d.chain.has_springs_or_dampers or d.chain.has_inputs or d.chain.has_joint_places:
-        damped, supplied = joint_moments(d, y)
+        damped, supplied = set_joint_moments(d, y)
         dissipated += damped
     if d.slides:
         force, damped, of_drive = drive_power(d, y, n)
@@ -179,9 +179,9 @@ def free_rate_from_loads(d, y, dissipated, rate):
         rate[j] = y[velocity_at(n) + j]
     move_site_loads(d, d.scratch.link_vector, d.scratch.load)
     if d.chain.has_armatures:
-        accelerations_with_armatures(d, y, rate)
+        solve_accelerations_with_armatures(d, y, rate)
     else:
-        accelerations(d, y, rate)
+        solve_accelerations(d, y, rate)
     rate[dissipated_at(n)] = dissipated
     rate[supplied_at(n)] = supplied
     rate[sundman_u_at(n)] = 0.0
@@ -196,11 +196,11 @@ def clear_stage_notes(d):
     clear_unsolved(d)
     clear_crossings(d)
     clear_least_forces(d)
-    clear_margins(d)
+    clear_friction_margins(d)
     d.drive.torque_margin = 0.0
 
 
-def joint_moments(d, y):
+def set_joint_moments(d, y):
     """Set the sum of the moments of joints on each link; return the dissipated and the supplied power [W].
 
     Passive drives dissipate power. Drives and the force at the tip supply power. The drive of the proximal

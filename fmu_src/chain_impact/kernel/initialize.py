@@ -6,19 +6,17 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.drives import drive_count, drive_inertia, set_effect_flags
 from chain_impact.kernel.chain.inertia import (
     corner_of_box,
+    find_loose_links,
     given_or_derived,
     inertia_of_box,
-    loose_links,
     middle_of_rod,
 )
 from chain_impact.kernel.chain.inputs import apply_inputs, begin_prescribed_motions
 from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
-from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
-from chain_impact.kernel.cost import (
-    begin_windows,
-)
+from chain_impact.kernel.chain.state import FIRST_ANGLE, dissipated_at, omega_at, supplied_at, velocity_at
+from chain_impact.kernel.cost import begin_windows
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.base_at_wall import check_base_at_walls
 from chain_impact.kernel.events.contact_log import clear_log
@@ -27,7 +25,7 @@ from chain_impact.kernel.events.saturation import choose_saturation, clear_satur
 from chain_impact.kernel.forces.active_contacts import clear_impacts, clear_loads
 from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
-from chain_impact.kernel.mathematics.angles import direction
+from chain_impact.kernel.mathematics.angles import unit_vector
 from chain_impact.kernel.ode.balance import start_balance
 from chain_impact.kernel.ode.control import (
     IMPLICIT,
@@ -41,18 +39,18 @@ from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable_size
 from chain_impact.kernel.record.ranges import (
-    OF_CARRIAGE,
-    OF_LINKS,
-    OF_SITES,
-    OF_STOPS,
+    CARRIAGE_OWNER,
+    LINK_OWNERS,
     RANGE_OWNERS,
-    RANGED,
-    in_range,
+    RANGED_PATHS,
+    SITE_OWNERS,
+    STOP_OWNERS,
+    is_in_range,
     ranged_field,
 )
 from chain_impact.kernel.record_operations import clear_numbers
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
-from chain_impact.kernel.rows.geometry import OVERLAP, at_joint_stop, clearance, set_candidate_rows
+from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, clearance, is_at_joint_stop, set_candidate_rows
 from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
     FORCES_NOT_FOUND,
@@ -83,8 +81,8 @@ def initialize(d, time):
     derive_drives(d)
     if set_status(d, check_parameters(d)) != OK or set_status(d, start_laws(d)) != OK:
         return d.statistics.status
-    set_start(d, time)
-    size = first_size(d)
+    set_run_start(d, time)
+    size = first_step_size(d)
     propose_size(d, size if prescribed_method(d.solver.method) == IMPLICIT else stable_size(d, size))
     store_flight_size(d)
     start_balance(d, time)
@@ -94,7 +92,7 @@ def initialize(d, time):
     return d.statistics.status
 
 
-def set_start(d, time):
+def set_run_start(d, time):
     """Set walls, state, forces, and modes of drives and friction at the start of a run, at ``time`` [s]."""
     set_candidate_rows(d)
     set_initial_state(d, d.scratch.state)
@@ -117,7 +115,7 @@ def set_initial_state(d, y):
         rate = d.initial.slider_velocity
         y[velocity_at(n)], y[velocity_at(n) + 1] = rate * d.slider.ux, rate * d.slider.uy
     for i in range(n):
-        y[ANGLES + i] = d.initial.angle[i]
+        y[FIRST_ANGLE + i] = d.initial.angle[i]
         y[omega_at(n) + i] = d.initial.angular_velocity[i]
     y[dissipated_at(n)] = 0.0
     y[supplied_at(n)] = 0.0
@@ -159,7 +157,8 @@ def derive_chain(d):
     """
     chain = d.chain
     d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact_settings.exponent)
-    # `meeting_joint`, the middle joint, must be the same joint as in `accelerations` (chain/elimination.py)
+    # `meeting_joint`, the middle joint, must be the same joint as in `solve_accelerations`
+    # (chain/elimination.py)
     chain.meeting_joint = 0 if chain.has_base_joint else len(chain.length) // 2
     chain.longest_link, chain.reach = 0.0, 0.0
     for i in range(len(chain.length)):
@@ -190,10 +189,10 @@ def derive_chain(d):
     chain.gravity_size = math.sqrt(chain.gravity[0] * chain.gravity[0] + chain.gravity[1] * chain.gravity[1])
     chain.has_joint_stops = 0
     for c in range(d.candidates):
-        if at_joint_stop(d, c):
+        if is_at_joint_stop(d, c):
             chain.has_joint_stops = 1
     if d.slides:
-        d.slider.ux, d.slider.uy = direction(d.slider.angle)
+        d.slider.ux, d.slider.uy = unit_vector(d.slider.angle)
 
 
 def derive_sites(d):
@@ -239,7 +238,7 @@ def check_parameters(d):
         return status
     if d.signals > 0 and not signals_are_valid(d):
         return PARAMETER_OUT_OF_RANGE
-    first, _ = loose_links(d.chain, d.slides and d.slider.mass == 0.0)
+    first, _ = find_loose_links(d.chain, d.slides and d.slider.mass == 0.0)
     if first >= 0:
         return refuse_link(d, first, MASS_MATRIX_SINGULAR)
     for i in range(drive_count(d)):
@@ -251,36 +250,36 @@ def check_parameters(d):
 
 
 def check_ranges(d):
-    """Check each real in the record that has a range (``real`` of record/fields.py), and return a status.
+    """Check each real in the record that has a range (``ranged_real``), and return a status.
 
     Values for stops in joints are checked only if the scene has such stops.
     """
-    for k in range(len(RANGED)):
-        if RANGE_OWNERS[k] == OF_STOPS and not d.chain.has_joint_stops:
+    for k in range(len(RANGED_PATHS)):
+        if RANGE_OWNERS[k] == STOP_OWNERS and not d.chain.has_joint_stops:
             continue
         values = ranged_field(d, k)
         for i in range(len(values)):
-            if not in_range(values[i], k):
+            if not is_in_range(values[i], k):
                 return refuse_value(d, k, i)
     return OK
 
 
 def refuse_value(d, k, i):
-    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED, and store the cause.
+    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED_PATHS, and store the cause.
 
     The cause is the link or the slider to which the entry belongs; for a site it is the link of the site. If
     the entry belongs to no link, site or slider, no cause is stored.
     """
-    if RANGE_OWNERS[k] == OF_LINKS and i < d.links:
+    if RANGE_OWNERS[k] == LINK_OWNERS and i < d.links:
         return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
-    if d.slides and (RANGE_OWNERS[k] == OF_LINKS or RANGE_OWNERS[k] == OF_CARRIAGE):
+    if d.slides and (RANGE_OWNERS[k] == LINK_OWNERS or RANGE_OWNERS[k] == CARRIAGE_OWNER):
         return refuse_drive(d, d.links, PARAMETER_OUT_OF_RANGE)
-    if RANGE_OWNERS[k] == OF_SITES:
+    if RANGE_OWNERS[k] == SITE_OWNERS:
         return refuse_link(d, d.site.link[i], PARAMETER_OUT_OF_RANGE)
     return PARAMETER_OUT_OF_RANGE
 
 
-def first_size(d):
+def first_step_size(d):
     """Return a first step size ≤ 1 s from the links' angular motion in the state ``step.state``.
 
     The function sets ``scratch.rate_start`` to ẏ in this state. The error control adapts the size later.
@@ -293,8 +292,8 @@ def check_start(d):
     """Return a fault status if the run cannot start in its initial state, else OK.
 
     A run cannot start if the state, its rate or its energy is not finite, if the clearance of a candidate is
-    below −OVERLAP, if motions are prescribed and the pinned base is beyond a wall (``check_base_at_walls``),
-    or if no forces are found.
+    below −ALLOWED_OVERLAP, if motions are prescribed and the pinned base is beyond a wall
+    (``check_base_at_walls``), or if no forces are found.
     """
     locate_points(d, d.step.state)
     for j in range(len(d.scratch.state)):
@@ -305,7 +304,7 @@ def check_start(d):
         return NOT_FINITE
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if not gap >= -OVERLAP:
+        if not gap >= -ALLOWED_OVERLAP:
             return refuse_candidate(d, c, STARTS_INSIDE_WALL)
     if d.channels > 0 and check_base_at_walls(d) != OK:
         return BASE_BEYOND_WALL

@@ -6,34 +6,34 @@ after the next step or ``event_update``.
 """
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.drives import along_drive, lever_of_drive
+from chain_impact.kernel.chain.drives import drive_component, lever_of_drive
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import point_of_site, site_place
 from chain_impact.kernel.chain.slider import slider_position
 from chain_impact.kernel.chain.state import (
-    ANGLES,
+    FIRST_ANGLE,
     dissipated_at,
     omega_at,
-    relative,
+    relative_to_previous,
     supplied_at,
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.cost import counted_cost, uncount_cost
+from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
 from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.active_contacts import apply_true_contacts
 from chain_impact.kernel.forces.friction import STICKS, drive_of_element
 from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
+from chain_impact.kernel.ode.dense import fraction_at_time, interpolate_state, quadrature_within
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import (
-    at_joint_stop,
     clearance,
     first_stop,
+    is_at_joint_stop,
     joint_stop_moment,
     lever_of_candidate,
 )
@@ -56,9 +56,9 @@ def observe(d):
 
 def observe_state(d):
     """Fill the STATE_OUTPUTS of record/instance.py at the communication point; no other is valid."""
-    counted = counted_cost(d)
-    fill_state(d, fraction(d, d.step.communication_point))
-    uncount_cost(d, counted)
+    counted = read_cost_counts(d)
+    fill_state(d, fraction_at_time(d, d.step.communication_point))
+    restore_cost_counts(d, counted)
 
 
 def fill_outputs(d):
@@ -67,7 +67,7 @@ def fill_outputs(d):
     The active contacts are those of the step that contains this time. An event at the end of this step, which
     the solver has already found, is not visible yet.
     """
-    counted, theta = counted_cost(d), fraction(d, d.step.communication_point)
+    counted, theta = read_cost_counts(d), fraction_at_time(d, d.step.communication_point)
     fill_outputs_but_integrals(d, theta)
     fill_quadratures(d, theta)
     if d.transmitted_rows > 0:
@@ -78,7 +78,7 @@ def fill_outputs(d):
         combine_impulses(d)
     if d.transmitted_rows > 0:
         fill_joint_force_peaks(d)
-    uncount_cost(d, counted)
+    restore_cost_counts(d, counted)
 
 
 def refill_outputs_but_integrals(d):
@@ -86,11 +86,11 @@ def refill_outputs_but_integrals(d):
 
     Impulses, peaks, the list of impacts and the energy of friction do not change.
     """
-    counted = counted_cost(d)
-    fill_outputs_but_integrals(d, fraction(d, d.step.communication_point))
+    counted = read_cost_counts(d)
+    fill_outputs_but_integrals(d, fraction_at_time(d, d.step.communication_point))
     if d.chain.has_joint_stops:
         combine_forces(d)
-    uncount_cost(d, counted)
+    restore_cost_counts(d, counted)
 
 
 def fill_outputs_but_integrals(d, theta):
@@ -108,7 +108,7 @@ def fill_outputs_but_integrals(d, theta):
     for i in range(n):
         out.angular_acceleration[i] = rate[omega_at(n) + i]
     if d.slides:
-        out.slider_acceleration = along_drive(d, rate, velocity_at(n), n)
+        out.slider_acceleration = drive_component(d, rate, velocity_at(n), n)
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)
@@ -131,7 +131,7 @@ def fill_state(d, theta):
     Afterwards the points are located there.
     """
     n, out, y = d.links, d.output, d.scratch.state
-    interpolate(d.step, theta, y)
+    interpolate_state(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
         # The dense output satisfies constraints and prescribed motions only up to its error, so the state y
@@ -144,12 +144,12 @@ def fill_state(d, theta):
     fill_points(d, scratch.position, out.point_position)
     fill_points(d, scratch.velocity, out.point_velocity)
     for i in range(n):
-        out.angle[i], out.joint_angle[i] = y[ANGLES + i], relative(y, ANGLES, i)
+        out.angle[i], out.joint_angle[i] = y[FIRST_ANGLE + i], relative_to_previous(y, FIRST_ANGLE, i)
         out.angular_velocity[i] = y[omega_at(n) + i]
-        out.joint_angular_velocity[i] = relative(y, omega_at(n), i)
+        out.joint_angular_velocity[i] = relative_to_previous(y, omega_at(n), i)
     if d.slides:
         out.slider_position = slider_position(d, y)
-        out.slider_velocity = along_drive(d, y, velocity_at(n), n)
+        out.slider_velocity = drive_component(d, y, velocity_at(n), n)
     for m in range(d.channels):
         out.channel[m] = d.channel.position[m]
     for j in range(d.signals):
@@ -234,7 +234,7 @@ def combine_forces(d):
     out = d.output
     for c in range(d.candidates):
         arm = lever_of_candidate(d, c)
-        if at_joint_stop(d, c):
+        if is_at_joint_stop(d, c):
             moment = joint_stop_moment(d, c, out.force[c])
             depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
             out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
@@ -252,7 +252,7 @@ def combine_impulses(d):
     """
     out = d.output
     for c in range(d.candidates):
-        if at_joint_stop(d, c):
+        if is_at_joint_stop(d, c):
             impulse = joint_stop_moment(d, c, out.impulse[c])
             out.impulse[c] = 0.0
             out.impulse[first_stop(d, c)] += impulse

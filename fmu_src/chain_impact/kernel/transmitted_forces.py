@@ -24,30 +24,30 @@ these a row for each wall. If a scene does not request the outputs of loads, its
 import math
 
 from chain_impact.kernel.chain.drives import first_joint, transmitted_moment
-from chain_impact.kernel.chain.kinematics import accelerate_points, at_center_of_mass, locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, vector_at_center_of_mass
 from chain_impact.kernel.chain.state import time_at
-from chain_impact.kernel.cost import counted_cost, uncount_cost
+from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.control import IMPLICIT
-from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate
+from chain_impact.kernel.ode.dense import event_fraction, fraction_at_time, interpolate_state
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.ode.maximum import maximum_of
 from chain_impact.kernel.rows.geometry import (
     WALLS,
-    at_joint_stop,
-    at_wall,
+    is_at_joint_stop,
+    is_at_wall,
     joint_stop_moment,
     link_of,
     normal_row,
     tangent_row,
 )
 
-# The number of intervals between the samples of joint forces in a step: INTERVALS in an explicit step,
-# IMPLICIT_INTERVALS in an implicit step, where the forces may rise and fall often.
-INTERVALS, IMPLICIT_INTERVALS = 8, 32
+# The number of intervals between the samples of joint forces in a step: PEAK_INTERVALS in an explicit step,
+# IMPLICIT_PEAK_INTERVALS in an implicit step, where the forces may rise and fall often.
+PEAK_INTERVALS, IMPLICIT_PEAK_INTERVALS = 8, 32
 # A peak is searched for where the parabola through three samples of |f|² exceeds this part of the largest
 # |f|² so far. The parabola may lie below the peak, so with a value nearer to 1 some peaks would be missed.
 NEAR_PEAK = 0.95
@@ -82,7 +82,7 @@ def set_joint_force_peak(d, i, square, time):
 def set_link_momenta(d, x, y):
     """Set x and y to the momentum [N·s] of each link, for the located points."""
     for i in range(d.links):
-        vx, vy = at_center_of_mass(d, d.scratch.velocity, i)
+        vx, vy = vector_at_center_of_mass(d, d.scratch.velocity, i)
         x[i], y[i] = d.chain.mass[i] * vx, d.chain.mass[i] * vy
 
 
@@ -93,7 +93,7 @@ def set_joint_forces(d, contact_force, friction_force, x, y):
     [N] of each element.
     """
     for i in range(d.links):
-        ax, ay = at_center_of_mass(d, d.scratch.acceleration, i)
+        ax, ay = vector_at_center_of_mass(d, d.scratch.acceleration, i)
         x[i] = d.chain.mass[i] * (ax - d.chain.gravity[0])
         y[i] = d.chain.mass[i] * (ay - d.chain.gravity[1])
     for k in range(d.contacts.active_count):
@@ -107,7 +107,7 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
     ``along_normal`` and ``along_tangent`` have the two components for each candidate. Stops are ignored:
     those of a joint act between links, those of the slider on its carriage.
     """
-    if at_wall(d, c):
+    if is_at_wall(d, c):
         fx, fy = wall_force(d, c, along_normal, along_tangent)
         i = link_of(d, c)
         x[i] -= fx
@@ -161,9 +161,9 @@ def fill_transmitted_forces(d, y, rate):
         out.transmitted.x[row], out.transmitted.y[row], out.transmitted.moment[row] = 0.0, 0.0, 0.0
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
-        if at_wall(d, c):
+        if is_at_wall(d, c):
             add_force_on_wall(d, c)
-        elif at_joint_stop(d, c):
+        elif is_at_joint_stop(d, c):
             out.transmitted.moment[d.candidate.point[c] - 1] += joint_stop_moment(d, c, out.force[c])
 
 
@@ -225,7 +225,7 @@ def fill_joint_force_peaks(d):
     """
     out, transmitted, rises = d.output.transmitted, d.transmitted, False
     if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:
-        search_step(d)
+        search_step_for_peaks(d)
         for i in range(d.links):
             transmitted.searched_square[i] = transmitted.largest_square[i]
         transmitted.searched_breaks, transmitted.searched_end = d.step.breaks, d.step.end
@@ -249,9 +249,9 @@ def raise_joint_force_peaks(d):
     (``contacts.joint_square``, with the joint's number). The evaluations do not count as cost, because they
     serve outputs only. Afterwards points and forces are those at the end of the step.
     """
-    transmitted, contacts, counted = d.transmitted, d.contacts, counted_cost(d)
+    transmitted, contacts, counted = d.transmitted, d.contacts, read_cost_counts(d)
     ensure_dense(d, OUTPUTS)
-    search_step(d)
+    search_step_for_peaks(d)
     for i in range(d.links):
         if transmitted.largest_square[i] > transmitted.peak_square[i]:
             set_joint_force_peak(d, i, transmitted.largest_square[i], transmitted.largest_time[i])
@@ -262,12 +262,12 @@ def raise_joint_force_peaks(d):
                 set_joint_square(d, c, transmitted.largest_square[i], i + 1)
     # the search has evaluated other times: set the forces, and what follows from them, to those at the end of
     # the step
-    set_joint_forces_at(d, fraction(d, d.step.end))
+    set_joint_forces_at(d, fraction_at_time(d, d.step.end))
     ensure_points(d)
-    uncount_cost(d, counted)
+    restore_cost_counts(d, counted)
 
 
-def search_step(d):
+def search_step_for_peaks(d):
     """Set ``transmitted.largest_square`` of each joint to its largest |f|² [N²] in the last step.
 
     The value raises two kinds of stored maxima: the joint's peak, and the largest |f|² of each active
@@ -289,8 +289,8 @@ def search_peaks(d, time, peak_at_end):
     ``peak_at_end`` if this is the |f|² at ``time``. ``time`` and ``peak_at_end`` are equal, but may differ in
     their derivatives.
     """
-    transmitted, first, end = d.transmitted, event_fraction(d), fraction(d, time)
-    intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
+    transmitted, first, end = d.transmitted, event_fraction(d), fraction_at_time(d, time)
+    intervals = IMPLICIT_PEAK_INTERVALS if d.step.last_method == IMPLICIT else PEAK_INTERVALS
     for m in range(intervals + 1):
         theta = first + (end - first) * m / intervals
         set_joint_forces_at(d, theta)
@@ -356,7 +356,7 @@ def set_joint_forces_at(d, theta):
     Afterwards the points are located and accelerated there.
     """
     y, rate = d.scratch.state, d.scratch.rate
-    interpolate(d.step, theta, y)
+    interpolate_state(d.step, theta, y)
     locate_points(d, y)
     rate_from_points(d, y, rate)
     refine_rate(d, theta, y, rate)

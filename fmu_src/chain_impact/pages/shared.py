@@ -24,7 +24,7 @@ from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.record.fields import WORD
-from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
+from chain_impact.kernel.rows.geometry import BOX_NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS, OF_IMPACT
 from chain_impact.recording import curves, joint_stops, pacing, view
@@ -36,13 +36,7 @@ from chain_impact.scene.display import bodies
 from chain_impact.scene.keys import chain_tables
 from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
-from chain_impact.scene.rules.refusals import (
-    LAW_FACTS,
-    REFUSALS,
-    SENTENCES,
-    SIGNAL_REFUSALS,
-    RefusalRule,
-)
+from chain_impact.scene.rules.refusals import LAW_FACTS, REFUSALS, SENTENCES, SIGNAL_REFUSALS, RefusalRule
 from chain_impact.scene.rules.rule_language import tree
 from chain_impact.scene.signal_inputs import TARGET_RATE
 from chain_impact.scene.words import angles, names, similar_names, unit_text
@@ -79,7 +73,7 @@ def shared() -> dict[str, Any]:
         "names": {
             "STOPS": names.STOPS,
             "SLIDER_STOPS": {stop: stop.removeprefix("slider_") for stop in names.SLIDER_STOPS},
-            "NORMALS": dict(zip(WALLS, NORMALS, strict=True)),
+            "NORMALS": dict(zip(WALLS, BOX_NORMALS, strict=True)),
         },
         "degrees": {
             unit: [word, angles.degrees_pattern(unit), angles.or_degrees(unit)]

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from chain_impact.kernel.rows.geometry import NORMALS, WALLS
+from chain_impact.kernel.rows.geometry import BOX_NORMALS, WALLS
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ def half_planes(
             [rad].
     """
     planes = {}
-    for name, (nx, ny) in zip(WALLS, NORMALS, strict=True):
+    for name, (nx, ny) in zip(WALLS, BOX_NORMALS, strict=True):
         if name in box:
             planes[name] = HalfPlane((nx, ny), (nx + ny) * box[name])
     for name, (x, y, angle) in slopes.items():

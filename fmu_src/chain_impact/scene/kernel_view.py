@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
-"""The fields of links that ``loose_links`` in kernel/chain/inertia.py reads."""
+"""The fields of links that ``find_loose_links`` in kernel/chain/inertia.py reads."""
 
 
 def chain_view(chain: Any) -> SimpleNamespace:
-    """Return the argument of ``loose_links`` (kernel/chain/inertia.py) for the table ``chain`` of a scene."""
+    """Return the argument of ``find_loose_links`` (kernel/chain/inertia.py) for a table ``chain``."""
     columns = {name: [getattr(link, name) for link in chain.links] for name in MASSES}
     return SimpleNamespace(has_base_joint=chain.has_base_joint, **columns)
 

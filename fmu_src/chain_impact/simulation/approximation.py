@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import polynomial
 
-from chain_impact.kernel.chain.inputs import DEGREE
+from chain_impact.kernel.chain.inputs import INPUT_DEGREE
 from chain_impact.simulation.pieces import FUNCTION_ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]
@@ -68,8 +68,8 @@ _NODES = np.cos(_ANGLES)
 _SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
 _SERIES[0] /= 2.0
 # matrix: coefficients of the Chebyshev series → coefficients of the powers of x
-_POWERS = np.eye(DEGREE + 1)
-for _m in range(2, DEGREE + 1):
+_POWERS = np.eye(INPUT_DEGREE + 1)
+for _m in range(2, INPUT_DEGREE + 1):
     # Chebyshev polynomials: T_m = 2 x T_{m−1} − T_{m−2}
     _POWERS[1:, _m] = 2.0 * _POWERS[:-1, _m - 1]
     _POWERS[:, _m] -= _POWERS[:, _m - 2]
@@ -157,7 +157,7 @@ class Approximator:
             starts = np.array([start, *(piece.start for piece in pieces[1:])])
             fits.append((starts, [(piece.start, piece.end) for piece in pieces]))
             for piece in pieces:
-                row = np.zeros((DEGREE + 1, held.powers.shape[2]))
+                row = np.zeros((INPUT_DEGREE + 1, held.powers.shape[2]))
                 row[0] = held.powers[k, 0]
                 if held.powers.shape[1] > 1:  # true with the interpolation ``linear``
                     middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
@@ -368,16 +368,17 @@ class Approximator:
         low, high = values.min(axis=1), values.max(axis=1)
         self._scale = np.maximum(self._scale, np.maximum(high, -low).max(axis=0))
         allowed = self._accuracy * self._scale + self._resolved * np.abs(end) / half * (high - low)
-        rough = np.abs(series[:, DEGREE + 1 :]).sum(axis=1) > allowed
-        counts = (np.abs(series[:, : DEGREE + 1]) > DROPPED * allowed[:, np.newaxis]).any(axis=2)
-        order = np.where(counts, np.arange(DEGREE + 1), 0).max(axis=1, keepdims=True)
-        series = np.where(np.arange(DEGREE + 1) <= order, 1.0, 0.0)[..., np.newaxis] * series[:, : DEGREE + 1]
+        exponents, head = np.arange(INPUT_DEGREE + 1), series[:, : INPUT_DEGREE + 1]
+        rough = np.abs(series[:, INPUT_DEGREE + 1 :]).sum(axis=1) > allowed
+        counts = (np.abs(head) > DROPPED * allowed[:, np.newaxis]).any(axis=2)
+        order = np.where(counts, exponents, 0).max(axis=1, keepdims=True)
+        series = np.where(exponents <= order, 1.0, 0.0)[..., np.newaxis] * head
         powers = _POWERS @ series
         pieces = [
             Piece(*fields) for fields in zip(ends[:-1].tolist(), ends[1:].tolist(), powers, strict=True)
         ]
         x = (times[:, POINTS:] - middle) / half
-        missed = x[..., np.newaxis] ** np.arange(DEGREE + 1) @ powers - called[:, POINTS:]
+        missed = x[..., np.newaxis] ** np.arange(INPUT_DEGREE + 1) @ powers - called[:, POINTS:]
         rough |= (np.abs(missed) > 2.0 * allowed[:, np.newaxis]).any(axis=1)
         for k, seen in enumerate(itertools.starmap(slice, self._times.searchsorted(times[:, POINTS:]))):
             if seen.start < seen.stop:

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import DEGREE
-from chain_impact.kernel.rows.geometry import OVERLAP
+from chain_impact.kernel.chain.inputs import INPUT_DEGREE
+from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP
 from chain_impact.scene.checks.checks import start_hint
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.signal_polynomials import is_position, spline_of_position
@@ -248,11 +248,11 @@ def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
     v = np.where(jumps(pieces, columns, 1)[1:], 0.0, lasted * (ends[1][1, :-1] - ends[1][0, 1:]))
     # r is a linear function of the argument x of the piece: r = p x + q
     p, q = 1.0 / (x1 - x0), -x0 / (x1 - x0)
-    slope = (DEGREE - 1) * s + v
-    powers = np.zeros((len(pieces.powers), DEGREE + 1, pieces.powers.shape[2]))
+    slope = (INPUT_DEGREE - 1) * s + v
+    powers = np.zeros((len(pieces.powers), INPUT_DEGREE + 1, pieces.powers.shape[2]))
     powers[:, : pieces.powers.shape[1]] = pieces.powers
-    for k in range(DEGREE):
-        part = math.comb(DEGREE - 1, k) * (1.0 - q) ** (DEGREE - 1 - k) * (-p) ** k
+    for k in range(INPUT_DEGREE):
+        part = math.comb(INPUT_DEGREE - 1, k) * (1.0 - q) ** (INPUT_DEGREE - 1 - k) * (-p) ** k
         powers[1:, k, columns] += part * (s + slope * q)
         powers[1:, k + 1, columns] += part * slope * p
     return replace(pieces, powers=powers)
@@ -276,7 +276,7 @@ def contradictions(
         if channel.position in names and channel.position.startswith("base."):
             positions = derivatives(pieces, 0)[0, :, column]
             start = positions[0]
-            round_off = max(OVERLAP, START_POSITION_ROUND_OFF * np.abs(positions).max())
+            round_off = max(ALLOWED_OVERLAP, START_POSITION_ROUND_OFF * np.abs(positions).max())
             off = abs(start - channel.start)
             if off > max(CONTRADICTS * max(abs(start), abs(channel.start)), round_off):
                 texts.append(start_hint(channel.position[-1], start, channel.start))

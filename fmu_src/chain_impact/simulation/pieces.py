@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import DEGREE
+from chain_impact.kernel.chain.inputs import INPUT_DEGREE
 
 FUNCTION_ROUND_OFF = 4e-15  # [1] error of a function's values, relative to its largest value
 
@@ -19,7 +19,7 @@ class Piece:
     """M polynomials of x, which is −1 at ``start`` and 1 at ``end`` [s].
 
     Attributes:
-        powers: coefficients of x⁰ … x^DEGREE, shape (DEGREE + 1, M).
+        powers: coefficients of x⁰ … x^INPUT_DEGREE, shape (INPUT_DEGREE + 1, M).
     """
 
     start: float
@@ -29,16 +29,16 @@ class Piece:
     def at(self, times: np.ndarray) -> np.ndarray:
         """Return the values of the polynomials at times [s], shape (T, M)."""
         x = (2.0 * times - self.start - self.end) / (self.end - self.start)
-        return np.asarray(np.vander(x, DEGREE + 1, increasing=True) @ self.powers)
+        return np.asarray(np.vander(x, INPUT_DEGREE + 1, increasing=True) @ self.powers)
 
     def series(self, time: float, unit: float) -> np.ndarray:
-        """Return the polynomials' coefficients for powers of (t − ``time``)/``unit``, shape (DEGREE + 1, M).
+        """Return the coefficients for powers of (t − ``time``)/``unit``, shape (INPUT_DEGREE + 1, M).
 
         ``time`` and ``unit`` are in [s].
         """
         scale = 2.0 / (self.end - self.start)
         x, powers, rows = (time - self.start) * scale - 1.0, self.powers, []
-        for k in range(DEGREE + 1):
+        for k in range(INPUT_DEGREE + 1):
             rows.append(np.polynomial.polynomial.polyval(x, powers) * (unit * scale) ** k / math.factorial(k))
             powers = np.polynomial.polynomial.polyder(powers)
         return np.array(rows)
@@ -53,7 +53,7 @@ class Pieces:
         end: end of each piece, shape (P,) [s].
         middle: the time at which x is 0, shape (P,) [s].
         scale: how fast x grows, shape (P,) [1/s].
-        powers: coefficients of x⁰, x¹, …, at most of x^DEGREE, shape (P, K, M).
+        powers: coefficients of x⁰, x¹, …, at most of x^INPUT_DEGREE, shape (P, K, M).
         same: for each signal, the largest difference between two values that is no jump, shape (M,).
         moving: indices of the signals that are motions; the size of a motion is the distance that it covers.
     """

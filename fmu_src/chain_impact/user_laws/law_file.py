@@ -15,7 +15,7 @@ from inspect import getsource
 from pathlib import Path
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.forces.user_law import ARGUMENTS
+from chain_impact.kernel.forces.user_law import LAW_ARGUMENTS
 from chain_impact.user_laws.law_syntax import LawError, check_syntax
 
 __all__ = ["LawError", "UserLaw", "parse_law", "read_law", "source_of"]
@@ -29,7 +29,7 @@ class UserLaw:
         id: the name of the law, which is also that of the file and of the function in the file.
         source: the text of the file.
         summary: the first line of the function's docstring, or "a user's law" if there is none.
-        arguments: the names of the function's arguments, each one of ``ARGUMENTS``.
+        arguments: the names of the function's arguments, each one of ``LAW_ARGUMENTS``.
     """
 
     id: str
@@ -61,7 +61,7 @@ def parse_law(name: str, source: str) -> UserLaw:
     """
     if not (name.isidentifier() and name.isascii()):
         raise LawError("must have the name of its law: letters, digits and _, not beginning with a digit")
-    if name in (*CONTACT_LAWS, *ARGUMENTS):
+    if name in (*CONTACT_LAWS, *LAW_ARGUMENTS):
         kind = "a contact law" if name in CONTACT_LAWS else "an argument of laws"
         raise LawError(f"must have the name of its law, and this must not be {name}, which is {kind} already")
     try:
@@ -82,8 +82,8 @@ def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
     names = tuple(argument.arg for argument in (*taken.posonlyargs, *taken.args))
     others = [argument.arg for argument in (taken.vararg, *taken.kwonlyargs, taken.kwarg) if argument]
     for name in (*names, *others):
-        if name not in ARGUMENTS or name in others:
-            raise LawError(f"{function.name} takes {name}; it can take {', '.join(ARGUMENTS)}")
+        if name not in LAW_ARGUMENTS or name in others:
+            raise LawError(f"{function.name} takes {name}; it can take {', '.join(LAW_ARGUMENTS)}")
     return names
 
 

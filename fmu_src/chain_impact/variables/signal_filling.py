@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.kernel.chain.input_fields import CHANNEL, NAMES
+from chain_impact.kernel.chain.input_fields import CHANNEL, INPUT_NAMES
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_polynomials import write_signal
 from chain_impact.scene.words.names import DataPath
@@ -42,4 +42,4 @@ def input_at(path: DataPath) -> tuple[int, str | int]:
     ``path`` is the path of the input in the record. All prescribed motions have the number CHANNEL.
     """
     part, field, index = path
-    return CHANNEL if part == MOTION else NAMES.index(str(field)), index
+    return CHANNEL if part == MOTION else INPUT_NAMES.index(str(field)), index

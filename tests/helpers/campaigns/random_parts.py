@@ -50,7 +50,7 @@ class Draw:
 
 
 class Shapes:
-    """The data of a chain that ``loose_links`` uses."""
+    """The data of a chain that ``find_loose_links`` uses."""
 
     def __init__(self, links: list[dict[str, Any]], has_base_joint: bool) -> None:
         self.length, self.center_of_mass, self.center_of_mass_offset, self.inertia = (

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.inertia import loose_links
+from chain_impact.kernel.chain.inertia import find_loose_links
 from chain_impact.scene.asked_inputs import inputs_of
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.instance import Instance
@@ -80,10 +80,10 @@ def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e
         if points and draw.chance(0.7):
             link["center_of_mass"] = link["length"] * draw.one((draw.real(0.1, 1.0), 1.0))
             link["inertia"] = 0.0
-    first, last = loose_links(Shapes(links, scene.chain.base == "pinned"), False)
+    first, last = find_loose_links(Shapes(links, scene.chain.base == "pinned"), False)
     while first >= 0:
         links[last]["inertia"] = links[last]["mass"] * links[last]["length"] ** 2 * draw.power(1e-3, 0.1)
-        first, last = loose_links(Shapes(links, scene.chain.base == "pinned"), False)
+        first, last = find_loose_links(Shapes(links, scene.chain.base == "pinned"), False)
     stop = min(1.0, scene.simulation.stop_time)
     return with_values(
         scene,

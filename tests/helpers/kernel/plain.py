@@ -15,7 +15,7 @@ from chain_impact.kernel.chain import response
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.dense import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
-from chain_impact.kernel.rows.geometry import at_joint_stop
+from chain_impact.kernel.rows.geometry import is_at_joint_stop
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
@@ -136,6 +136,6 @@ def pack(d: Plain) -> None:
     d.contacts.active_index[: len(packed)] = packed
     d.contacts.active_count = len(packed)
     d.contacts.compliant_count = sum(not d.law.impulsive[c] for c in packed)
-    d.contacts.joint_stop_count = sum(at_joint_stop(d, c) for c in packed)
+    d.contacts.joint_stop_count = sum(is_at_joint_stop(d, c) for c in packed)
     d.constraints.in_active_set[: d.contacts.compliant_count] = 0
     reset_quadratures(d)

@@ -19,14 +19,14 @@ from unittest import mock
 import numpy as np
 
 from chain_impact.kernel.chain import kinematics, prescribed_motion
-from chain_impact.kernel.chain.state import ANGLES, coordinate_count, state_size, time_at
+from chain_impact.kernel.chain.state import FIRST_ANGLE, coordinate_count, state_size, time_at
 from chain_impact.kernel.forces.friction import NO_FRICTION
 from tests.helpers.kernel.plain import Plain, as_plain_python
 
 GROUPS = ("link_vector", "position", "velocity", "acceleration")
 CALLERS = 3
 """The number of functions, from the reader outward, among which a state ``y`` is looked for."""
-AT_END = ("latch_onset", "lone_contact", "update_extremes", "choose_friction_modes")
+AT_END = ("latch_onset", "find_lone_contact", "update_extremes", "choose_friction_modes")
 """The functions without an argument y that need the points at the end of the last step."""
 LINEAR = ("project_coordinates",)
 """The functions that move y, and are linear about the points located before."""
@@ -48,7 +48,7 @@ class Stamps:
 
     def links_of(self, y: np.ndarray) -> bytes:
         """Return the part of a state on which the link vectors depend."""
-        return y[ANGLES : ANGLES + self.d.links].tobytes()
+        return y[FIRST_ANGLE : FIRST_ANGLE + self.d.links].tobytes()
 
     def places_of(self, y: np.ndarray) -> bytes:
         """Return the part of a state on which places and velocities depend."""
@@ -65,7 +65,7 @@ class Stamps:
         if group == "friction" and reader.f_code.co_name in BESIDE:
             return
         y = self._state_of(reader)
-        angles = self.places[8 * ANGLES :][: len(self.links)]
+        angles = self.places[8 * FIRST_ANGLE :][: len(self.links)]
         if group == "link_vector":
             stale = y is not None and self.links != self.links_of(y)
         else:

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.response import HELD, factorize, no_impedance
+from chain_impact.kernel.chain.response import HELD, clear_impedance, factorize_matrix
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state
-from chain_impact.kernel.forces.active_contacts import begin_force_contact, list_touching
-from chain_impact.kernel.rows.compliance import solve_space
-from chain_impact.kernel.rows.geometry import add_joint_impedances, clear_loads_of
+from chain_impact.kernel.forces.active_contacts import begin_force_contact, list_active_contacts
+from chain_impact.kernel.rows.compliance import solve_in_space
+from chain_impact.kernel.rows.geometry import add_joint_impedances, clear_used_loads
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.kernel.plain import begun
 
@@ -148,7 +148,7 @@ def test_accelerations_by_forces_at_sites_agree_with_lagrange(moving):
     locate_points(d, y)
     for c in range(d.candidates):
         begin_force_contact(d, c)
-    list_touching(d)
+    list_active_contacts(d)
     rate = np.zeros_like(y)
     rate_from_state(d, y, rate)
     sites = sites_of(reference)
@@ -180,8 +180,8 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
     d, y, reference, rng = moving
     n, mass, force = d.links, reference.mass.copy(), np.zeros(d.links + 2)
     locate_points(d, y)
-    no_impedance(d, d.scratch.impedance)
-    clear_loads_of(d, d.scratch.load)
+    clear_impedance(d, d.scratch.impedance)
+    clear_used_loads(d, d.scratch.load)
     for s, site in enumerate(sites_of(reference)):
         place, (_, jacobian, _) = 2 * n + 1 + s, reference.point(*site)
         amount, angle, load = rng.uniform(0.0, 10.0), rng.uniform(0.0, math.pi), rng.normal(size=2)
@@ -193,9 +193,9 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
         mass += amount * np.outer(normal @ jacobian, normal @ jacobian)
         force += jacobian.T @ load
     add_joint_impedances(d, d.scratch.impedance)
-    factorize(d, d.scratch.link_vector, d.scratch, HELD, True)
+    factorize_matrix(d, d.scratch.link_vector, d.scratch, HELD, True)
     d.scratch.load.joint[:] = 0.0
     change = np.zeros(n + 2)
-    solve_space(d, d.scratch.link_vector, d.scratch, HELD, change)
+    solve_in_space(d, d.scratch.link_vector, d.scratch, HELD, change)
     wanted = reference.solved(mass, force)
     np.testing.assert_allclose(change, wanted, rtol=1e-9, atol=1e-10 * max(1e-3, np.abs(wanted).max()))

@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.chain import drives
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors
-from chain_impact.kernel.rows.geometry import along, row_of_drive
+from chain_impact.kernel.rows.geometry import dot, row_of_drive
 from chain_impact.scene.scene import scene_from_dict
 from tests.kernel.chains import begun
 
@@ -47,7 +47,7 @@ def cart(request):
 @pytest.mark.parametrize("i", [0, 1], ids=["joint", "slider"])
 def test_the_drive_of_a_joint_and_of_a_slider_act_along_their_coordinates(cart, i):
     d, y, limited = cart
-    assert drives.along_drive(d, y, 3, i) == pytest.approx(RATE[i], rel=1e-14)
+    assert drives.drive_component(d, y, 3, i) == pytest.approx(RATE[i], rel=1e-14)
     assert drives.spring_stretch(d, y, i) == pytest.approx(POSITION[i] - REST[i], rel=1e-14)
     spring, damper = STIFFNESS[i] * (POSITION[i] - REST[i]), DAMPING[i] * RATE[i]
     force = MOTOR[i] - damper - spring
@@ -86,4 +86,4 @@ def test_a_load_of_a_drive_does_its_work_along_the_row_of_the_drive(cart, i):
     assert d.scratch.load.joint[0] == (3.0 if i == 0 else 0.0)
     if i == 1:
         d.scratch.velocity.x[0], d.scratch.velocity.y[0] = y[3:5]
-        assert along(row_of_drive(d, i), d.scratch.velocity) == pytest.approx(RATE[1], rel=1e-14)
+        assert dot(row_of_drive(d, i), d.scratch.velocity) == pytest.approx(RATE[1], rel=1e-14)

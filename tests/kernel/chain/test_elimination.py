@@ -4,9 +4,16 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.elimination import accelerations, arms
+from chain_impact.kernel.chain.elimination import solve_accelerations, solve_along_arms
 from chain_impact.kernel.chain.kinematics import set_link_vectors
-from chain_impact.kernel.chain.response import FREE, HELD, copy_factors, factorize, no_impedance, solve
+from chain_impact.kernel.chain.response import (
+    FREE,
+    HELD,
+    clear_impedance,
+    copy_factors,
+    factorize_matrix,
+    solve_response,
+)
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.models.reference import (
     generalized_force,
@@ -26,10 +33,10 @@ def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):
     space = d.implicit.pairs if np.iscomplexobj(impedance) else d.scratch
     set_impedances(space.impedance, impedance)
     space.impedance.joint[:] = resistance
-    factorize(d, d.scratch.link_vector, space, row, bool(np.any(resistance) or np.any(moments)))
+    factorize_matrix(d, d.scratch.link_vector, space, row, bool(np.any(resistance) or np.any(moments)))
     set_vectors(space.load, impulses)
     space.load.joint[:], space.change[:] = moments, np.nan
-    solve(d, d.scratch.link_vector, space, row, space.change)
+    solve_response(d, d.scratch.link_vector, space, row, space.change)
     return space.change.copy()
 
 
@@ -93,14 +100,14 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
     for middle in range(count // 2 + 1):
         set_vectors(scratch.load, loads)
         rate = np.full(len(y), np.nan)
-        arms(d, y, rate, middle)
+        solve_along_arms(d, y, rate, middle)
         np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], expected, rtol=1e-9, atol=1e-10)
         d.chain.meeting_joint = middle
         found = answer(d, FREE, impedance, loads, (joints, moments))
         np.testing.assert_allclose(found, moved, rtol=1e-9, atol=1e-10)
     # the arms of a free chain meet at any joint, and a pinned chain is held at its base
     d.chain.has_base_joint, rate = 1, np.full(len(y), np.nan)
-    accelerations(d, y, rate)
+    solve_accelerations(d, y, rate)
     held = np.linalg.solve(mass_matrix(scene, angles)[2:, 2:], force[2:])
     np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], [0.0, 0.0, *held], rtol=1e-9, atol=1e-10)
 
@@ -116,10 +123,10 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     set_link_vectors(d, y)
     scratch.moment[:] = rng.normal(size=count)
     set_vectors(scratch.load, rng.normal(size=(count + 1, 2)))
-    no_impedance(d, scratch.impedance)
-    factorize(d, scratch.link_vector, scratch, HELD, True)
+    clear_impedance(d, scratch.impedance)
+    factorize_matrix(d, scratch.link_vector, scratch, HELD, True)
     scratch.factors.coupling[FREE] = scratch.factors.complement[FREE] = 7.0
-    accelerations(d, y, np.zeros(len(y)))
+    solve_accelerations(d, y, np.zeros(len(y)))
     copy_factors(d, True)
     for name in ("gain_x", "gain_y", "inverse", "coupling", "complement", "middle_mobility", "coupled"):
         found = getattr(scratch.factors, name)
@@ -189,5 +196,5 @@ def test_no_impedance_clears_all_of_its_parts():
     parts = own.xx, own.xy[:4], own.yy[:4]
     for part in parts:
         part[:] = 7.0
-    no_impedance(d, own)
+    clear_impedance(d, own)
     assert not any(part.any() for part in parts)

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.kernel.chain import inputs
-from chain_impact.kernel.chain.input_fields import FIELDS
+from chain_impact.kernel.chain.input_fields import INPUT_SIZES
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain
@@ -79,35 +79,35 @@ def cart():
     return Plain(PreparedScene(load_scene("pinned_arm").with_values(CART)).new_instance()[0])
 
 
-@pytest.mark.parametrize("degree", [0, 1, inputs.DEGREE])
+@pytest.mark.parametrize("degree", [0, 1, inputs.INPUT_DEGREE])
 def test_given_inputs_are_used_as_polynomials(degree):
     d, rng = cart(), np.random.default_rng(degree)
     own, given = d.given.piece, d.given
     own.degree, own.middle, own.scale, own.until, own.change_rate = degree, 0.4, 2.0, 3.0, 7.0
-    for name in FIELDS:
+    for name in INPUT_SIZES:
         own[name][:], given[name][:] = rng.normal(size=own[name].shape), rng.normal(size=given[name].shape)
     inputs.apply_inputs(d)
-    for name in FIELDS:
+    for name in INPUT_SIZES:
         np.testing.assert_array_equal(d.inputs[name], given[name])
     assert (d.inputs.piece.until, d.inputs.piece.change_rate) == (3.0, 7.0)
     inputs.set_inputs(d, 1.1)
-    for name in FIELDS:
+    for name in INPUT_SIZES:
         powers = np.vstack([given[name], own[name][1 : degree + 1]])
         expected = np.polynomial.polynomial.polyval((1.1 - 0.4) * 2.0, powers)
         np.testing.assert_allclose(d.inputs[name], expected, rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", [*FIELDS, "drive_damping", "drive_stiffness"])
+@pytest.mark.parametrize("name", [*INPUT_SIZES, "drive_damping", "drive_stiffness"])
 def test_inputs_are_not_in_use_if_one_differs(name):
     d = cart()
     inputs.apply_inputs(d)
     for k in range(len(d.given[name])):
-        assert inputs.inputs_in_use(d)
+        assert inputs.are_inputs_in_use(d)
         used = d.given[name][k]
         d.given[name][k] += 1.0
-        assert not inputs.inputs_in_use(d)
+        assert not inputs.are_inputs_in_use(d)
         d.given[name][k] = used
 
 
 def test_polynomials_do_not_count_as_inputs_in_use():
-    assert not inputs.inputs_in_use(driven())
+    assert not inputs.are_inputs_in_use(driven())

@@ -9,7 +9,7 @@ NumPy for up to a thousand.
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.elimination import accelerations
+from chain_impact.kernel.chain.elimination import solve_accelerations
 from chain_impact.kernel.chain.kinematics import set_link_vectors
 from chain_impact.kernel.equations import rate_from_state
 from tests.helpers.models.lagrange import lagrange_accelerations
@@ -47,7 +47,7 @@ def test_a_thousand_links_solve_the_assembled_equations():
     loads, d.scratch.moment[:] = rng.uniform(-20.0, 20.0, (count + 1, 2)), rng.uniform(-5.0, 5.0, count)
     set_vectors(d.scratch.load, loads)
     set_link_vectors(d, y)
-    accelerations(d, y, rate)
+    solve_accelerations(d, y, rate)
     found = rate[count + 2 : 2 * count + 4]
     matrix, right = (
         mass_matrix(scene, angles),

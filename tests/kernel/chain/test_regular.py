@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.inertia import loose_links
+from chain_impact.kernel.chain.inertia import find_loose_links
 from chain_impact.kernel.chain.kinematics import set_link_vectors
-from chain_impact.kernel.chain.response import FREE, factorize, no_impedance
+from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.kernel.plain import record_of
@@ -60,7 +60,7 @@ def test_chains_with_singular_mass_matrices_are_found(count, pinned):
     """The chains have up to three links, each with or without inertia, with four places of the mass."""
     found = set()
     for shapes in itertools.product(itertools.product(PLACES, (0.0, 0.1)), repeat=count):
-        first, last = loose_links(chain_of(shapes, pinned), False)
+        first, last = find_loose_links(chain_of(shapes, pinned), False)
         singular = least_eigenvalue(shapes, pinned) < 1e-12
         assert (first >= 0) == singular, shapes
         found.add(singular)
@@ -77,7 +77,7 @@ def test_chains_allowed_as_regular_have_positive_pivots(pinned):
     for _ in range(150):
         count = int(rng.integers(1, 6))
         shapes = [(float(rng.choice(PLACES)), float(rng.choice([0.0, 0.2]))) for _ in range(count)]
-        if loose_links(chain_of(shapes, pinned), False)[0] >= 0:
+        if find_loose_links(chain_of(shapes, pinned), False)[0] >= 0:
             continue
         allowed += 1
         table = {
@@ -93,8 +93,8 @@ def test_chains_allowed_as_regular_have_positive_pivots(pinned):
         derive_chain(d)
         for angles in (rng.choice([0.0, np.pi], count), rng.uniform(-3.0, 3.0, count)):
             set_link_vectors(d, np.array([0.0, 0.0, *angles]))
-            no_impedance(d, d.scratch.impedance)
-            factorize(d, d.scratch.link_vector, d.scratch, FREE, False)
+            clear_impedance(d, d.scratch.impedance)
+            factorize_matrix(d, d.scratch.link_vector, d.scratch, FREE, False)
             assert (d.scratch.factors.inverse[FREE] > 0.0).all()
             assert d.scratch.factors.inverse[FREE].max() < 1e6
     assert allowed > 30
@@ -102,4 +102,4 @@ def test_chains_allowed_as_regular_have_positive_pivots(pinned):
 
 def test_a_centre_of_mass_as_near_to_the_joint_as_round_off_lies_there():
     for distance, singular in ((1e-9, True), (1e-6, False)):
-        assert (loose_links(chain_of([(distance, 0.0)], True), False)[0] == 0) == singular
+        assert (find_loose_links(chain_of([(distance, 0.0)], True), False)[0] == 0) == singular

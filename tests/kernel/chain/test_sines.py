@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 from scipy.integrate import quad
 
-from chain_impact.kernel.chain.sines import sine_integral, smooth
+from chain_impact.kernel.chain.sines import sine_integral, smooth_ramp
 
 # frequency [Hz], its rate [Hz/s], rise [s] and time [s]: steady, slow and fast changes, standstill on either
 # side, rises with few and with many turns
@@ -38,7 +38,7 @@ def test_the_integrals_of_a_sine_are_those_of_a_quadrature(case, order):
         turns = t * (frequency + 0.5 * rate * t)
         return (
             (time - t) ** (order - 1)
-            * (smooth(t / rise)[0] if rise else 1.0)
+            * (smooth_ramp(t / rise)[0] if rise else 1.0)
             * math.sin(0.7 + math.tau * turns)
         )
 

@@ -3,7 +3,7 @@
 import pytest
 
 from chain_impact.kernel.chain.state import (
-    ANGLES,
+    FIRST_ANGLE,
     coordinate_count,
     dissipated_at,
     omega_at,
@@ -18,7 +18,7 @@ from chain_impact.kernel.chain.state import (
 @pytest.mark.parametrize("count", [1, 2, 7])
 def test_the_places_of_all_quantities_make_up_the_state(count):
     """y = (x₀, θ, ẋ₀, ω, dissipated, supplied, u, t)."""
-    coordinates = [*range(2), *range(ANGLES, ANGLES + count)]
+    coordinates = [*range(2), *range(FIRST_ANGLE, FIRST_ANGLE + count)]
     rates = [*range(velocity_at(count), velocity_at(count) + 2)]
     rates += range(omega_at(count), omega_at(count) + count)
     last = [place(count) for place in (dissipated_at, supplied_at, sundman_u_at, time_at)]

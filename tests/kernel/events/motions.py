@@ -5,7 +5,7 @@ from scipy.optimize import brentq
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import crossing
-from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all
+from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
 from chain_impact.kernel.forces.active_contacts import latch_onset, set_kink_sides
 from tests.helpers.scenes.problems import of_law
 from tests.kernel.chains import chain, touch
@@ -32,7 +32,7 @@ def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
 
 
 def prepare(d):
-    suspect_all(d)
+    suspect_all_candidates(d)
     crossing.measure_clearances(d, 0.0)
     begin_next_interval(d)
     crossing.bound_curvature(d)

@@ -133,7 +133,7 @@ def test_peaks_until_a_time_within_the_step():
 def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, lands):
     d, _ = pressed(TURNING, law="jankowski")
     d.law.approach_only[1], d.contacts.event[1] = approach_only, event
-    assert contact_log.turns_at_end(d, 1) == bool(lands)
+    assert contact_log.penetration_turns_at_end(d, 1) == bool(lands)
     d, _ = pressed([0.0, -1.0, 0.5], law="jankowski")  # turns at its end
     d.contacts.event[1] = KINK
     contact_log.update_extremes(d)

@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import crossing
-from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all
+from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
 from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.rows.geometry import clearance
@@ -70,7 +70,7 @@ def test_only_suspects_are_followed(seed):
     (first,) = np.flatnonzero(d.contacts.event)
     for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
         d.contacts.event[:] = NONE
-        suspect_all(d)
+        suspect_all_candidates(d)
         crossing.measure_clearances(d, 0.0)
         begin_next_interval(d)
         d.search.suspect_count = len(suspects)
@@ -157,8 +157,10 @@ def test_an_overdue_event_is_where_the_clearance_falls(rate, curvature):
 def test_the_search_ends_where_newtons_method_stays(seed, monkeypatch):
     """An end of the bracket may be the root, which bisection would approach in fifty evaluations."""
     d, _ = moving(seed)
-    places, locate_at = [], crossing.locate_at
-    monkeypatch.setattr(crossing, "locate_at", lambda d, theta: (places.append(theta), locate_at(d, theta)))
+    places, locate_at = [], crossing.locate_at_fraction
+    monkeypatch.setattr(
+        crossing, "locate_at_fraction", lambda d, theta: (places.append(theta), locate_at(d, theta))
+    )
     assert crossing.find_crossing(d) > 0.0
     assert len(places) < 25
 
@@ -198,7 +200,7 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
     walls_away(d)
     set_step(d, Motion(parts), 0.5, regularized=0)
     d.contacts.depth_scale[:] = d.contacts.law_speed[:] = 1.0
-    suspect_all(d)
+    suspect_all_candidates(d)
     crossing.bound_curvature(d)
     gaps = gaps_of(d, states[::20])
     second = np.abs(gaps[2:] - 2.0 * gaps[1:-1] + gaps[:-2]) / (20 * h) ** 2

@@ -57,7 +57,7 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
     if values.min() > 0.3 * near and near >= 0.2:
         assert excluded
     # φ and φ′ of all candidates at both ends, and φ″
-    assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
+    assert exclusion.known_clearances(d) == exclusion.VALUES_AND_CURVES
     np.testing.assert_allclose(d.search.phi_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.phi_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
@@ -161,7 +161,7 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     assert exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
-@pytest.mark.parametrize("what", [exclusion.VALUES, exclusion.WITH_CURVES, exclusion.SAFE_DISTANCE])
+@pytest.mark.parametrize("what", [exclusion.VALUES, exclusion.VALUES_AND_CURVES, exclusion.SAFE_DISTANCE])
 def test_bounds_are_kept_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.breaks = 3
@@ -219,7 +219,7 @@ def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
     d.search.safe_distance, d.search.speed_bound, d.search.acceleration_bound = 5.0, 0.0, 0.0
     d.step.regularized = regularized
-    exclusion.remember_clearances(d, exclusion.WITH_CURVES)
+    exclusion.remember_clearances(d, exclusion.VALUES_AND_CURVES)
     return d
 
 
@@ -239,7 +239,7 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
         d.step.state_end[sundman_u_at(d.links)], d.contacts.kink_crossed[2] = u, crossed
         assert exclusion.remains_far(d) == expected
         assert exclusion.known_clearances(d) == (
-            exclusion.SAFE_DISTANCE if expected else exclusion.WITH_CURVES
+            exclusion.SAFE_DISTANCE if expected else exclusion.VALUES_AND_CURVES
         )
 
 
@@ -253,7 +253,7 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, 
     d.scratch.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
     d.scratch.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
     expected = max(speed, end) > exclusion.NEARLY_FAST * exclusion.RELATCH_RATIO
-    assert exclusion.nearly_fast(d, 0) == expected
+    assert exclusion.is_nearly_fast(d, 0) == expected
     d.contacts.kink_crossed[0] = 0
     assert exclusion.force_stays_smooth(d, 0) == (not expected)
     d.contacts.kink_crossed[0] = 1
@@ -320,7 +320,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
         rates.append(d.search.phi_end_rate.copy())
     locate_points(d, y)
     accelerate_points(d, y, rate)
-    exclusion.measure_all(d, y)
+    exclusion.measure_all_candidates(d, y)
     np.testing.assert_allclose(d.search.phi_end_curve, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6)
     apart = [c for c in range(d.candidates) if c not in (2, 4)]
     assert d.search.safe_distance == d.search.phi_end[apart].min()

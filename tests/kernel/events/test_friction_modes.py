@@ -18,9 +18,9 @@ from chain_impact.kernel.events.friction_modes import (
     set_slack,
     widen_slack,
 )
-from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, pending_changes
+from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, count_pending_changes
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
-from chain_impact.kernel.forces.active_contacts import list_touching
+from chain_impact.kernel.forces.active_contacts import list_active_contacts
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking, sliding_sign
 from chain_impact.kernel.rows.constraints import SOLVED
 from chain_impact.kernel.rows.geometry import tangential_position, tangential_rate
@@ -130,10 +130,10 @@ def test_an_element_at_its_limit_slides_against_its_force(seed):
     force = float(d.element.force[e])
     d.drive.friction_moment[e - d.candidates] = 0.9 * abs(force) * d.chain.longest_link
     d.element.event[e] = STICKING_ENDS
-    assert pending_changes(d) == 1
+    assert count_pending_changes(d) == 1
     choose_friction_modes(d, False)
     assert d.element.mode[e] == sliding_sign(force) == -np.sign(force)
-    assert pending_changes(d) == 0
+    assert count_pending_changes(d) == 0
     assert chain.modes in chain.consistent()
 
 
@@ -153,7 +153,7 @@ def test_no_mark_of_a_change_outlives_the_choice_of_modes():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     d.element.event[:] = STICKING_ENDS
     d.contacts.active[d.contacts.active_index[0]] = 0
-    list_touching(d)
+    list_active_contacts(d)
     choose_friction_modes(d, False)
     assert d.friction.count < d.elements
     assert not d.element.event.any()

@@ -10,7 +10,7 @@ import pytest
 from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT
-from chain_impact.kernel.events.exclusion import suspect_all
+from chain_impact.kernel.events.exclusion import suspect_all_candidates
 from chain_impact.kernel.ode.dense import rate_bounds
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from tests.kernel.chains import chain, stopped_chain, stops_of
@@ -27,7 +27,7 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
     search.phi_start[0], search.phi_end[0] = start, end
     search.phi_start_rate[0], search.phi_end_rate[0] = rates
     search.curvature[0] = curvature
-    suspect_all(d)
+    suspect_all_candidates(d)
     return d
 
 
@@ -109,7 +109,7 @@ def test_a_curvature_of_round_off_counts_as_small(part):
     limit = 8.0 * 3e-15 / (2.0 * part) ** 2
     for curvature, expected in ((0.9 * limit, True), (1.1 * limit, False), (math.nan, True)):
         d.search.curvature[0] = curvature
-        assert crossing.nearly_linear(d, 0, part) == expected
+        assert crossing.is_nearly_linear(d, 0, part) == expected
 
 
 LINKS = 3
@@ -123,7 +123,7 @@ def bounded():
     d.step.state[:] = rng.uniform(-1.0, 1.0, d.step.state.shape)
     d.step.dense[:] = rng.uniform(-1.0, 1.0, d.step.dense.shape)
     d.step.size = 0.2
-    suspect_all(d)
+    suspect_all_candidates(d)
     first = velocity_at(LINKS)
     return d, rate_bounds(d.step, first), rate_bounds(d.step, first + 1)
 
@@ -134,7 +134,7 @@ def test_a_joint_is_bounded_by_the_relative_turn_of_its_link(bounded):
     for c in stops_of(d):
         joint = int(d.candidate.point[c])
         joints.add(joint)
-        found = crossing.motion_bounds(d, c, along_x, along_y)
+        found = crossing.base_motion_bounds(d, c, along_x, along_y)
         values, dense = d.step.state[at + joint - 1], d.step.dense[:, at + joint - 1].copy()
         if joint > 1:
             values, dense = values - d.step.state[at + joint - 2], dense - d.step.dense[:, at + joint - 2]
@@ -177,6 +177,6 @@ def test_curvature_bounds_of_stops_and_points_hold(bounded):
         omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
         reach.append(reach[-1] + d.chain.length[i] * (alpha + omega**2))
     for c in range(d.candidates):
-        _, bend = crossing.motion_bounds(d, c, along_x, along_y)
+        _, bend = crossing.base_motion_bounds(d, c, along_x, along_y)
         links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
         assert d.search.curvature[c] == pytest.approx(bend + links, rel=1e-12)

@@ -13,13 +13,13 @@ from chain_impact.kernel.events.search import (
     DEEPEST_ONSET,
     EARLY_THETA,
     LANDING_TIME,
-    drop_separating,
+    drop_separating_onsets,
     find_event,
     is_credible_crossing,
     onset_fraction,
     starts_clear,
 )
-from chain_impact.kernel.ode.control import IMPLICIT, accepted, set_outcome
+from chain_impact.kernel.ode.control import IMPLICIT, is_accepted, set_outcome
 from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
 from tests.kernel.chains import chain, located, touch
 from tests.kernel.events.motions import moving
@@ -121,11 +121,11 @@ def test_onsets_of_points_that_move_away_are_dropped():
         d.contacts.event[:] = NONE
         d.contacts.event[[1, 5]] = ONSET
         d.search.phi_end_rate[[1, 5]] = rates
-        assert drop_separating(d, 0.4) == left
+        assert drop_separating_onsets(d, 0.4) == left
         assert d.contacts.event[[1, 5]].tolist() == kinds
     d = touched(0.3, 1.0, active=1, kind=END)
     d.search.phi_end_rate[1] = 1.0
-    assert drop_separating(d, 0.4) == 0.4
+    assert drop_separating_onsets(d, 0.4) == 0.4
 
 
 REGULARIZED = 7  # a candidate without an event
@@ -155,7 +155,7 @@ def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0, *, regularized=-1):
 def lands(d):
     """Return whether a step that was repeated for onsets is not refused."""
     onset_fraction(d)
-    return accepted(d)
+    return is_accepted(d)
 
 
 @pytest.mark.parametrize("regularized", [-1, REGULARIZED])
@@ -205,7 +205,7 @@ def test_events_of_the_shortest_step_are_at_its_end():
     set_outcome(d, 0.0, 1.0)
     d.step.start, d.step.end = 1e4, 1e4 + 1e-11
     assert onset_fraction(d) == -1.0
-    assert accepted(d)
+    assert is_accepted(d)
 
 
 def test_an_incredible_onset_refuses_the_step_or_is_dropped(
@@ -224,7 +224,7 @@ def test_an_incredible_onset_refuses_the_step_or_is_dropped(
         monkeypatch.setattr(search, "is_credible_crossing", lambda *_: False)
         monkeypatch.setattr(search, "find_crossing", found_leaving)
         assert find_event(d) == -1.0
-        assert accepted(d) == taken
+        assert is_accepted(d) == taken
         assert d.contacts.event[1] == (NONE if taken else ONSET)
         if taken:
             # the points are those of the end of the step

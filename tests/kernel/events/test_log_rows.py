@@ -7,8 +7,8 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import contact_log
-from chain_impact.kernel.forces.active_contacts import latch_onset, list_touching
-from chain_impact.kernel.record.contacts import LATEST
+from chain_impact.kernel.forces.active_contacts import latch_onset, list_active_contacts
+from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.kernel.rows.geometry import clearance
 from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, random_state, stopped_chain, stops_of
@@ -31,7 +31,7 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
             3.0 + c,
             0.2 + c,
         )
-    contact_log.log_active(d)
+    contact_log.log_active_contacts(d)
     assert log.count == count % size
     for k, c in enumerate(active):
         row, lever = (count + k) % size, arm if c == stop else 1.0
@@ -49,7 +49,7 @@ FIELDS = (
 )
 
 
-@pytest.mark.parametrize("kept", [0, 1, 3, LATEST])
+@pytest.mark.parametrize("kept", [0, 1, 3, LATEST_COUNT])
 def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
     """Random candidates begin and end contacts; the log is compared with a list in Python."""
     rng = np.random.default_rng(kept)
@@ -60,7 +60,7 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
     contact_log.clear_log(d)
     d.latest.requested, d.step.size, d.step.regularized = kept, 1.0, -1
     rows, lasting = [], {}
-    for moment in range(1, 6 * LATEST):
+    for moment in range(1, 6 * LATEST_COUNT):
         d.step.start, d.step.end = moment - 1.0, float(moment)
         d.step.communication_point = d.step.end
         c = int(rng.integers(d.candidates))
@@ -80,7 +80,7 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
             }
             lasting[c] = own
             rows.insert(0, own)
-        list_touching(d)
+        list_active_contacts(d)
         for other, row in lasting.items():
             d.contacts.peak_force[other] = d.output.impulse[other] = rng.uniform()
             d.quadrature.integral[other] = d.output.impulse[other]
@@ -94,8 +94,8 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
             for name in FIELDS:
                 assert d.latest[name][place] == expected[name]
         if rng.uniform() < 0.05:
-            contact_log.collect(d)
-    assert len(rows) > 2 * LATEST
+            contact_log.mark_collected(d)
+    assert len(rows) > 2 * LATEST_COUNT
     assert (d.latest.point[kept:] == -1).all()
     contact_log.clear_log(d)
     assert (d.latest.point == -1).all()

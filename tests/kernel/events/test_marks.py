@@ -46,7 +46,7 @@ def test_only_an_onset_is_one(d):
 
 
 def test_changes_of_elements_without_friction_do_not_count(d):
-    assert marks.pending_changes(d) == 1
+    assert marks.count_pending_changes(d) == 1
 
 
 def test_a_tangent_instance_has_the_same_marks(d):

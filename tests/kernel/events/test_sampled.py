@@ -10,19 +10,13 @@ from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.kernel.advance import advance
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import crossing, sampled
-from chain_impact.kernel.events.crossing import first_passage, locate_at
+from chain_impact.kernel.events.crossing import locate_at_fraction, make_passage_search
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.marks import (
-    END,
-    KINK,
-    NONE,
-    RELATCH,
-    RELEASE,
-)
+from chain_impact.kernel.events.marks import END, KINK, NONE, RELATCH, RELEASE
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.ode.control import accepted
+from chain_impact.kernel.ode.control import is_accepted
 from chain_impact.kernel.status import OK
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain, begun
@@ -59,7 +53,7 @@ def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shap
             return 1.0 if theta < place else -1e-9
         return place - theta if shape == "linear" else place**3 - theta**3
 
-    found = first_passage(function, four, resolution)(STEP, 7, end)
+    found = make_passage_search(function, four, resolution)(STEP, 7, end)
     assert found == pytest.approx(place, abs=max(2.0 * crossing.FINEST_RESOLUTION, resolution / 10.0))
     assert max(asked) <= end
     # four samples and the start of a bracket; then the fast method, or bisection where the method fails
@@ -73,7 +67,7 @@ def test_the_first_negative_sample_is_found():
         def sign(_d, _c, x):
             return -1.0 if any(a < x < b for a, b in below) else 1.0
 
-        return first_passage(sign, four, 0.0)(STEP, 0, 1.0)
+        return make_passage_search(sign, four, 0.0)(STEP, 0, 1.0)
 
     assert found((0.3, 0.4)) == -1.0
     assert found((0.2, 0.3), (0.7, 2.0)) == pytest.approx(0.2, abs=1e-14)
@@ -84,7 +78,7 @@ def test_the_ends_of_a_step_are_its_states_to_the_last_bit():
     d.step.state[0] += 1e-3
     d.step.state_end[0] -= 1e-3
     for theta, state in ((0.0, d.step.state), (1.0, d.step.state_end)):
-        locate_at(d, theta)
+        locate_at_fraction(d, theta)
         np.testing.assert_array_equal(d.scratch.state, state)
 
 
@@ -105,7 +99,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
         low, high = (middle, high) if force(middle) > 0.0 else (low, middle)
     assert d.contacts.beyond_kink[1] == 0
     end = 0.55
-    locate_at(d, end)
+    locate_at_fraction(d, end)
     found = find_force_event(d, end)
     assert found == pytest.approx(low, abs=1e-14)
     # the points are located at the found time
@@ -117,7 +111,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
 def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 s to ½ s; from the other side the motion returns at ½ s."""
     d, _ = falling([0.0, -1.0, 4.0, -4.0])
-    first_crossing = first_passage(sampled.side_of_kink_at, lambda _d: 8, 0.0)
+    first_crossing = make_passage_search(sampled.side_of_kink_at, lambda _d: 8, 0.0)
     assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
     assert first_crossing(d, 1, 0.16) == -1.0
     d.contacts.beyond_kink[1] = 1
@@ -143,7 +137,7 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
         d.contacts.event[:] = NONE
         d.contacts.event[4] = END
         d.contacts.kink_crossed[:] = 1  # a stage was beyond it
-        locate_at(d, touched)
+        locate_at_fraction(d, touched)
         assert find_force_event(d, touched) == pytest.approx(found, abs=1e-14)
         assert d.contacts.event[4] == (END if found == touched else NONE)
         assert d.contacts.event[1] == (NONE if found == touched else KINK)
@@ -169,7 +163,7 @@ def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     d.contacts.law_speed[1], d.contacts.event[:] = 0.37, 7
     assert sampled.relatch_margin(d, 1, 0.369) > 0.0 > sampled.relatch_margin(d, 1, 0.371)
     assert RELATCH_RATIO == 2.0
-    locate_at(d, 1.0)
+    locate_at_fraction(d, 1.0)
     assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
     assert d.contacts.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
     # the points are located at the found time
@@ -180,7 +174,7 @@ def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
     for slower, faster in ((1, 5), (5, 1)):
         d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf", touching=(1, 5))
         d.contacts.law_speed[slower], d.contacts.law_speed[faster] = 0.6, 0.25
-        locate_at(d, 1.0)
+        locate_at_fraction(d, 1.0)
         assert find_force_event(d, -1.0) == pytest.approx(0.25, abs=2e-12)
         assert d.contacts.event[[slower, faster]].tolist() == [NONE, RELATCH]
 
@@ -189,7 +183,7 @@ def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
     """δ̇ = 1 + 4 t − 6 t² has the maximum 1.67, and the values 1 and −1 at the ends."""
     d, _ = falling([0.0, -1.0, -2.0, 2.0], law="zhang_sharf")
     d.contacts.law_speed[1], d.contacts.penetration_rate[1], d.contacts.damping[1] = 0.8, 1.0, 0.0
-    locate_at(d, 1.0)
+    locate_at_fraction(d, 1.0)
     assert find_force_event(d, -1.0) == -1.0
     d.contacts.penetration_rate[1] = 1.21
     expected = (4.0 - math.sqrt(16.0 - 24.0 * 0.6)) / 12.0
@@ -289,7 +283,7 @@ def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, 
     d, _ = released(size=size)
     d.constraints.least_force[d.contacts.active_index[0]] = -times * sampled.plausible_pull(d)
     found = sampled.find_release(d, -1.0)
-    assert accepted(d) != refused
+    assert is_accepted(d) != refused
     if not refused:
         assert found * size == pytest.approx(FALLS * size, abs=2e-12)
 

@@ -10,13 +10,7 @@ import pytest
 from chain_impact.kernel.advance import advance_one_step
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import sampled
-from chain_impact.kernel.events.marks import (
-    NONE,
-    ONSET,
-    SLIDING_ENDS,
-    STICKING_ENDS,
-    pending_changes,
-)
+from chain_impact.kernel.events.marks import NONE, ONSET, SLIDING_ENDS, STICKING_ENDS, count_pending_changes
 from chain_impact.kernel.events.sampled import make_search
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.initialize import initialize
@@ -43,7 +37,7 @@ def run_to_change(d, until):
     """Take steps until a mode ends; return the elements whose modes end, and their events."""
     while d.step.end < until:
         assert advance_one_step(d) == OK
-        if pending_changes(d):
+        if count_pending_changes(d):
             locate_points(d, d.step.state_end)
             return {int(e): int(d.element.event[e]) for e in np.flatnonzero(d.element.event)}
     raise AssertionError("no mode has ended")
@@ -175,7 +169,11 @@ def changes(monkeypatch):
         return -1.0 if at.get(e, 2.0) <= theta else 1.0
 
     monkeypatch.setattr(sampled, "element_margin", margin)
-    return at, asked, make_search(margin, sampled.mode_may_end, sampled.mark_changes, sampled.ELEMENTS)
+    return (
+        at,
+        asked,
+        make_search(margin, sampled.mode_may_end, sampled.mark_changes, sampled.ELEMENT_MEMBERS),
+    )
 
 
 @pytest.mark.parametrize("found", [-1.0, 0.4])

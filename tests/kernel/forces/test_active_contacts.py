@@ -163,7 +163,7 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
     d.contacts.active_count = d.contacts.compliant_count = 5
     d.contacts.active_index[:], listings = 11, int(d.contacts.listings)
-    active_contacts.list_touching(d)
+    active_contacts.list_active_contacts(d)
     forces = [c for c in touching if c not in rigid]
     held = [c for c in touching if c in rigid]
     assert d.contacts.compliant_count == len(forces)
@@ -195,6 +195,6 @@ def test_the_stops_among_the_contacts_are_counted():
     for touching in ([], [0, 1], stops[:1], [0, *stops[:3]], [*stops, 0]):
         d.contacts.active[:] = np.isin(np.arange(d.candidates), touching)
         d.contacts.joint_stop_count = 9
-        active_contacts.list_touching(d)
+        active_contacts.list_active_contacts(d)
         assert d.contacts.active_count == len(touching)
         assert d.contacts.joint_stop_count == len(set(touching) & set(stops))

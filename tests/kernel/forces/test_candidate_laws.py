@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import status
-from chain_impact.kernel.advance import latch_again
+from chain_impact.kernel.advance import latch_active_contacts
 from chain_impact.kernel.forces import candidate_laws as own_law, laws, user_law
 from chain_impact.kernel.forces.candidate_laws import USER_LAW, start_laws, update_laws
 from chain_impact.kernel.forces.force_formula import elastic_energy, law_force, set_damping
@@ -171,7 +171,7 @@ def change_law(d, law, restitution):
     """Give the walls a law between two steps, and let the contacts that last take it."""
     d.given.law, d.given.restitution = NUMBER[law], restitution
     assert update_laws(d) == OK
-    latch_again(d)
+    latch_active_contacts(d)
 
 
 @pytest.mark.parametrize("restitution", [0.5, 0.25])
@@ -228,7 +228,7 @@ def test_walls_and_stops_may_have_their_own_stiffness(given):
     assert d.law.minimum_impact_speed[kinds] == pytest.approx([1e-3, 1e-3, 1e-3, 2e-3 * SIZE], rel=1e-13)
     assert d.law.harmless_depth[kinds] == pytest.approx([harmless] * 4, rel=1e-13)
     d.law.impulsive[first] = 1
-    own_law.set_parameters(d, first)
+    own_law.set_law_parameters(d, first)
     assert d.law.harmless_depth[first] == 0.0
 
 
@@ -257,9 +257,9 @@ def test_laws_are_in_use_as_long_as_what_is_given_is_the_same(given, name):
     d, _ = given
     d.walls.restitution[:], d.given.friction, d.given.static_friction = -1.0, 0.1, 0.3
     assert start_laws(d) == OK
-    assert own_law.laws_in_use(d)
+    assert own_law.are_laws_in_use(d)
     d.given[name] += 1 if name == "law" else 0.25
-    assert not own_law.laws_in_use(d)
+    assert not own_law.are_laws_in_use(d)
 
 
 @pytest.mark.parametrize("number", [law.number for law in CONTACT_LAWS.values() if law.allows_exponent(1.5)])
@@ -407,7 +407,7 @@ def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_
     d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
     for c, pair in ((kinds[0], (of_all[0], max(of_all))), (kinds[1], right), (kinds[3], (0.0, 0.0))):
         own_law.derive_damping(d, c)
-        own_law.set_parameters(d, c)
+        own_law.set_law_parameters(d, c)
         assert (d.law.friction[c], d.law.static_friction[c]) == pair
         d.contact_settings.any_friction = 0
         own_law.set_law_flags(d, c)
@@ -417,7 +417,7 @@ def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_
 @FRICTION
 def test_a_wall_with_friction_of_its_own_has_a_law_of_its_own(given, name):
     d, (c, *_) = given
-    assert own_law.law_origin(d, c) == own_law.OF_CONTACT
+    assert own_law.law_origin(d, c) == own_law.COMMON_LAW
     d.walls[name][d.candidate.wall[c]] = 0.0
     assert own_law.law_origin(d, c) == d.candidate.wall[c]
 

@@ -85,10 +85,10 @@ def test_the_force_begins_at_zero_if_the_registry_says_so(law):
     largest, _ = forces.law_force(d, 0, 1e-3, SPEED)
     first, _ = forces.law_force(d, 0, 1e-30, SPEED)
     assert forces.law_force(d, 0, 0.0, SPEED)[0] == pytest.approx(first, abs=1e-6 * largest)
-    assert (first < 1e-6 * largest) == law.continuous != forces.may_jump(d, 0)
+    assert (first < 1e-6 * largest) == law.continuous != forces.force_may_jump(d, 0)
     assert forces.law_force(d, 0, 0.0, -SPEED)[0] == 0.0  # the force of a separating contact does not jump
     d.law.number[0] = candidate_laws.USER_LAW
-    assert forces.may_jump(d, 0)
+    assert forces.force_may_jump(d, 0)
 
 
 @LAWS

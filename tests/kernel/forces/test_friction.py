@@ -35,13 +35,13 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     assert found[: own.contact_count] == [int(c) for c in d.contacts.active_index[:contacts]]
     assert [friction.drive_of_element(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.used
-    assert not geometry.any_sticking(d)
+    assert not geometry.has_sticking(d)
     d.element.mode[found[-1]] = friction.STICKS
     friction.list_sticking(d)
     assert (own.stuck_count, int(d.element.stuck[0])) == (1, found[-1])
     assert own.stuck_joints == joints
     friction.suspend_sticking(d)
-    assert not geometry.any_sticking(d)
+    assert not geometry.has_sticking(d)
     friction.list_friction(d)
     assert own.stuck_count == 1
     friction.clear_friction(d)
@@ -127,7 +127,7 @@ def test_margins_are_the_least_of_a_step():
     speed = geometry.tangential_rate(d, c)
     d.element.mode[c] = -int(np.sign(speed))
     d.element.margin[c] = 7.0
-    friction.clear_margins(d)
+    friction.clear_friction_margins(d)
     assert d.element.margin[c] == 0.0
     active_contacts.clear_loads(d)
     power = friction.apply_sliding_friction(d, c, 2.0)
@@ -169,7 +169,7 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
     friction.set_friction_used(d)
     assert (d.elements > 0, d.friction.used) == (room, room)
     active_contacts.begin_force_contact(d, 1)
-    active_contacts.list_touching(d)
+    active_contacts.list_active_contacts(d)
     assert d.contacts.active_count == 1
     assert elements_of(d) == [1] * room
     if room:

@@ -59,4 +59,4 @@ def test_the_force_of_a_law_is_told_with_its_exponents():
 
 def test_a_kernel_has_no_law_of_the_users_until_one_is_linked_in():
     assert user_law.is_present() == 0
-    assert user_law.force(*[1.0] * len(user_law.ARGUMENTS)) == 0.0
+    assert user_law.force(*[1.0] * len(user_law.LAW_ARGUMENTS)) == 0.0

@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import copy_entries, in_sine_range, set_polar
+from chain_impact.kernel.chain.kinematics import copy_entries, is_in_sine_range, set_polar
 from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine, cosine_and_sine, sine
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.simulation.instance import Instance
@@ -57,12 +57,12 @@ def test_the_cosine_and_sine_of_an_angle_are_those_of_each_quarter_turn(quarter)
 
 def test_angles_are_in_range_while_their_sum_is_below_the_limit():
     angles = np.array([9 * LARGEST_ANGLE, -0.6 * LARGEST_ANGLE, 0.39 * LARGEST_ANGLE, 9 * LARGEST_ANGLE])
-    assert in_sine_range(angles, 1, 2)
-    assert in_sine_range(angles, 1, 0)
-    assert not in_sine_range(angles, 1, 3)
-    assert not in_sine_range(angles, 0, 2)
+    assert is_in_sine_range(angles, 1, 2)
+    assert is_in_sine_range(angles, 1, 0)
+    assert not is_in_sine_range(angles, 1, 3)
+    assert not is_in_sine_range(angles, 0, 2)
     angles[2] = 0.4 * LARGEST_ANGLE
-    assert not in_sine_range(angles, 1, 2)
+    assert not is_in_sine_range(angles, 1, 2)
 
 
 @pytest.mark.parametrize("count", range(10))

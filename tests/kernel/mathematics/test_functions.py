@@ -69,7 +69,8 @@ def test_whole_powers_of_whole_numbers_are_exact():
 
 def test_logarithms_and_exponentials_rise_where_table_entries_meet():
     patterns = [
-        logarithms.FIRST + (i << logarithms.WIDTH_BITS) for i in range(logarithms.MANTISSA_INTERVALS + 1)
+        logarithms.FIRST_INTERVAL_BITS + (i << logarithms.WIDTH_BITS)
+        for i in range(logarithms.MANTISSA_INTERVALS + 1)
     ]
     joints = [doubles.double_of_bits(pattern) for pattern in patterns]
     steps = [(j + 0.5) * math.log(2.0) / exponentials.POWER_COUNT for j in range(-200, 200)]

@@ -39,7 +39,7 @@ def error_after_check(d, theta):
     """Return the error of the last step after the energy check; before it was a tenth of the tolerance."""
     control.set_outcome(d, 0.1, 1.0)
     energies = balance.check_energy(d, theta)
-    if control.accepted(d):
+    if control.is_accepted(d):
         balance.store_energy(d, *energies)
     return float(d.trial.error)
 
@@ -101,7 +101,7 @@ def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
         noted = by_the_step / ((d.step.end - d.step.start) / (10.0 + d.step.end))
         assert 0.1 < noted < 1.0 or by_the_step == 0.1
     assert error_after_check(d, -1.0) == d.trial.error == pytest.approx(noted, rel=1e-3)
-    assert control.accepted(d) == (noted <= 1.0)
+    assert control.is_accepted(d) == (noted <= 1.0)
 
 
 def test_energy_that_a_parameter_takes_is_not_lost():
@@ -307,9 +307,9 @@ def after_a_turn(turn, **more):
 @pytest.mark.parametrize(("turn", "right"), [(0.98, False), (1.02, True), (-1.02, True)])
 def test_a_step_is_long_in_which_a_link_turns_far(turn, right):
     d = after_a_turn(turn * balance.LONG_TURN)
-    assert balance.is_long(d) == right
+    assert balance.may_err_in_middle(d) == right
     d.step.dense_for = last_step.OUTPUTS
-    assert not balance.is_long(d)  # an unknown quantity would cost more than the answer is worth
+    assert not balance.may_err_in_middle(d)  # an unknown quantity would cost more than the answer is worth
 
 
 def test_the_first_step_of_a_run_is_long_at_a_loose_tolerance():
@@ -320,7 +320,7 @@ def test_the_first_step_of_a_run_is_long_at_a_loose_tolerance():
         (1, 1.01 * balance.LOOSE_TOLERANCE, False),
     ):
         d.statistics.steps, d.solver.tolerance = steps, tolerance
-        assert balance.is_long(d) == right
+        assert balance.may_err_in_middle(d) == right
 
 
 def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
@@ -330,9 +330,9 @@ def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
         d.step.end = d.step.start + number * methods.STABLE_STEP / (
             methods.find_joint_stiffness(d, 1e3) / 1e3
         )
-        assert balance.is_long(d) == (method == EXPLICIT and number > 1.0)
+        assert balance.may_err_in_middle(d) == (method == EXPLICIT and number > 1.0)
     d.step.last_method, d.chain.has_springs_or_dampers = EXPLICIT, 0
-    assert not balance.is_long(d)
+    assert not balance.may_err_in_middle(d)
 
 
 @pytest.mark.parametrize("impacts", [0.0, 50.0])
@@ -358,10 +358,10 @@ def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
     d.chain.gravity[:] = d.chain.gravity_size = 0.0
     set_step(d, motion, 0.1)
     balance.start_balance(d, 0.0)
-    assert balance.interpolates(d)
+    assert balance.is_middle_correct(d)
     d.step.dense[3, entry] += 1.0  # in the middle only
     d.balance.least_allowed = 1e9 * (entry == dissipated_at(LINKS))  # the balance would accept the energy
-    assert not balance.interpolates(d)
+    assert not balance.is_middle_correct(d)
     assert d.step.dense_for == last_step.SOLVER
 
 

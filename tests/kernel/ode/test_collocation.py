@@ -11,9 +11,9 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
 from chain_impact.kernel.ode import collocation, control, dense, methods
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ORDER
+from chain_impact.kernel.ode.control import ERROR_ORDER, EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.extended import extended_size, gap_at, rate_at
-from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, REAL_EIGENVALUE
+from chain_impact.kernel.ode.radau import RADAU_NODES, RADAU_STAGES, REAL_EIGENVALUE
 from chain_impact.kernel.rows import geometry
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
@@ -74,7 +74,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
             continue
         seen[d.step.start] = d.step.size
         for theta, found in errors.items():
-            dense.interpolate(d.step, theta, y)
+            dense.interpolate_state(d.step, theta, y)
             locate_points(d, y)
             for k in range(int(d.contacts.active_count)):
                 gap, _ = geometry.clearance(d, int(d.contacts.active_index[k]))
@@ -169,25 +169,25 @@ def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, dampi
     taken = 1.0 - 1.0 / (
         1.0 + rho * h * REAL_EIGENVALUE
     )  # the result of one linear solution with the real shift
-    expected = collocation.DECAY_TIMES / rho * (rho / (taken * fast)) ** (1.0 / (ORDER[IMPLICIT] - 1))
-    assert collocation.prepare(d, h) == pytest.approx(expected, rel=1e-6)
-    collocation.attempt(d, expected)
-    assert control.accepted(d)
+    expected = collocation.DECAY_TIMES / rho * (rho / (taken * fast)) ** (1.0 / (ERROR_ORDER[IMPLICIT] - 1))
+    assert collocation.prepare_step(d, h) == pytest.approx(expected, rel=1e-6)
+    collocation.attempt_step(d, expected)
+    assert control.is_accepted(d)
 
 
 def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
     d, rho, _ = stiff_joint(1e3)
-    assert collocation.prepare(d, 0.9 / rho) == 0.9 / rho
-    assert collocation.prepare(d, 0.1) < 0.05
+    assert collocation.prepare_step(d, 0.9 / rho) == 0.9 / rho
+    assert collocation.prepare_step(d, 0.1) < 0.05
     d.solver.tolerance = 1e6  # does not see it
-    assert collocation.prepare(d, 0.1) == 0.1
+    assert collocation.prepare_step(d, 0.1) == 0.1
     d.solver.tolerance = 1e-8
     d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # the chain turns as one body
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     d.scratch.rate_start[velocity_at(N) :] = 0.0
-    assert collocation.prepare(d, 0.1) == 0.1
+    assert collocation.prepare_step(d, 0.1) == 0.1
     d, _, _ = stiff_joint(0.0)
-    assert collocation.prepare(d, 0.1) == 0.1
+    assert collocation.prepare_step(d, 0.1) == 0.1
 
 
 def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
@@ -196,7 +196,7 @@ def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
     own, listed = d.implicit, d.contacts.listings
     for listing, made_by, measured in ((listed, IMPLICIT, 0), (STALE, IMPLICIT, 3), (listed, EXPLICIT, 3)):
         own.listing, d.step.last_method, before = listing, made_by, d.budget.other_cost
-        h = collocation.prepare(d, 0.1)
+        h = collocation.prepare_step(d, 0.1)
         assert h < 0.05 if measured else h == 0.1
         assert d.budget.other_cost == before + measured
 
@@ -210,7 +210,7 @@ def last_polynomial(d, degree, end=1.0):
     parts = np.zeros((degree + 1, size))
     parts[1:] = np.random.default_rng(degree).uniform(0.5, 1.0, (degree, size))
     columns = [np.polynomial.Polynomial(column) for column in parts.T]
-    own.last_stages[:, :size] = np.transpose([column(np.array(NODES)) for column in columns])
+    own.last_stages[:, :size] = np.transpose([column(np.array(RADAU_NODES)) for column in columns])
     own.listing, d.step.start, d.step.size = d.contacts.listings, 3.0, 0.2
     d.step.end, d.step.last_method = 3.0 + 0.2 * end, IMPLICIT
     return columns
@@ -227,7 +227,7 @@ def test_far_stages_follow_a_polynomial_of_lower_degree(branch, degree, end):
         size, h = extended_size(d), 0.2 * (1.0 + beyond - end)
         columns = last_polynomial(d, degree, end)
         collocation.extrapolate_stages(d, h, size)
-        at = end + h / 0.2 * np.array(NODES)
+        at = end + h / 0.2 * np.array(RADAU_NODES)
         expected = np.transpose([column(at) - column(end) for column in columns])
         np.testing.assert_allclose(d.implicit.stages[:, :size], expected, rtol=1e-9, atol=1e-13)
         if degree < RADAU_STAGES:
@@ -244,7 +244,7 @@ def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
     own.rate_start[:] = np.random.default_rng(0).normal(size=len(own.rate_start))
     own.stages[:], own.listing = 9.0, STALE
     collocation.extrapolate_stages(d, 0.3, size)
-    expected = 0.3 * np.outer(NODES, own.rate_start[:size])
+    expected = 0.3 * np.outer(RADAU_NODES, own.rate_start[:size])
     moving = np.zeros(size, bool)
     moving[:half] = moving[[gap_at(d, 0), gap_at(d, 1)]] = True
     np.testing.assert_allclose(own.stages[:, :size], np.where(moving, expected, 0.0), rtol=1e-14)
@@ -265,9 +265,9 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     monkeypatch, contraction, correction, outcome, share
 ):
     d = at_start()[1]
-    collocation.prepare(d, 0.01)
-    collocation.attempt(d, 0.01)
-    assert control.accepted(d)
+    collocation.prepare_step(d, 0.01)
+    collocation.attempt_step(d, 0.01)
+    assert control.is_accepted(d)
 
     def unsolved(d, _h, _size):
         own = d.implicit
@@ -276,7 +276,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 
     monkeypatch.setattr(collocation, "_converge", unsolved)
     before = d.statistics.rhs_evaluations
-    methods.attempt(d, 0.01)
+    methods.attempt_step(d, 0.01)
     assert d.trial.outcome == outcome
     assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * RADAU_STAGES
@@ -289,23 +289,23 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 
 def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatch):
     d, _, _ = stiff_joint(1e3)
-    h = collocation.prepare(d, 1e-3)
+    h = collocation.prepare_step(d, 1e-3)
     before, evaluations = d.budget.other_cost, d.statistics.rhs_evaluations
     monkeypatch.setattr(collocation, "error_estimate", lambda *_: 0.25)
-    collocation.attempt(d, h)
+    collocation.attempt_step(d, h)
     assert d.trial.error == 0.25
     iterations = d.implicit.iterations
     assert d.budget.other_cost - before == 6 + 4 * iterations + 3
     assert d.statistics.rhs_evaluations - evaluations == RADAU_STAGES * iterations
     monkeypatch.setattr(collocation, "error_estimate", lambda *_: math.nan)
-    collocation.attempt(d, h)
-    assert not control.accepted(d)
+    collocation.attempt_step(d, h)
+    assert not control.is_accepted(d)
 
 
 @pytest.mark.parametrize("bad", [math.inf, math.nan])
 def test_an_error_that_is_not_finite_is_infinite(bad):
     d, _, _ = stiff_joint(1e3)
-    collocation.attempt(d, collocation.prepare(d, 1e-3))
+    collocation.attempt_step(d, collocation.prepare_step(d, 1e-3))
     assert math.isfinite(collocation.error_estimate(d, 1e-3, extended_size(d)))
     d.implicit.rate_start[0] = bad
     assert collocation.error_estimate(d, 1e-3, extended_size(d)) == math.inf
@@ -313,7 +313,7 @@ def test_an_error_that_is_not_finite_is_infinite(bad):
 
 def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     d, _, _ = stiff_joint(1e3)
-    collocation.attempt(d, collocation.prepare(d, 1e-3))
+    collocation.attempt_step(d, collocation.prepare_step(d, 1e-3))
     size, before = extended_size(d), d.budget.other_cost
     free = collocation.error_estimate(d, 1e-3, size)
     assert d.budget.other_cost == before

@@ -9,7 +9,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
 from chain_impact.kernel.ode import collocation, dense
 from chain_impact.kernel.ode.extended import gap_at, quadrature_at
-from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES
+from chain_impact.kernel.ode.radau import RADAU_NODES, RADAU_STAGES
 from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import basis
@@ -39,7 +39,7 @@ def step():
 def through(values, theta):
     """Return the polynomial of degree 5 through 0 at the start and these values at the nodes."""
     from_start = np.concatenate([np.zeros_like(values[:1]), values])
-    fitted = np.polynomial.polynomial.polyfit([0.0, *NODES], from_start, RADAU_STAGES)
+    fitted = np.polynomial.polynomial.polyfit([0.0, *RADAU_NODES], from_start, RADAU_STAGES)
     return np.polynomial.polynomial.polyval(theta, fitted)
 
 
@@ -54,8 +54,8 @@ def test_the_polynomial_goes_through_the_stages(step):
     )
     assert d.implicit.listing == 7
     y = np.zeros(len(d.step.state))
-    for theta in (0.0, *NODES, 0.43):
-        dense.interpolate(d.step, theta, y)
+    for theta in (0.0, *RADAU_NODES, 0.43):
+        dense.interpolate_state(d.step, theta, y)
         assert y[:n] - d.step.state[:n] == pytest.approx(through(stages[:, :n], theta), abs=1e-14)
         part = collocation.extended_component(d, 4, theta) - d.implicit.z_start[4]
         assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
@@ -77,7 +77,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     d.search.curvature[:] = -1.0
     collocation.bound_curvatures(d, H)
     for k, c in enumerate(d.contacts.active_index[:2]):
-        sizes = np.abs(np.array(collocation.SHAPE) @ d.implicit.last_stages[:, gap_at(d, k)])
+        sizes = np.abs(np.array(collocation.INTERPOLANT_MATRIX) @ d.implicit.last_stages[:, gap_at(d, k)])
         assert d.search.curvature[c] == pytest.approx(np.dot(bound, sizes) / H**2, rel=1e-12)
     assert (np.delete(d.search.curvature, d.contacts.active_index[:2]) == -1.0).all()
 
@@ -89,7 +89,7 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
     before, changes = {}, {}
     for theta in (0.0, 1 / 3, 2 / 3, 1.0):
         before[theta] = np.zeros(len(d.step.state))
-        dense.interpolate(d.step, theta, before[theta])
+        dense.interpolate_state(d.step, theta, before[theta])
     asked = []
 
     def project_coordinates(d, _y, derivative, change):
@@ -109,7 +109,7 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
         assert [call[1][k] for call in asked] == pytest.approx(wanted, abs=1e-15)
     y, end = np.zeros(len(d.step.state)), dissipated_at(LINKS)
     for theta, moved in ((0.0, ()), (1 / 3, (1, 2)), (2 / 3, (3, 4)), (1.0, ())):
-        dense.interpolate(d.step, theta, y)
+        dense.interpolate_state(d.step, theta, y)
         change = np.concatenate([changes[k] for k in moved]) if moved else np.zeros(end)
         assert y[:end] - before[theta][:end] == pytest.approx(change, abs=1e-14)
         assert y[end:] == pytest.approx(before[theta][end:], abs=1e-15)

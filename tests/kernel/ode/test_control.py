@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.state import omega_at, time_at
 from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode import control, methods
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY_FACTOR
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.simulate import simulate
@@ -68,7 +68,7 @@ def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance, ag
     _, d = chain(rng, 2)
     y = struck(rng, d, [0])
     d.contacts.depth_scale[0], d.contacts.law_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
-    y[control.ANGLES + 1] = -4e3
+    y[control.FIRST_ANGLE + 1] = -4e3
     d.contacts.onset[0], d.step.end = 1.0, 1.0 + age
     size, gap = d.chain.longest_link, control.sundman_u_at(2)
     before, after = np.ones((2, gap + 1))
@@ -90,11 +90,11 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
         d.step.method = method
         for error in (5.0, 1e-5):
             control.set_outcome(d, error, 0.7)
-            right = SAFETY[method] * 0.7 * error ** control.EXPONENT[method]
+            right = SAFETY_FACTOR[method] * 0.7 * error ** control.SIZE_EXPONENT[method]
             assert control.next_size_factor(d) == pytest.approx(right, rel=1e-13)
         for error in (1e12, math.inf, math.nan):
             control.set_outcome(d, error, 0.7)
-            assert control.next_size_factor(d) == 0.1  # the factor is not less than control.SHRINK
+            assert control.next_size_factor(d) == 0.1  # the factor is not less than control.LEAST_RATIO
         control.set_outcome(d, 0.0, 0.7)
         assert 6.0 < control.next_size_factor(d) < math.inf
         control.set_outcome(d, 1e-5, 1.0)
@@ -135,21 +135,21 @@ def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
 def test_a_step_is_accepted_up_to_the_tolerance(error):
     _, d = chain(np.random.default_rng(1), 2)
     control.set_outcome(d, error, 0.7)
-    assert control.accepted(d) == (error <= 1.0)
+    assert control.is_accepted(d) == (error <= 1.0)
     np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
     assert (d.trial.outcome == control.INFINITE) == (not math.isfinite(error))
     control.set_outcome(d, 0.5, 0.7)
     control.reject_step(d, control.SPOILED)
-    assert not control.accepted(d)
+    assert not control.is_accepted(d)
     assert (d.trial.error, d.trial.cost_factor) == (0.5, 0.7)
 
 
 def test_a_new_run_forgets_the_error_of_the_last_step():
     _, d = chain(np.random.default_rng(1), 2)
     begin_step(d)
-    methods.attempt(d, 1e-3)
+    methods.attempt_step(d, 1e-3)
     assert d.trial.size == 1e-3
     assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
     control.reject_step(d, control.SPOILED)
     assert initialize(d, 0.0) == OK
-    assert control.accepted(d)
+    assert control.is_accepted(d)

@@ -32,7 +32,7 @@ def d():
 @pytest.mark.parametrize("theta", [0.0, 0.3, 0.8, 1.0])
 def test_a_state_is_that_of_the_polynomial(d, theta):
     y, right = np.zeros(len(d.step.state)), d.step.state + basis(theta) @ d.step.dense
-    dense.interpolate(d.step, theta, y)
+    dense.interpolate_state(d.step, theta, y)
     assert y == pytest.approx(right, abs=1e-14)
     assert dense.interpolate_component(d.step, theta, 3) == y[3]
 
@@ -78,7 +78,7 @@ def test_a_moment_of_a_step_in_another_variable_is_found(d, start, end, theta):
     found = dense.regularized_fraction(d, time(theta))
     assert time(found) == pytest.approx(time(theta), rel=1e-12)
     assert found == pytest.approx(theta, rel=1e-6 if end else 1e-4)
-    assert dense.fraction(d, 3.0 + time(theta)) == pytest.approx(found, abs=1e-7)
+    assert dense.fraction_at_time(d, 3.0 + time(theta)) == pytest.approx(found, abs=1e-7)
 
 
 def test_the_first_of_two_times_on_the_dense_output_is_taken(d):
@@ -92,7 +92,7 @@ def test_the_first_of_two_times_on_the_dense_output_is_taken(d):
     assert dense.regularized_fraction(d, time(1.0)) == dense.regularized_fraction(d, 2.0 * time(1.0)) == 1.0
     # a step without its own contact is uniform in time
     d.step.regularized, d.step.size = -1, 0.25
-    assert dense.fraction(d, 3.1) == pytest.approx(0.4)
+    assert dense.fraction_at_time(d, 3.1) == pytest.approx(0.4)
 
 
 def test_time_passes_fastest_where_u_is_one():

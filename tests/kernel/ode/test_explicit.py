@@ -12,7 +12,7 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.ode import control, explicit, last_step, methods, sundman
-from chain_impact.kernel.ode.dense import interpolate
+from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.ode.explicit import PAST_END, UNRESOLVED_PART, error_estimate, size_toward_end
 from chain_impact.kernel.rows import geometry
 from tests.helpers.kernel.plain import begun
@@ -134,7 +134,7 @@ def tried(d, h):
     """Return the record after a step of the size h has been tried."""
     d["step"]["state_end"][-1] = 0.0  # the time since the start of the step
     equations.rate_from_state(d, d["step"]["state_end"], d["scratch"]["stage"][0])
-    methods.attempt(d, h)
+    methods.attempt_step(d, h)
     return d
 
 
@@ -219,7 +219,7 @@ def test_dense_output_converges_with_order_7(scene, exact, columns):
         step(d, h)
         worst = 0.0
         for theta in np.linspace(0.0, 1.0, 21):
-            interpolate(d["step"], theta, y)
+            interpolate_state(d["step"], theta, y)
             worst = max(worst, np.abs(y[columns] - exact(theta * h)).max())
         errors.append(worst)
     assert min(errors) > 1e-14
@@ -255,7 +255,7 @@ def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
     assert tried(d, 0.1).trial.error == math.inf
     d = begun(FLYER)
     d["step"]["state_end"][5] = 1e3
-    assert not control.accepted(tried(d, (1.0, 1e2, 1e4, 1e6, 1e8, 1e10)[entry]))
+    assert not control.is_accepted(tried(d, (1.0, 1e2, 1e4, 1e6, 1e8, 1e10)[entry]))
 
 
 def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
@@ -264,8 +264,8 @@ def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
     d = begun(scene)
     assert d.friction.stuck_count == 1
     begin_step(d)
-    methods.attempt(d, 0.1)
-    assert control.accepted(d)
+    methods.attempt_step(d, 0.1)
+    assert control.is_accepted(d)
     found = located(d)
     kinematics.locate_points(d, d.trial.state)
     np.testing.assert_array_equal(found, located(d))
@@ -286,7 +286,7 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
     gaps[first] /= 3.0
     for c, gap, speed in zip((1, 6, 8), gaps, speeds, strict=True):
         place, *n = row = geometry.normal_row(d, c)
-        d.candidate.offset[c] = geometry.along(row, d.scratch.position) - d.contact_settings.radius - gap
+        d.candidate.offset[c] = geometry.dot(row, d.scratch.position) - d.contact_settings.radius - gap
         d.scratch.velocity.x[place], d.scratch.velocity.y[place] = speed * np.array(n)
     longest = size_toward_end(d, 1.0)
     for c, gap, speed in zip((1, 6), gaps[:2], speeds[:2], strict=True):

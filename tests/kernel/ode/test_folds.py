@@ -46,7 +46,7 @@ def test_the_rate_and_its_work_are_those_of_the_given_state(folding, monkeypatch
 
     monkeypatch.setattr(folds, "rate_from_state", counted)
     y, rate = np.zeros(len(d.step.state)), d.scratch.rate
-    folds.interpolate(d.step, THETA, y)
+    folds.interpolate_state(d.step, THETA, y)
     y[6:8] *= 1.001  # as a projection could leave the state
     given = y.copy()
     rate_from_state(d, y, rate)

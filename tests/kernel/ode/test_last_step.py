@@ -8,7 +8,7 @@ from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.ode import explicit, last_step, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
-from chain_impact.kernel.ode.dense import interpolate
+from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from tests.helpers.kernel.plain import begun
 
@@ -29,8 +29,8 @@ def with_a_step(d, h=H):
     last_step.ensure_rate(d)
     last_step.ensure_points(d)
     d.scratch.rate_start[:] = d.scratch.stage[0] = d.scratch.rate_end
-    methods.prepare(d, h)
-    methods.attempt(d, h)
+    methods.prepare_step(d, h)
+    methods.attempt_step(d, h)
     last_step.make_last_step(d)
     return d
 
@@ -80,7 +80,7 @@ def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method
     d = with_a_step(started(method))
     start, expected = d.step.state.copy(), np.zeros(len(d.step.state))
     last_step.ensure_dense(d, last_step.SOLVER)
-    interpolate(d.step, 0.3, expected)
+    interpolate_state(d.step, 0.3, expected)
     last_step.truncate_step(d, 0.3)
     np.testing.assert_array_equal(d.step.state_end, expected)
     assert d.step.end == pytest.approx(0.3 * H, rel=1e-15)
@@ -163,8 +163,8 @@ def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
 @pytest.mark.parametrize("how", ["count_break", "roll_back", "truncate_step", "reset_step"])
 def test_bounds_on_clearances_end_with_their_step(how):
     d = with_a_step(started())
-    exclusion.remember_clearances(d, exclusion.WITH_CURVES)
-    assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
+    exclusion.remember_clearances(d, exclusion.VALUES_AND_CURVES)
+    assert exclusion.known_clearances(d) == exclusion.VALUES_AND_CURVES
     more = {"truncate_step": (0.5,), "reset_step": (0.0, d.scratch.state)}
     getattr(last_step, how)(d, *more.get(how, ()))
     assert exclusion.known_clearances(d) == exclusion.NOTHING
@@ -202,7 +202,7 @@ def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
     last_step.reset_step(d, 0.7, there)
     there[-2:] = 1.0, 0.0  # u, and the time in the step
     for theta in (0.0, 0.3, 1.0):
-        interpolate(d.step, theta, y)
+        interpolate_state(d.step, theta, y)
         np.testing.assert_array_equal(y, there)
     times = [float(d.step[name]) for name in ("communication_point", "start", "end", "clock")]
     assert times == [0.7] * 4
@@ -228,8 +228,8 @@ def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
 def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monkeypatch, touching):
     """The step has one contact or two contacts."""
     d, told = started(), []
-    methods.prepare(d, H)
-    methods.attempt(d, H)
+    methods.prepare_step(d, H)
+    methods.attempt_step(d, H)
     d.contacts.active_count = touching
     monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
     last_step.make_last_step(d)

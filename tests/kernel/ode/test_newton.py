@@ -132,7 +132,7 @@ def test_error_estimates_have_orders_five_and_six_and_combine_to_seven(kind, est
         error = error_of(d, h)
         found.append([*np.abs(d.implicit.parts[:2]).max(1), error])
     slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
-    expected = [radau.RADAU_STAGES + 1, radau.RADAU_STAGES, control.ORDER[control.IMPLICIT]]
+    expected = [radau.RADAU_STAGES + 1, radau.RADAU_STAGES, control.ERROR_ORDER[control.IMPLICIT]]
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 
 

@@ -6,7 +6,7 @@ import pytest
 from chain_impact.kernel.ode import radau
 
 ORDER = 9
-C, MATRIX = np.array(radau.NODES), np.array(radau.Q)
+C, MATRIX = np.array(radau.RADAU_NODES), np.array(radau.Q)
 
 
 def test_stages_and_result_have_exactly_their_orders():
@@ -15,7 +15,7 @@ def test_stages_and_result_have_exactly_their_orders():
         np.testing.assert_allclose(MATRIX @ C ** (k - 1), C**k / k, rtol=0, atol=2e-16)
     for k in range(1, ORDER + 2):
         assert (abs(MATRIX[-1] @ C ** (k - 1) - 1 / k) < 2e-16) == (k <= ORDER)
-    assert radau.NODES[-1] == 1.0
+    assert radau.RADAU_NODES[-1] == 1.0
     assert np.linalg.matrix_rank(MATRIX) == radau.RADAU_STAGES
 
 

@@ -37,7 +37,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     for size in sizes:
         d = Plain(start.copy()[0])
         depth = float(d.contacts.depth_scale[0])
-        methods.attempt(d, size * depth / SPEED)
+        methods.attempt_step(d, size * depth / SPEED)
         errors.append(abs(energy(d.trial.state) - energy(d.step.state_end)))
     assert min(errors) > 1e-13  # otherwise the test would measure round-off
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 8.0
@@ -91,21 +91,21 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
     y[U] = u
     in_time, rate, again = np.zeros((3, len(y)))
     equations.rate_from_state(d, y, in_time)
-    sundman.regularize(d, y, in_time, rate)
+    sundman.regularize_rate(d, y, in_time, rate)
     right = u / (1.0 + u * u) * in_time
     # du/ds = δ̇/(2 δ* (1 + u²))
     right[U] = -geometry.clearance(d, c)[1] / (2.0 * SCALE * (1.0 + u * u))
     assert rate == pytest.approx(right, rel=1e-13)
     assert sundman.root_rate(d, u) == pytest.approx(right[U], rel=1e-13)
     again[:] = in_time
-    sundman.to_fictitious_time(d, y, again)
+    sundman.convert_to_fictitious_time(d, y, again)
     assert again.tolist() == rate.tolist()
     # the same for the rate of a step, and without a contact the rate in time
     for regularized, expected in ((c, rate.tolist()), (NO_CONTACT, in_time.tolist())):
         d.step.regularized = regularized
         sundman.regularized_rate(d, y, again)
         assert again.tolist() == expected
-    sundman.regularize(d, y, in_time, again)
+    sundman.regularize_rate(d, y, in_time, again)
     assert again.tolist() == in_time.tolist()
 
 
@@ -168,20 +168,20 @@ def test_a_step_must_not_go_far_beyond_the_end(u, time, right):
 def test_an_only_contact_has_its_own_variable():
     """Two contacts, a rigid contact, or an implicit step have no own variable."""
     d, c, _ = contact()
-    assert sundman.lone_contact(d) == (c, pytest.approx((DEPTH / SCALE) ** 0.5, rel=1e-9))
+    assert sundman.find_lone_contact(d) == (c, pytest.approx((DEPTH / SCALE) ** 0.5, rel=1e-9))
     d.step.method = control.IMPLICIT
-    assert sundman.lone_contact(d) == IN_TIME
+    assert sundman.find_lone_contact(d) == IN_TIME
     d.step.method = control.EXPLICIT
     make_rigid(d)
-    assert sundman.lone_contact(d) == IN_TIME
+    assert sundman.find_lone_contact(d) == IN_TIME
     make_rigid(d, np.arange(d.candidates) != c)
     touch(d, [c, d.candidate.point.tolist().index(0)])
     assert (d.contacts.compliant_count, d.contacts.active_count) == (1, 2)
-    assert sundman.lone_contact(d) == IN_TIME
+    assert sundman.find_lone_contact(d) == IN_TIME
     make_rigid(d, 0)
-    assert sundman.lone_contact(d) == IN_TIME
+    assert sundman.find_lone_contact(d) == IN_TIME
     touch(d, [])
-    assert sundman.lone_contact(d) == IN_TIME
+    assert sundman.find_lone_contact(d) == IN_TIME
 
 
 def place(d, c, gap):
@@ -194,7 +194,7 @@ def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     own = c, pytest.approx(0.5 * sundman.RESTING_SUM, rel=1e-6)
     for part, right in ((0.49, IN_TIME), (0.51, own)):
         d.contacts.law_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
-        assert sundman.lone_contact(d) == right
+        assert sundman.find_lone_contact(d) == right
 
 
 def test_at_a_wall_an_arriving_point_is_in_contact():
@@ -203,6 +203,6 @@ def test_at_a_wall_an_arriving_point_is_in_contact():
         d, c, _ = contact(seed)
         place(d, c, 1e-12)
         arrives = bool(geometry.clearance(d, c)[1] < 0.0)
-        assert sundman.lone_contact(d) == ((c, 0.0) if arrives else (NO_CONTACT, 1.0))
+        assert sundman.find_lone_contact(d) == ((c, 0.0) if arrives else (NO_CONTACT, 1.0))
         seen.add(arrives)
     assert seen == {True, False}

@@ -12,7 +12,7 @@ from chain_impact import simulate
 from chain_impact.kernel.chain.joints import largest_joint_rate
 from chain_impact.kernel.forces.active_contacts import contact_slopes
 from chain_impact.kernel.ode import control, methods
-from chain_impact.kernel.ode.control import AUTO, EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.control import AUTOMATIC_METHOD, EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS, STIFF_STEP, choose_method, suggests_switch
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
@@ -109,7 +109,7 @@ def pressed(rng):
     struck(rng, d, touched)
     d.contacts.effective_mass[touched] = 1.0
     assert not d.chain.has_springs_or_dampers
-    d.solver.method = AUTO
+    d.solver.method = AUTOMATIC_METHOD
     methods.begin_explicit(d)
     d.contacts.onset[touched] = 0.0
     d.step.start, d.step.end, d.step.end_fraction = 0.0, 3.0 * STIFF_STEP / methods.fastest_contact(d), 1.0
@@ -164,9 +164,9 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
         (0.2, 1.01, False),
     ):
         d.contacts.onset[touched] = 2.0 - first * slow, 2.0 - second * slow
-        assert methods.contacts_last(d) == right
+        assert methods.are_contacts_sustained(d) == right
     touch(d, [])
-    assert not methods.contacts_last(d)
+    assert not methods.are_contacts_sustained(d)
 
 
 @pytest.mark.parametrize("lasting", [False, True])
@@ -284,12 +284,16 @@ def test_a_chain_without_resistance_is_explicit_if_the_solver_chooses(pressed):
     d, touched = pressed
     touch(d, [])
     d.step.method, d.step.end = IMPLICIT, 1.0
-    for asked, method in ((AUTO + 1 + IMPLICIT, IMPLICIT), (AUTO, EXPLICIT), (AUTO + 1 + EXPLICIT, EXPLICIT)):
+    for asked, method in (
+        (AUTOMATIC_METHOD + 1 + IMPLICIT, IMPLICIT),
+        (AUTOMATIC_METHOD, EXPLICIT),
+        (AUTOMATIC_METHOD + 1 + EXPLICIT, EXPLICIT),
+    ):
         d.solver.method, d.step.method = asked, IMPLICIT
         choose_method(d)
         assert d.step.method == method
     touch(d, touched)
-    d.solver.method = AUTO + 1 + IMPLICIT
+    d.solver.method = AUTOMATIC_METHOD + 1 + IMPLICIT
     for rigid, method in (
         (np.ones(d.candidates), EXPLICIT),
         (np.arange(d.candidates) != touched[0], IMPLICIT),

@@ -112,15 +112,15 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
         d.scratch.impedance.joint[i] = drive_resistance(d, i, time)
     geometry.add_joint_impedances(d, d.scratch.impedance)
     with_joints = d.chain.has_springs_or_dampers or d.chain.has_joint_stops
-    response.factorize(d, d.scratch.link_vector, d.scratch, response.SHIFTED, with_joints)
+    response.factorize_matrix(d, d.scratch.link_vector, d.scratch, response.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
     joints[0] *= d.chain.has_base_joint  # a free base is no joint
-    geometry.clear_loads_of(d, d.scratch.load)
+    geometry.clear_used_loads(d, d.scratch.load)
     for k in range(active):
-        geometry.add_along(geometry.normal_row(d, d.contacts.active_index[k]), d.scratch.load, impulse[k])
+        geometry.add_along_row(geometry.normal_row(d, d.contacts.active_index[k]), d.scratch.load, impulse[k])
     d.scratch.load.joint[:] += joints
     change = np.full(count + 2, np.nan)
-    compliance.solve_space(d, d.scratch.link_vector, d.scratch, response.SHIFTED, change)
+    compliance.solve_in_space(d, d.scratch.link_vector, d.scratch, response.SHIFTED, change)
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.chain.has_base_joint

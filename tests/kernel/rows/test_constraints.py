@@ -87,7 +87,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
         d.constraints.impedance[0] = amount
         compliance.factorize_contacts(d, HELD, d.constraints.impedance)
         compliance.solve_contacts(d, HELD, np.ones(len(d.constraints.impulse)), d.constraints.change)
-        moved = geometry.along(geometry.normal_row(d, c), d.scratch.place_change)
+        moved = geometry.dot(geometry.normal_row(d, c), d.scratch.place_change)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
         assert moved < 1e-5 * w[k, k]
         touch(d, CANDIDATES if base == "free" else [c - 1 for c in CANDIDATES])

@@ -8,16 +8,16 @@ import pytest
 from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.rows.geometry import (
-    NORMALS,
+    BOX_NORMALS,
     WALLS,
-    add_along,
+    add_along_row,
     add_impedance,
     add_joint_impedances,
     add_joint_loads,
-    along,
-    clear_loads_of,
+    clear_used_loads,
     clearance,
     coordinates_size,
+    dot,
     gap_acceleration,
     length_bound,
     lever_of_candidate,
@@ -70,7 +70,7 @@ def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
         assert d.candidate.offset[c] == pytest.approx(expected.offset, rel=1e-14, abs=1e-14)
         wall = d.candidate.wall[c]
         if wall < len(WALLS):  # walls of the box are exact
-            assert normal_row(d, c)[1:] == NORMALS[wall]
+            assert normal_row(d, c)[1:] == BOX_NORMALS[wall]
             assert abs(d.candidate.offset[c]) == abs(d.chain.box_wall[wall])
 
 
@@ -166,16 +166,16 @@ def assert_adjoint(d, rows, change):
     )
     turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
     for row in rows:
-        speed, force = along(row, motion), rng.normal()
+        speed, force = dot(row, motion), rng.normal()
         load.x[:] = load.y[:] = load.joint[:] = own.xx[:] = own.xy[:] = own.yy[:] = own.joint[:] = 9.0
-        clear_loads_of(d, load)
-        add_along(row, load, 0.25 * force)
-        add_along(row, load, 0.75 * force)
+        clear_used_loads(d, load)
+        add_along_row(row, load, 0.25 * force)
+        add_along_row(row, load, 0.75 * force)
         assert load.x @ motion.x + load.y @ motion.y == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
         add_joint_loads(d, load)
         power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        response.no_impedance(d, own)
+        response.clear_impedance(d, own)
         own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # no function reads these numbers
         add_impedance(row, own, 1.0)
         add_impedance(row, own, 1.5)
@@ -199,7 +199,7 @@ def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     change, bound = any_change(d), length_bound(d, d.scratch.place_change)
     rows = [normal_row(d, c) for c in range(d.candidates)]
     assert_adjoint(d, rows, change)
-    speeds = [along(row, d.scratch.place_change) for row in rows]
+    speeds = [dot(row, d.scratch.place_change) for row in rows]
     assert np.abs(speeds).max() <= bound
     np.testing.assert_allclose(speeds, differenced(d, y, change), rtol=0, atol=1e-6)
 

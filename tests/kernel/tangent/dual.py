@@ -26,7 +26,7 @@ class Dual:
     def dual_with_slope(self, number: float, slope: float) -> Dual:
         return Dual(number, slope * self.slope)
 
-    def with_slope(self, direction: int, slope: float) -> Dual:
+    def replace_slope(self, direction: int, slope: float) -> Dual:
         return Dual(self.value, [slope if k == direction else one for k, one in enumerate(self.slope)])
 
     def has_slope(self) -> bool:

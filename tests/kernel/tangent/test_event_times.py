@@ -50,23 +50,23 @@ def test_a_relatched_contact_is_late_by_speed_over_acceleration(monkeypatch, tan
 
 def test_a_function_of_the_motion_is_late_by_its_derivatives_over_its_rate(tangent):
     """φ = y₀² − 4 y₁ c: φ̇ = 2 y₀ ẏ₀ − 4 ẏ₁ c = 16 for c = 1, and φ′ = (4, −16)."""
-    after, rate_at_end = event_times.along_motion(
+    after, rate_at_end = event_times.make_motion_functions(
         lambda t, c: t.scratch.state[0] * t.scratch.state[0] - 4.0 * c * t.scratch.state[1]
     )
     rate = rate_at_end(tangent, 1)
     assert rate == pytest.approx(16.0, rel=1e-9)
-    value, slopes = parts(event_times.delay_along_motion(after)(tangent, 1, rate))
+    value, slopes = parts(event_times.make_delay(after)(tangent, 1, rate))
     assert value == pytest.approx(0.0, abs=1e-15)
     assert slopes == pytest.approx([-0.25, 1.0], rel=1e-9)
     # after two iterations an error of 1 % in the rate leaves an error of its square
-    _, slopes = parts(event_times.delay_along_motion(after)(tangent, 1, 1.01 * rate))
+    _, slopes = parts(event_times.make_delay(after)(tangent, 1, 1.01 * rate))
     assert slopes == pytest.approx([-0.25, 1.0], rel=2e-4)
 
 
 def test_an_event_without_a_rate_has_no_delay(tangent):
-    after, rate_at_end = event_times.along_motion(lambda t, _c: 0.0 * t.scratch.state[0] + 1.0)
+    after, rate_at_end = event_times.make_motion_functions(lambda t, _c: 0.0 * t.scratch.state[0] + 1.0)
     assert rate_at_end(tangent, 0) == 0.0
-    assert parts(event_times.delay_along_motion(after)(tangent, 0, math.inf))[1] == [0.0, 0.0]
+    assert parts(event_times.make_delay(after)(tangent, 0, math.inf))[1] == [0.0, 0.0]
     tangent.step.start = tangent.step.end
     assert rate_at_end(tangent, 0) == 0.0
 

@@ -118,7 +118,7 @@ def test_an_uncertain_start_of_sliding_matters_if_the_force_drops(monkeypatch, t
     margin_of(monkeypatch, t, rate)  # below √tolerance · 9 N · 2 rad/s
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
     speeds = []
-    monkeypatch.setattr(friction, "negligible", lambda _t, speed: speeds.append(speed.slope) or small)
+    monkeypatch.setattr(friction, "is_negligible", lambda _t, speed: speeds.append(speed.slope) or small)
     t.law.static_friction[1] = dual(static)
     delay = friction.delay_of_sliding(t, 1)
     assert (delay.value, delay.slope.tolist()) == (0.0, [0.0, 0.0])
@@ -142,16 +142,16 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
     """
     settling(monkeypatch, t, (1.0, 0.1))
     small = dual(0.0, 8e-3, 8e-5)
-    assert friction.negligible(t, small)
+    assert friction.is_negligible(t, small)
     assert t.trust.neglected == pytest.approx(4e-3)
-    assert friction.negligible(t, small)
-    assert not friction.negligible(t, small)
+    assert friction.is_negligible(t, small)
+    assert not friction.is_negligible(t, small)
     assert t.trust.neglected == pytest.approx(8e-3)
     t.trust.neglected = 0.0
-    assert not friction.negligible(t, dual(0.0, 1e-3, 4e-3))
+    assert not friction.is_negligible(t, dual(0.0, 1e-3, 4e-3))
     settling(monkeypatch, t, (1.0, 0.0))
-    assert not friction.negligible(t, dual(0.0, 0.0, 1e-9))
-    assert friction.negligible(t, dual(0.0, 0.0, 0.0))
+    assert not friction.is_negligible(t, dual(0.0, 0.0, 1e-9))
+    assert friction.is_negligible(t, dual(0.0, 0.0, 0.0))
     assert t.trust.neglected == 0.0
 
 
@@ -198,8 +198,8 @@ def test_elements_that_stop_together_do_so_for_each_parameter(monkeypatch, t, en
     for name in ("largest_slope", "largest_displacement", "fastest_speed"):
         monkeypatch.setattr(friction, name, lambda *_: 0.0)
     monkeypatch.setattr(friction, "rest_speed", lambda _t: 1e-12)
-    monkeypatch.setattr(friction, "pending_changes", lambda _t: 1)
-    monkeypatch.setattr(friction, "negligible", lambda *_: small)
+    monkeypatch.setattr(friction, "count_pending_changes", lambda _t: 1)
+    monkeypatch.setattr(friction, "is_negligible", lambda *_: small)
     monkeypatch.setattr(friction, "acceleration_may_be_error", lambda *_: slow)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
     assert ended == reasons
@@ -244,7 +244,7 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     for name in ("list_sticking", "rate_from_points", "accelerate_points", "clear_sticking_speeds"):
         monkeypatch.setattr(friction, name, lambda *_: None)
     monkeypatch.setattr(friction, "settling_time", lambda _t: 0.5)
-    monkeypatch.setattr(friction, "negligible", lambda *_: False)
+    monkeypatch.setattr(friction, "is_negligible", lambda *_: False)
     t.friction.stuck_count = 0
     t.element.mode_before, t.element.mode, t.element.chosen = [mode] * 3, [mode] * 3, [mode] * 3
     t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"

@@ -209,7 +209,7 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     t = SimpleNamespace(trust=SimpleNamespace(reason=reason), implicit=SimpleNamespace(z="z"))
     t.trial = SimpleNamespace(state="y")
     right = ["extend_start", "extrapolate_stages", "copy_stages", "copy_jacobian_data", "factorize_real"]
-    for name in [*right, "set_result", "project_clearances"]:
+    for name in [*right, "set_step_end", "project_clearances"]:
         monkeypatch.setattr(replay, name, lambda *_, name=name: called.append(name))
     monkeypatch.setattr(replay, "extended_size", lambda _: 12)
     monkeypatch.setattr(replay, "clearance_count", lambda _: contacts)
@@ -218,5 +218,5 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     replay.make_implicit(d, t, 0.1)
     if reason == trust.TRUSTED:
         right += ["iterate"] if converges else ["iterate", (trust.NOT_CONVERGED, trust.NO_IMPACT, 1.5)]
-    right += ["set_result", "project_clearances"] if contacts else ["set_result"]
+    right += ["set_step_end", "project_clearances"] if contacts else ["set_step_end"]
     assert called == right

@@ -135,10 +135,10 @@ def test_the_fraction_of_a_step_varies_with_the_step_and_the_time(regularized):
     state[clock], state[root] = 0.0, depth_root
 
     def plain(changed):
-        return dense.fraction(step_of(changed, regularized), 0.25 + elapsed)
+        return dense.fraction_at_time(step_of(changed, regularized), 0.25 + elapsed)
 
     t = step_of(numbers, regularized, lambda number, k: Dual(number, np.eye(numbers.size)[k]))
-    found = rules.fraction(t, 0.25 + elapsed)
+    found = rules.fraction_at_time(t, 0.25 + elapsed)
     assert found.value == pytest.approx(plain(numbers), abs=1e-15)
     steps = 1e-5 * np.eye(numbers.size)
     right = np.array([(plain(numbers + step) - plain(numbers - step)) / 2e-5 for step in steps])

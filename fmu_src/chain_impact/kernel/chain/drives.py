@@ -24,8 +24,8 @@ angle of link 1 from +x. A free base has no joint and no drive.
 
 import math
 
-from chain_impact.kernel.chain.slider import along_slider, slider_position
-from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
+from chain_impact.kernel.chain.slider import slider_component, slider_position
+from chain_impact.kernel.chain.state import FIRST_ANGLE, omega_at, relative_to_previous, velocity_at
 from chain_impact.kernel.function_marks import has_dual_rule
 
 # the largest excess of a drive's force F over the drive's limit that counts as round-off, relative to the
@@ -51,7 +51,7 @@ def is_slider(d, i):
     return i == d.links
 
 
-def along_drive(d, values, first, i):
+def drive_component(d, values, first, i):
     """Return the component of ``values`` along the coordinate of drive i.
 
     At a joint the result is the value of link i minus that of link i − 1, or the value of link 0 if i is 0;
@@ -59,8 +59,8 @@ def along_drive(d, values, first, i):
     of ``values``: 0 for coordinates in a state, velocity_at(N) for rates; the values of the links follow.
     """
     if is_slider(d, i):
-        return along_slider(d, values[first], values[first + 1])
-    return relative(values, first + ANGLES, i)
+        return slider_component(d, values[first], values[first + 1])
+    return relative_to_previous(values, first + FIRST_ANGLE, i)
 
 
 def spring_stretch(d, y, i):
@@ -71,7 +71,7 @@ def spring_stretch(d, y, i):
     """
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
-    return relative(y, ANGLES, i) - d.inputs.target[i]
+    return relative_to_previous(y, FIRST_ANGLE, i) - d.inputs.target[i]
 
 
 def coordinates_of_drive(d, y, i):
@@ -82,7 +82,7 @@ def coordinates_of_drive(d, y, i):
     """
     if is_slider(d, i):
         return abs(y[0]) + abs(y[1])
-    return abs(y[ANGLES + i]) + (abs(y[ANGLES + i - 1]) if i > 0 else 0.0)
+    return abs(y[FIRST_ANGLE + i]) + (abs(y[FIRST_ANGLE + i - 1]) if i > 0 else 0.0)
 
 
 def lever_of_drive(d, i):
@@ -152,7 +152,7 @@ def rotor_energy(d, y):
     """Return the kinetic energy [J] of the rotors, the sum of ½ I_a ψ̇² with the rates ψ̇ of the joints."""
     energy = 0.0
     for i in range(d.links):
-        rate = relative(y, omega_at(d.links), i)
+        rate = relative_to_previous(y, omega_at(d.links), i)
         energy += 0.5 * drive_inertia(d, i) * (rate * rate)
     return energy
 
@@ -231,7 +231,7 @@ def unlimited_force(d, y, i):
     """
     if i < first_joint(d):
         return 0.0
-    rate = along_drive(d, y, velocity_at(d.links), i) - d.inputs.target_velocity[i]
+    rate = drive_component(d, y, velocity_at(d.links), i) - d.inputs.target_velocity[i]
     return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - unlimited_spring_force(d, y, i)
 
 
@@ -251,7 +251,7 @@ def transmitted_moment(d, y, rate, i):
     F is the drive's torque, I_a the inertia of its rotor, and ψ̈ the angular acceleration of the joint in
     ``rate``, the rate ẏ of the state y.
     """
-    return drive_force(d, y, i) - drive_inertia(d, i) * relative(rate, omega_at(d.links), i)
+    return drive_force(d, y, i) - drive_inertia(d, i) * relative_to_previous(rate, omega_at(d.links), i)
 
 
 def drive_power(d, y, i):
@@ -260,7 +260,7 @@ def drive_power(d, y, i):
     For a passive drive the results leave out the spring, which stores energy; the equations add the spring's
     force (``passive_spring_force``). For a powered drive they contain the spring, and all power is supplied.
     """
-    rate = along_drive(d, y, velocity_at(d.links), i)
+    rate = drive_component(d, y, velocity_at(d.links), i)
     if is_powered(d, i):
         force = drive_force(d, y, i)
         return force, 0.0, force * rate

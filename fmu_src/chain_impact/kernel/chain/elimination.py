@@ -4,7 +4,7 @@ A revolute joint without a rotor transmits a force and, apart from its known tor
 of the chain at a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that joint: ``A``
 is a symmetric 2×2 articulated inertia, ``b`` collects the terms of ω², gravity, torques and contact forces.
 Appell's equation for α_i, ∂Z/∂α_i = 0 with the Gibbs function Z (docs/computation.md), eliminates α_i. For
-chains with armatures, see ``accelerations_with_armatures`` in rows/compliance.py.
+chains with armatures, see ``solve_accelerations_with_armatures`` in rows/compliance.py.
 
 A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
 equations remain. The accelerations are then computed from the middle outward. The two arms of the chain are
@@ -149,7 +149,7 @@ def accelerate_link(d, y, i, outward, ax, ay, rate):
     return (ax - w2 * lx) - a * ly, (ay - w2 * ly) + a * lx
 
 
-def accelerations(d, y, rate):
+def solve_accelerations(d, y, rate):
     """Solve the equations of motion for the accelerations under the loads in the record.
 
     Args:
@@ -164,14 +164,14 @@ def accelerations(d, y, rate):
     """
     # for a chain with a base joint ``middle`` is a constant, so the compiled code of this call is faster
     if d.chain.has_base_joint:
-        arms(d, y, rate, 0)
+        solve_along_arms(d, y, rate, 0)
     else:
-        arms(d, y, rate, d.links // 2)
+        solve_along_arms(d, y, rate, d.links // 2)
 
 
 @inlined
-def arms(d, y, rate, middle):
-    """Solve for the accelerations, as ``accelerations`` does, by elimination up to the joint ``middle``.
+def solve_along_arms(d, y, rate, middle):
+    """Solve for the accelerations, as ``solve_accelerations``, by elimination up to the joint ``middle``.
 
     The part of the chain on each side of this joint is an arm. If ``middle`` is 0, the base, there is only
     the arm that ends at the tip: for a pinned or sliding base, or a free chain of one link.

@@ -74,7 +74,7 @@ def corner_of_box(number, length, height):
 SAME_POINT = 1e-8
 
 
-def loose_links(chain, free_base):
+def find_loose_links(chain, free_base):
     """Return the first and last link of a sequence that can, in some positions, move without kinetic energy.
 
     The links of the sequence have no inertia; the module's docstring tells where a sequence begins and ends.

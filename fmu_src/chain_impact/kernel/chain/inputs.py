@@ -19,13 +19,13 @@ speed changes at a uniform rate to v + a h, and the position is the integral of 
 
 import math
 
-from chain_impact.kernel.chain.input_fields import CHANNEL, TARGET, input_field, is_used
+from chain_impact.kernel.chain.input_fields import CHANNEL, TARGET, input_field, may_change_in_piece
 from chain_impact.kernel.chain.prescribed_motion import move_channels
 from chain_impact.kernel.chain.signals import has_signal, signal_at
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
-DEGREE = 9  # the highest degree of the polynomials of a piece of the inputs
+INPUT_DEGREE = 9  # the highest degree of the polynomials of a piece of the inputs
 # values of given.pending beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
 # the next piece of the inputs continues the piece in use without a jump
 REINITIALIZE, CONTINUES = 1, 2
@@ -74,7 +74,7 @@ def apply_inputs(d):
         for m in range(used.degree + 1):
             d.channel.piece[m, j] = d.given_channel.piece[m, j]
     if d.signals > 0:
-        set_from_signals(d, d.step.end)
+        set_signal_inputs(d, d.step.end)
 
 
 def withdraw_request(d):
@@ -82,7 +82,7 @@ def withdraw_request(d):
     d.given.pending = 0
 
 
-def inputs_in_use(d):
+def are_inputs_in_use(d):
     """Return whether inputs, prescribed motions, and dampings and stiffnesses of drives are as given.
 
     The result is False if the inputs in use, or the given ones, are not constant.
@@ -112,7 +112,7 @@ def ensure_inputs(d, y):
     if d.inputs.piece.degree > 0:
         set_inputs(d, d.step.clock + y[time_at(d.links)])
     elif d.signals > 0:
-        set_from_signals(d, d.step.clock + y[time_at(d.links)])
+        set_signal_inputs(d, d.step.clock + y[time_at(d.links)])
 
 
 def set_inputs(d, time):
@@ -120,17 +120,17 @@ def set_inputs(d, time):
     piece = d.inputs.piece
     x = (time - piece.middle) * piece.scale
     for k in range(CHANNEL):
-        if is_used(d, k):
+        if may_change_in_piece(d, k):
             values, powers = input_field(d.inputs, k), input_field(piece, k)
             for j in range(len(values)):
-                values[j] = polynomial(powers, piece.degree, j, x)
+                values[j] = evaluate_polynomial(powers, piece.degree, j, x)
     if d.signals > 0:
-        set_from_signals(d, time)
+        set_signal_inputs(d, time)
     if d.channels > 0:
         move_channels(d, time)
 
 
-def set_from_signals(d, time):
+def set_signal_inputs(d, time):
     """Set the inputs that signals drive to their values at a ``time`` [s].
 
     If a signal drives the target of a drive, the signal's rate sets the target velocity. Prescribed motions
@@ -146,7 +146,7 @@ def set_from_signals(d, time):
             input_field(d.inputs, k + 1)[i] = rate
 
 
-def polynomial(powers, degree, i, x):
+def evaluate_polynomial(powers, degree, i, x):
     """Return the value at x of a polynomial of the given ``degree``, by Horner's scheme.
 
     Its coefficients are in column i of ``powers``: row k belongs to xᵏ.
@@ -220,7 +220,7 @@ def begin_prescribed_motions(d, time):
     piece.change_rate = 0.0
     given.jumps = 0
     for j in range(d.channels):
-        for m in range(DEGREE + 1):
+        for m in range(INPUT_DEGREE + 1):
             given.piece[m, j] = 0.0
         if given.belt[j]:
             given.piece[1, j] = given.velocity[j]

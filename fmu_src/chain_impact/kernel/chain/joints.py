@@ -24,7 +24,7 @@ carriage without mass, makes the bound infinite.
 import math
 
 from chain_impact.kernel.chain.drives import (
-    along_drive,
+    drive_component,
     drive_count,
     drive_inertia,
     drive_slopes,
@@ -32,7 +32,7 @@ from chain_impact.kernel.chain.drives import (
     load_drive,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, set_link_vectors
-from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
+from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix, solve_response
 from chain_impact.kernel.chain.sites import clear_link_moments
 
 
@@ -69,10 +69,10 @@ def largest_joint_rate(d, y):
     """
     set_link_vectors(d, y)
     scratch, fastest = d.scratch, 0.0
-    no_impedance(d, scratch.impedance)
+    clear_impedance(d, scratch.impedance)
     for i in range(d.links):
         scratch.impedance.joint[i] = drive_inertia(d, i)
-    factorize(d, scratch.link_vector, scratch, FREE, True)
+    factorize_matrix(d, scratch.link_vector, scratch, FREE, True)
     clear_vectors(d, scratch.load)
     clear_joints(scratch.load)
     clear_link_moments(d, scratch.load)
@@ -80,9 +80,9 @@ def largest_joint_rate(d, y):
         c, k = drive_slopes(d, y, i)
         if c > 0.0 or k > 0.0:
             load_drive(d, scratch.load, i, 1.0)
-            solve(d, scratch.link_vector, scratch, FREE, scratch.change)
+            solve_response(d, scratch.link_vector, scratch, FREE, scratch.change)
             load_drive(d, scratch.load, i, 0.0)
             # χ_iᵀ M⁻¹ χ_i, the change of the rate of the drive's coordinate by a unit impulse along it
-            mobility = along_drive(d, scratch.change, 0, i)
+            mobility = drive_component(d, scratch.change, 0, i)
             fastest = max(fastest, c * mobility, math.sqrt(k * mobility))
     return fastest

@@ -16,9 +16,9 @@ from chain_impact.kernel.chain.sites import (
     set_site_motions,
     site_place,
 )
-from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
+from chain_impact.kernel.chain.state import FIRST_ANGLE, omega_at, relative_to_previous, velocity_at
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
-from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sine, direction
+from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sine, unit_vector
 
 
 @has_dual_rule
@@ -29,9 +29,9 @@ def set_polar(radius, y, first, horizontal, vertical):
     the state, from index ``first`` on. The arrays of results have N or more entries.
     """
     count = len(radius)
-    if not in_sine_range(y, first, count):
+    if not is_in_sine_range(y, first, count):
         for i in range(count):
-            cosine, sine = direction(y[first + i])
+            cosine, sine = unit_vector(y[first + i])
             horizontal[i] = radius[i] * cosine
             vertical[i] = radius[i] * sine
         return
@@ -63,7 +63,7 @@ def copy_entries(y, first, count, out):
         out[i] = y[first + i]
 
 
-def in_sine_range(y, first, count):
+def is_in_sine_range(y, first, count):
     """Return whether ``count`` angles are surely in the range of ``cosine_and_sine``.
 
     The angles [rad] begin at index ``first`` of y. The result is True if the sum of their absolute values is
@@ -110,7 +110,7 @@ def locate_from_link_vectors(d, y):
         vy += omega * link.x[i]
     position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
     if d.chain.has_joint_places:
-        set_joint_places(d, y, ANGLES, position)
+        set_joint_places(d, y, FIRST_ANGLE, position)
         set_joint_places(d, y, omega_at(n), velocity)
     locate_sites(d, y, omega_at(n), position, velocity)
 
@@ -123,7 +123,7 @@ def set_joint_places(d, values, first, vectors):
     times the length of the longest link.
     """
     for i in range(d.links):
-        vectors.x[joint_place(d, i)] = d.chain.longest_link * relative(values, first, i)
+        vectors.x[joint_place(d, i)] = d.chain.longest_link * relative_to_previous(values, first, i)
 
 
 def accelerate_points(d, y, rate):
@@ -172,7 +172,7 @@ def set_link_vectors(d, y):
     Afterwards the positions, velocities and accelerations in ``scratch`` count as out of date.
     """
     note_points_elsewhere(d)
-    set_polar(d.chain.length, y, ANGLES, d.scratch.link_vector.x, d.scratch.link_vector.y)
+    set_polar(d.chain.length, y, FIRST_ANGLE, d.scratch.link_vector.x, d.scratch.link_vector.y)
 
 
 def note_points_at_end(d):
@@ -197,12 +197,12 @@ def move_points(d, link_vectors, change, response):
     x, y = change[0], change[1]
     for i in range(n):
         response.x[i], response.y[i] = x, y
-        x -= change[ANGLES + i] * link_vectors.y[i]
-        y += change[ANGLES + i] * link_vectors.x[i]
+        x -= change[FIRST_ANGLE + i] * link_vectors.y[i]
+        y += change[FIRST_ANGLE + i] * link_vectors.x[i]
     response.x[n], response.y[n] = x, y
     if d.chain.has_joint_places:
-        set_joint_places(d, change, ANGLES, response)
-    set_site_motions(d, link_vectors, change, ANGLES, response)
+        set_joint_places(d, change, FIRST_ANGLE, response)
+    set_site_motions(d, link_vectors, change, FIRST_ANGLE, response)
 
 
 def largest_component(d, vectors):
@@ -218,7 +218,7 @@ def largest_component(d, vectors):
     return most
 
 
-def at_center_of_mass(d, vectors, i):
+def vector_at_center_of_mass(d, vectors, i):
     """Return x and y of the position, velocity or acceleration of link i's centre of mass.
 
     Both follow from those of the two ends of the link, in ``vectors``.

@@ -1,11 +1,11 @@
 """The response of the chain to impulses: M + Jᵀ D J + K, eliminated by the recursion of chain/elimination.py.
 
-``factorize`` and ``solve`` solve linear systems with the matrix M + Jᵀ D J + K in O(N), for real, complex and
-dual numbers alike. M is the mass matrix. J maps rates of the coordinates to velocities of points and sites,
-and D are impedances (dampers) there. K = Σ κ_i χ_i χ_iᵀ, where κ_i is the resistance of joint i and χ_i the
-gradient of ω_i − ω_{i−1}. With the response Δ, joint i exerts the angular impulse κ_i (Δ_i − Δ_{i−1}) − μ_i
-against the change of its relative angular velocity; μ_i is a given impulse in the joint. A free base has no
-joint, so κ_1 = 0.
+``factorize_matrix`` and ``solve_response`` solve linear systems with the matrix M + Jᵀ D J + K in O(N), for
+real, complex and dual numbers alike. M is the mass matrix. J maps rates of the coordinates to velocities of
+points and sites, and D are impedances (dampers) there. K = Σ κ_i χ_i χ_iᵀ, where κ_i is the resistance of
+joint i and χ_i the gradient of ω_i − ω_{i−1}. With the response Δ, joint i exerts the angular impulse κ_i
+(Δ_i − Δ_{i−1}) − μ_i against the change of its relative angular velocity; μ_i is a given impulse in the
+joint. A free base has no joint, so κ_1 = 0.
 
 The response minimises the quadratic form ½ Δᵀ (M + Jᵀ D J + K) Δ minus the work of the loads. The links are
 eliminated one after another, from both ends of the chain to the middle joint. The outer part of the chain at
@@ -44,14 +44,14 @@ less than 122°, and no pivot vanishes.
 from chain_impact.kernel.chain.drives import joints_resist
 from chain_impact.kernel.chain.elimination import arm_of_link, hinge_inertia, inertia_along
 from chain_impact.kernel.chain.sites import has_link_moments, joint_place, site_arm, site_place
-from chain_impact.kernel.chain.state import ANGLES
+from chain_impact.kernel.chain.state import FIRST_ANGLE
 from chain_impact.kernel.function_marks import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
 """Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix, with armatures and, in a
 projection, with the resistances of contacts with a force law. HELD: the matrix of FREE plus Jᵀ D J with the
 impedances D of the constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
-SLOTS = 3
+SLOT_COUNT = 3
 
 
 @has_complex_rule
@@ -70,14 +70,14 @@ def complex_reciprocal(number):
 
 
 @has_complex_rule
-def cross(lx, ly, bx, by):
+def cross_product(lx, ly, bx, by):
     """Return L⊥·b for a link vector L and a vector b: the z component of the cross product L × b."""
     return lx * by - ly * bx
 
 
-def complex_cross(lx, ly, bx, by):
-    """Return L⊥·b for a complex b and a real L; in ``cross`` numba would convert L to complex numbers."""
-    return complex(cross(lx, ly, bx.real, by.real), cross(lx, ly, bx.imag, by.imag))
+def complex_cross_product(lx, ly, bx, by):
+    """Return L⊥·b for a complex b and a real L; in ``cross_product`` numba would make L complex."""
+    return complex(cross_product(lx, ly, bx.real, by.real), cross_product(lx, ly, bx.imag, by.imag))
 
 
 def complex_hinge_inertia(link, axx, axy, ayy):
@@ -91,12 +91,16 @@ def complex_hinge_inertia(link, axx, axy, ayy):
     return complex(hx, gx), complex(hy, gy), complex(about_joint, part)
 
 
-COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge_inertia: complex_hinge_inertia}
+COMPLEX_RULES = {
+    reciprocal: complex_reciprocal,
+    cross_product: complex_cross_product,
+    hinge_inertia: complex_hinge_inertia,
+}
 """Function of the kernel → the function that replaces it for complex numbers, which implicit steps use."""
 
 
-def no_impedance(d, impedance):
-    """Set all numbers of ``impedance`` that are used to zero; ``factorize`` describes them.
+def clear_impedance(d, impedance):
+    """Set all numbers of ``impedance`` that are used to zero; ``factorize_matrix`` describes them.
 
     These numbers are the impedances D at points and sites, and at the places of joints if joints have places
     (``xx`` only); and the resistances κ in all joints, if any joint may resist (``joints_resist``).
@@ -113,19 +117,19 @@ def no_impedance(d, impedance):
         impedance.joint[i] = 0.0
 
 
-def factorize(d, link_vectors, space, slot, coupled):
-    """Factorize M + Jᵀ D J + K for ``solve``: mass matrix, impedances D at points, resistances K of joints.
+def factorize_matrix(d, link_vectors, space, slot, coupled):
+    """Factorize M + Jᵀ D J + K: mass matrix, impedances D at points, resistances K of joints.
 
     Args:
         d: the instance.
         link_vectors: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         space: record of which two fields are used. ``impedance`` has D [kg] of each point and site as
             ``xx, xy, yy``, and κ_i [kg·m²] of each joint as ``joint``, shape (N,). ``factors`` gets the
-            result, which ``solve`` uses.
+            result, which ``solve_response`` uses.
         slot: the index in ``factors`` of this matrix: FREE, HELD or SHIFTED; for a complex matrix, the index
             of the complex shift.
         coupled: whether joints may transmit moments. If not, all resistances κ_i count as zero here, and all
-            angular impulses μ_i in ``solve``; both functions then take less time.
+            angular impulses μ_i in ``solve_response``; both functions then take less time.
     """
     n, middle, impedance = d.links, d.chain.meeting_joint, space.impedance
     space.factors.coupled[slot] = 1 if coupled else 0
@@ -133,7 +137,7 @@ def factorize(d, link_vectors, space, slot, coupled):
     cxx, cxy, cyy, fx, fy, q = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(n - middle):
         i, inner = n - 1 - k, k - (n - 2 * middle)
-        axx, axy, ayy, ex, ey, p = eliminate(
+        axx, axy, ayy, ex, ey, p = factorize_link(
             d, link_vectors, space, slot, coupled, i, True, impedance.joint[i], axx, axy, ayy, ex, ey, p
         )
         if inner >= 0:
@@ -141,13 +145,13 @@ def factorize(d, link_vectors, space, slot, coupled):
             resistance = 0.0 if last else impedance.joint[inner + 1]
             if last and coupled:
                 # The outward arm's term e·a α couples the motion a of the middle joint with the rotation α of
-                # link `inner`. `eliminate` needs this term in the motion a' of the link's outer joint:
+                # link `inner`. `factorize_link` needs this term in the motion a' of the link's outer joint:
                 # a = a' − α L⊥, so e·a α = e·a' α − e·L⊥ α². The last term adds −2 e·L⊥ to p, because Z has
                 # ½ p α². L leads from the middle joint to the outer joint, and the entry in ``link_vectors``
                 # the other way: L is minus this entry.
-                q += p + cross(2.0 * link_vectors.x[inner], 2.0 * link_vectors.y[inner], ex, ey)
+                q += p + cross_product(2.0 * link_vectors.x[inner], 2.0 * link_vectors.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
-            cxx, cxy, cyy, fx, fy, q = eliminate(
+            cxx, cxy, cyy, fx, fy, q = factorize_link(
                 d, link_vectors, space, slot, coupled, inner, False, resistance, cxx, cxy, cyy, fx, fy, q
             )
     axx = axx + cxx + impedance.xx[middle]
@@ -157,11 +161,12 @@ def factorize(d, link_vectors, space, slot, coupled):
 
 
 def copy_factors(d, coupled):
-    """Copy the mass matrix's factors that ``accelerations`` has stored to slot FREE of ``scratch.factors``.
+    """Copy the mass matrix's factors of ``solve_accelerations`` to slot FREE of ``scratch.factors``.
 
-    So ``solve`` can use the factors without a new factorization. ``coupled`` tells whether joints may
-    transmit moments, as for ``factorize``. In a chain with armatures, ``accelerations_with_armatures`` in
-    rows/compliance.py has set this slot, so the function does nothing.
+    So ``solve_response`` can use the factors without a new factorization. ``coupled`` tells whether joints
+    may transmit moments, as for ``factorize_matrix``. In a chain with armatures,
+    ``solve_accelerations_with_armatures`` in rows/compliance.py has set this slot, so the function does
+    nothing.
     """
     if d.chain.has_armatures:
         return
@@ -192,7 +197,7 @@ def set_middle_mobility(d, factors, slot, axx, axy, ayy):
 
 
 @inlined
-def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
+def factorize_link(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
     """Eliminate link i: return the articulated inertia at its inner joint (nearer to the middle joint).
 
     The arguments axx to p are the parts A, e and p (head of this module) of the articulated inertia at the
@@ -215,10 +220,10 @@ def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx
         xx, xy, yy = space.impedance.xx[k], space.impedance.xy[k], space.impedance.yy[k]
         # D r⊥, with the impedance D of the site and its arm r from the inner joint
         sx, sy = xy * rx - xx * ry, yy * rx - xy * ry
-        hx, hy, about_joint = hx + sx, hy + sy, about_joint + cross(rx, ry, sx, sy)
+        hx, hy, about_joint = hx + sx, hy + sy, about_joint + cross_product(rx, ry, sx, sy)
         axx, axy, ayy = axx + xx, axy + xy, ayy + yy
     if coupled:
-        hx, hy, about_joint = hx + ex, hy + ey, about_joint + (cross(2.0 * lx, 2.0 * ly, ex, ey) + p)
+        hx, hy, about_joint = hx + ex, hy + ey, about_joint + (cross_product(2.0 * lx, 2.0 * ly, ex, ey) + p)
         inverse = reciprocal(about_joint + resistance)
         coupling = resistance * inverse
         factors.coupling[slot, i], factors.complement[slot, i] = coupling, about_joint * inverse
@@ -232,18 +237,19 @@ def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx
     return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse, ex, ey, p
 
 
-def solve(d, link_vectors, space, slot, change):
+def solve_response(d, link_vectors, space, slot, change):
     """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i χ_i for the response Δ to impulses on points and in joints.
 
     Args:
         d: the instance.
-        link_vectors: as for ``factorize``.
-        space: record with the result of ``factorize``, and with ``load``. The load has the impulses ``x, y``
+        link_vectors: as for ``factorize_matrix``.
+        space: record with the result of ``factorize_matrix``, and with ``load``. The load has the impulses
+        ``x, y``
             on each point 0…N [N·s], the impulses μ_i in the joints, ``joint``, shape (N,) [N·m·s], and the
-            angular impulses τ_i on the links, ``link`` [N·m·s]. μ_i is read only if ``factorize`` has set
-            the slot with ``coupled`` true, τ_i only if ``has_link_moments`` is true. ``move_site_loads``
+            angular impulses τ_i on the links, ``link`` [N·m·s]. μ_i is read only if ``factorize_matrix`` has
+            set the slot with ``coupled`` true, τ_i only if ``has_link_moments`` is true. ``move_site_loads``
             must have replaced the loads at sites. If the load has forces and moments, Δ has accelerations.
-        slot: the index in ``factors`` of the matrix, as for ``factorize``.
+        slot: the index in ``factors`` of the matrix, as for ``factorize_matrix``.
         change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
             links' angular velocities [rad/s]. Further entries of the array stay as they are.
     """
@@ -292,7 +298,7 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
     by += space.load.y[point]
-    s = cross(sign * link_vectors.x[i], sign * link_vectors.y[i], bx, by)
+    s = cross_product(sign * link_vectors.x[i], sign * link_vectors.y[i], bx, by)
     if has_link_moments(d):
         s += space.load.link[i]
     if coupled:
@@ -300,7 +306,7 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
         # angular impulse at the inner joint: t = σ s − (1 − σ) μ, with σ = κ/(H + κ)
         t = factors.coupling[slot, i] * s - factors.complement[slot, i] * moment
         s += moment
-    change[ANGLES + i] = s * factors.inverse[slot, i]
+    change[FIRST_ANGLE + i] = s * factors.inverse[slot, i]
     # impulse at the inner joint: b = b' − h (s + μ)/(H + κ); here the variable ``s`` is the sum s + μ
     return bx - factors.gain_x[slot, i] * s, by - factors.gain_y[slot, i] * s, t
 
@@ -318,8 +324,8 @@ def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, 
     """
     factors, sign = space.factors, 1.0 if outward else -1.0
     # change of the link's angular velocity: α = (s + μ − h·a + κ β)/(H + κ)
-    alpha = change[ANGLES + i] - factors.gain_x[slot, i] * x - factors.gain_y[slot, i] * y
+    alpha = change[FIRST_ANGLE + i] - factors.gain_x[slot, i] * x - factors.gain_y[slot, i] * y
     if coupled:
         alpha += factors.coupling[slot, i] * before
-    change[ANGLES + i] = alpha
+    change[FIRST_ANGLE + i] = alpha
     return x - alpha * (sign * link_vectors.y[i]), y + alpha * (sign * link_vectors.x[i]), alpha

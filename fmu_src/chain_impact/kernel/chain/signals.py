@@ -18,9 +18,9 @@ as those of the position. The integrals of a sine are in sines.py.
 
 import math
 
-from chain_impact.kernel.chain.input_fields import CHANNEL, is_of_drive
-from chain_impact.kernel.chain.sines import TAU, sine_integral, sine_phase, smooth
-from chain_impact.kernel.mathematics.angles import direction
+from chain_impact.kernel.chain.input_fields import CHANNEL, acts_in_drive
+from chain_impact.kernel.chain.sines import TAU, sine_integral, sine_phase, smooth_ramp
+from chain_impact.kernel.mathematics.angles import unit_vector
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, the kind of a signal
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, the shape of a ramp
@@ -31,8 +31,8 @@ RAMP_DEGREE, SPLINE_DEGREE = 5, 3
 # the largest degree of a signal's polynomials: a ramp has degree 5, and is integrated twice if it is an
 # acceleration
 SIGNAL_DEGREE = RAMP_DEGREE + 2
-# the largest |first| and |second| derivative of ``smooth`` for x from 0 to 1
-STEEPEST, ROUNDEST = 1.875, 5.7735027
+# the largest |first| and |second| derivative of ``smooth_ramp`` for x from 0 to 1
+LARGEST_RAMP_SLOPE, LARGEST_RAMP_BEND = 1.875, 5.7735027
 
 
 def signal_at(d, j, time):
@@ -78,11 +78,11 @@ def sine_at(d, j, time):
     s = time - signal.start[i]
     rise = signal.rise[i] if signal.segment[j] == signal.first_knot[j] + 1 else 0.0
     rate, chirp = TAU * (signal.frequency[i] + signal.frequency_rate[i] * s), TAU * signal.frequency_rate[i]
-    cosine, sine = direction(sine_phase(d, i, s))
+    cosine, sine = unit_vector(sine_phase(d, i, s))
     a = signal.amplitude[i]
     u, v, w = a * sine, a * rate * cosine, a * (chirp * cosine - rate * rate * sine)
     if rise > 0.0:
-        r, slope, curve = smooth(s / rise)
+        r, slope, curve = smooth_ramp(s / rise)
         slope, curve = slope / rise, curve / (rise * rise)
         u, v, w = r * u, r * v + slope * u, r * w + 2.0 * slope * v + curve * u
     for m in range(1, signal.integrals[j] + 1):
@@ -111,8 +111,8 @@ def signal_bounds(d, j):
         i, size = signal.source[j], abs(signal.amplitude[signal.source[j]])
         w, chirp = largest_frequency(d, j), TAU * abs(signal.frequency_rate[i])
         rises = signal.segment[j] == signal.first_knot[j] + 1 and signal.rise[i] > 0.0
-        slope = STEEPEST / signal.rise[i] if rises else 0.0
-        curve = ROUNDEST / (signal.rise[i] * signal.rise[i]) if rises else 0.0
+        slope = LARGEST_RAMP_SLOPE / signal.rise[i] if rises else 0.0
+        curve = LARGEST_RAMP_BEND / (signal.rise[i] * signal.rise[i]) if rises else 0.0
         if signal.integrals[j] == 0:
             rate += size * (w + slope)
             bend += size * (w * w + chirp + 2.0 * slope * w + curve)
@@ -137,19 +137,19 @@ def largest_frequency(d, j):
     return TAU * max(abs(begin), abs(end))
 
 
-def moves_base(d, j):
+def drives_base(d, j):
     """Return whether signal j drives a prescribed motion of the base."""
     return d.chain.base_moves and d.signal.input[j] == CHANNEL and d.signal.index[j] < 2
 
 
 def acts_in_limited_drive(d, j):
     """Return whether signal j drives the motor, the target or the target velocity of a drive with a limit."""
-    return is_of_drive(d.signal.input[j]) and d.drive.torque_limit[d.signal.index[j]] < math.inf
+    return acts_in_drive(d.signal.input[j]) and d.drive.torque_limit[d.signal.index[j]] < math.inf
 
 
-def moves_base_as_sine(d, j):
+def drives_base_as_sine(d, j):
     """Return whether signal j is a sine that has begun, and drives a prescribed motion of the base."""
-    return is_sine(d, j) and moves_base(d, j)
+    return is_sine(d, j) and drives_base(d, j)
 
 
 def signal_rate(d, j):
@@ -170,7 +170,7 @@ def signal_rate(d, j):
     return 0.0
 
 
-def largest_rate(acts):
+def make_largest_rate(acts):
     """Return a function for the largest ``signal_rate`` [rad/s] of the signals for which ``acts`` is true.
 
     The returned function takes an instance; without such a signal, its result is 0. ``acts`` takes the
@@ -187,9 +187,9 @@ def largest_rate(acts):
     return rate
 
 
-rate_of_signals = largest_rate(lambda _d, _j: True)
-rate_in_limited_drives = largest_rate(acts_in_limited_drive)
-rate_of_base = largest_rate(moves_base_as_sine)
+rate_of_signals = make_largest_rate(lambda _d, _j: True)
+rate_in_limited_drives = make_largest_rate(acts_in_limited_drive)
+rate_of_base = make_largest_rate(drives_base_as_sine)
 
 
 def travel_of_sines(d):
@@ -283,9 +283,9 @@ def derive_signals(d, time):
                 set_constant_knot(d, k + n, d.knot.given_time[given], d.knot.given_value[given])
         if signal.form[j] != TABLE:
             for _ in range(signal.order[j]):
-                integrate(d, j, time)
+                integrate_signal(d, j, time)
         begin_signal(d, j, time)
-        if signal.order[j] > 0 and moves_base(d, j):
+        if signal.order[j] > 0 and drives_base(d, j):
             signal.begin[j] = d.initial.position[signal.index[j]]
 
 
@@ -321,7 +321,7 @@ def derive_sine(d, i, k):
     """
     signal = d.signal
     rises = signal.rise[i] > 0.0
-    _, sine = direction(signal.phase[i])
+    _, sine = unit_vector(signal.phase[i])
     before = signal.mean[i] + (0.0 if rises else signal.amplitude[i] * sine)
     set_constant_knot(d, k, signal.start[i], before)
     set_constant_knot(d, k + 1, signal.start[i], signal.mean[i])
@@ -353,7 +353,7 @@ def derive_ramp(d, i, k, shape):
     set_constant_knot(d, k + 2, start + lasts, signal.final[i])
 
 
-def integrate(d, j, time):
+def integrate_signal(d, j, time):
     """Replace the polynomials of signal j by their integrals; the whole signal becomes 0 at a ``time`` [s].
 
     ``sine_at`` adds the integral of a sine; the polynomials' constants keep the sum continuous at knots.

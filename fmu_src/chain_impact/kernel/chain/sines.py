@@ -31,25 +31,26 @@ quadrature.
 
 import math
 
-from chain_impact.kernel.mathematics.angles import direction
+from chain_impact.kernel.mathematics.angles import unit_vector
 
 TAU = 2.0 * math.pi
-RISING = 5  # degree of the polynomial of the smooth ramp from 0 to 1, see ``smooth``
+SMOOTH_RAMP_DEGREE = 5  # degree of the polynomial of the smooth ramp from 0 to 1, see ``smooth_ramp``
 # The continued fraction is used up to |y| = NEAR_TURNING_POINT, y = g/ω², with the angular frequency ω and
 # its rate g. Where |y| is larger, the phase is within 4 rad, 1/(2 NEAR_TURNING_POINT), of its value at the
 # time of frequency 0.
 NEAR_TURNING_POINT = 0.125
-# The largest number of levels of the continued fraction is DEPTH + DEEPER |y| without a rise, and
-# DEPTH_OF_RISE + DEEPER |y| in a rise, with y = g/ω², the angular frequency ω and its rate g. With fewer
-# levels the 2-fold integral E_2 of e^{iΦ} would lose digits, and in a rise E_7.
-DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
+# The largest number of levels of the continued fraction is FRACTION_DEPTH + FRACTION_DEPTH_GROWTH |y| without
+# a rise, and FRACTION_DEPTH_IN_RISE + FRACTION_DEPTH_GROWTH |y| in a rise, with y = g/ω², the angular
+# frequency ω and its rate g. With fewer levels the 2-fold integral E_2 of e^{iΦ} would lose digits, and in a
+# rise E_7.
+FRACTION_DEPTH, FRACTION_DEPTH_IN_RISE, FRACTION_DEPTH_GROWTH = 12, 30, 900.0
 # levels are added to the continued fraction until its relative error is at most FRACTION_ERROR, or their
 # number is the largest
 FRACTION_ERROR = 1e-17
 # LARGEST_TURN: if the phase turns by at most LARGEST_TURN [rad] in a rise, the integral is computed by
 # quadrature; if the phase turns more, the terms c_k E_{m+k} hardly cancel, and no quadrature is needed.
-# PANEL: the largest turn [rad] in one panel of a quadrature.
-LARGEST_TURN, PANEL = 24.0, 6.0
+# PANEL_TURN: the largest turn [rad] in one panel of a quadrature.
+LARGEST_TURN, PANEL_TURN = 24.0, 6.0
 # the nodes and weights of Gauss–Legendre quadrature on [0, 1]
 # fmt: off
 GAUSS_NODES = (0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
@@ -61,7 +62,7 @@ GAUSS_WEIGHTS = (0.023587668193255914, 0.05346966299765921, 0.08003916427167311,
 # fmt: on
 
 
-def smooth(x):
+def smooth_ramp(x):
     """Return the ramp 10 x³ − 15 x⁴ + 6 x⁵, from 0 at x = 0 to 1 at x = 1, and its first two derivatives."""
     y = 1.0 - x
     return x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * y * y, 60.0 * x * y * (1.0 - 2.0 * x)
@@ -83,11 +84,11 @@ def sine_integral(d, i, m, s, rise):
     omega = begin + g * s
     if rise > 0.0 and max(abs(begin), abs(begin + g * rise)) * rise <= LARGEST_TURN:
         return integral_by_quadrature(d, i, m, s, rise)
-    cosine, sine = direction(sine_phase(d, i, s))
+    cosine, sine = unit_vector(sine_phase(d, i, s))
     begins_up = begin > 0.0 or (begin == 0.0 and g > 0.0)
     if not abs(g) <= NEAR_TURNING_POINT * omega * omega:
         middle, u, v = integral_at_standstill(d, i, begins_up)
-        u, v = fresnel(middle, omega / g, g, u, v)
+        u, v = add_fresnel_integral(middle, omega / g, g, u, v)
         return integral_by_recurrence(m, (cosine, sine, u, v), (omega, g), s, rise)
     u, v = integral_by_fraction(m, (omega, g), s, rise)
     total = sine * u + cosine * v
@@ -106,9 +107,9 @@ def integral_by_fraction(m, rates, s, rise):
     """
     omega, g = rates
     y = g / (omega * omega)
-    last = m + 1 + (RISING if rise > 0.0 else 0)
+    last = m + 1 + (SMOOTH_RAMP_DEGREE if rise > 0.0 else 0)
     depth, error = last, 1.0
-    most = (DEPTH_OF_RISE if rise > 0.0 else DEPTH) + DEEPER * abs(y)
+    most = (FRACTION_DEPTH_IN_RISE if rise > 0.0 else FRACTION_DEPTH) + FRACTION_DEPTH_GROWTH * abs(y)
     while error > FRACTION_ERROR and depth < most:
         depth += 1
         # the error of a level K_n/K_{n−1} of the fraction is at most n |y| times the error of the next level
@@ -135,7 +136,7 @@ def integral_by_recurrence(m, first, rates, s, rise):
     u, v, next_u, next_v = first
     omega, g = rates
     total = rise_coefficient(m, 0, s, rise) * next_v if m == 1 else 0.0 * next_v
-    for n in range(1, m + (RISING if rise > 0.0 else 0)):
+    for n in range(1, m + (SMOOTH_RAMP_DEGREE if rise > 0.0 else 0)):
         after_u, after_v = (omega * next_u - v) / (n * g), (omega * next_v + u) / (n * g)
         u, v, next_u, next_v = next_u, next_v, after_u, after_v
         if n + 1 >= m:
@@ -152,7 +153,7 @@ def rise_coefficient(m, k, s, rise):
     if not rise > 0.0:
         return 1.0 + 0.0 * s
     x = s / rise
-    r, slope, curve = smooth(x)
+    r, slope, curve = smooth_ramp(x)
     if k == 1:
         r = slope
     elif k == 2:
@@ -183,11 +184,11 @@ def integral_at_standstill(d, i, begins_up):
     middle = signal.phase[i] - 0.5 * TAU * signal.frequency[i] * signal.frequency[i] / rate
     sign = 1.0 if rate > 0.0 else -1.0
     size = (-0.5 if begins_up else 0.5) * sign / math.sqrt(abs(rate))
-    cosine, sine = direction(middle + sign * 0.25 * math.pi)
+    cosine, sine = unit_vector(middle + sign * 0.25 * math.pi)
     return middle, size * cosine, size * sine
 
 
-def fresnel(middle, since, g, u, v):
+def add_fresnel_integral(middle, since, g, u, v):
     """Add to u and v the real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt from t = 0 to ``since`` [s].
 
     ``middle`` is the phase Φ* [rad] at the time s* of frequency zero, ``since`` the time since s*, and ``g``
@@ -195,7 +196,7 @@ def fresnel(middle, since, g, u, v):
     """
     for n in range(len(GAUSS_NODES)):
         t = since * GAUSS_NODES[n]
-        cosine, sine = direction(middle + 0.5 * g * t * t)
+        cosine, sine = unit_vector(middle + 0.5 * g * t * t)
         u += GAUSS_WEIGHTS[n] * since * cosine
         v += GAUSS_WEIGHTS[n] * since * sine
     return u, v
@@ -212,14 +213,14 @@ def integral_by_quadrature(d, i, m, s, rise):
     # panels
     turn = min(LARGEST_TURN, max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s))
     panels = 1
-    while panels * PANEL < turn:
+    while panels * PANEL_TURN < turn:
         panels += 1
     total = 0.0 * s
     for panel in range(panels):
         for n in range(len(GAUSS_NODES)):
             t = s * ((panel + GAUSS_NODES[n]) / panels)
-            r, _, _ = smooth(t / rise)
-            _, sine = direction(sine_phase(d, i, t))
+            r, _, _ = smooth_ramp(t / rise)
+            _, sine = unit_vector(sine_phase(d, i, t))
             for _ in range(1, m):
                 r *= s - t
             total += GAUSS_WEIGHTS[n] / panels * s * r * sine

@@ -14,18 +14,18 @@ with m the mass of the carriage, g gravity, f the load on the base, and F the fo
 from chain_impact.kernel.chain.state import velocity_at
 
 
-def along_slider(d, vector_x, vector_y):
+def slider_component(d, vector_x, vector_y):
     """Return the component, along the slider's line, of the vector (``vector_x``, ``vector_y``)."""
     return d.slider.ux * vector_x + d.slider.uy * vector_y
 
 
 def slider_position(d, y):
     """Return the coordinate s [m] of the slider in the state y: 0 at the initial position of the base."""
-    return along_slider(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
+    return slider_component(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
 
 
 def carriage_energy(d, y):
     """Return the kinetic and the potential energy [J] of the carriage in the state y."""
     first, gravity = velocity_at(d.links), d.chain.gravity
-    rate = along_slider(d, y[first], y[first + 1])
+    rate = slider_component(d, y[first], y[first + 1])
     return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

@@ -13,7 +13,7 @@ step [s].
 from chain_impact.kernel.function_marks import inlined
 
 # index of the first angle in y, and in a vector of changes of the coordinates; the base's x and y come before
-ANGLES = 2
+FIRST_ANGLE = 2
 
 
 def coordinate_count(n):
@@ -57,7 +57,7 @@ def state_size(n):
 
 
 @inlined
-def relative(values, first, i):
+def relative_to_previous(values, first, i):
     """Return the angle of link i relative to link i − 1, or this angle's rate or change; i counts from 0.
 
     ``values`` has the angles of all links from +x, or their rates or changes, from index ``first`` on. For

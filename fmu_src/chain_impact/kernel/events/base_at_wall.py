@@ -2,19 +2,19 @@
 
 The distance g of the base from a wall follows from the prescribed motions of both alone
 (chain/prescribed_motion.py). The search is like that of crossing.py. With a bound |g̈| ≤ A over an interval
-of width w, g lies below its chord by at most A w²/8. An interval in which g may therefore fall to −OVERLAP is
-halved. So the search also finds a wall that passes the base within a step and comes back.
+of width w, g lies below its chord by at most A w²/8. An interval in which g may therefore fall to
+−ALLOWED_OVERLAP is halved. So the search also finds a wall that passes the base within a step and comes back.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.prescribed_motion import move_channels
-from chain_impact.kernel.cost import cost_exceeded, count_other_cost
+from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES
-from chain_impact.kernel.ode.dense import fraction
+from chain_impact.kernel.ode.dense import fraction_at_time
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
-from chain_impact.kernel.rows.geometry import OVERLAP, base_clearance, faces_base
+from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, base_clearance, faces_base
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
 
 
@@ -30,36 +30,37 @@ def end_where_wall_meets_base(d):
     if reached < d.step.end:
         drop_events(d)
         ensure_dense(d, SOLVER)
-        truncate_step(d, fraction(d, reached))
+        truncate_step(d, fraction_at_time(d, reached))
     locate_points(d, d.step.state_end)
 
 
 def check_base_at_walls(d):
     """Return BASE_BEYOND_WALL if the pinned base is beyond a wall at the end of the last step, else OK.
 
-    The base is beyond the wall if ``base_clearance`` is below −OVERLAP/2.
+    The base is beyond the wall if ``base_clearance`` is below −ALLOWED_OVERLAP/2.
     """
     move_channels(d, d.step.end)
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
-        # if ``end_where_wall_meets_base`` has cut the step, the clearance is −OVERLAP up to round-off; the
-        # limit −OVERLAP/2 leaves a margin for this round-off
-        if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
+        # if ``end_where_wall_meets_base`` has cut the step, the clearance is −ALLOWED_OVERLAP up to
+        # round-off; the limit −ALLOWED_OVERLAP/2 leaves a margin for this round-off
+        if faces_base(d, c) and base_clearance(d, c) < -0.5 * ALLOWED_OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK
 
 
 def overlap_margin(d, c, time):
-    """Return ``base_clearance`` from the wall of candidate c at a ``time`` [s], plus OVERLAP [m].
+    """Return ``base_clearance`` from the wall of candidate c at a ``time`` [s], plus ALLOWED_OVERLAP [m].
 
-    The result is < 0 if the base is deeper in the wall than OVERLAP. Base and walls move to this time.
+    The result is < 0 if the base is deeper in the wall than ALLOWED_OVERLAP. Base and walls move to this
+    time.
     """
     move_channels(d, time)
     count_other_cost(d, 1)
-    return base_clearance(d, c) + OVERLAP
+    return base_clearance(d, c) + ALLOWED_OVERLAP
 
 
 def time_of_meeting(d, c, until):
-    """Return the first time [s] in the last step at which ``base_clearance`` from a wall falls to −OVERLAP.
+    """Return the first time [s] in the last step at which ``base_clearance`` falls to −ALLOWED_OVERLAP.
 
     The wall is that of candidate c. The result is ``until`` [s] if the clearance does not fall so far before
     ``until``, and a time without meaning if the cost exceeds the limit, which ends the run.
@@ -67,12 +68,12 @@ def time_of_meeting(d, c, until):
     _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until
     at_a, at_b = overlap_margin(d, c, a), overlap_margin(d, c, b)
-    while at_a >= 0.0 and not cost_exceeded(d):
+    while at_a >= 0.0 and not is_cost_exceeded(d):
         width = b - a
         sag = acceleration * width * width / 8.0
-        # with a sag below OVERLAP the clearance g falls through −OVERLAP at most once in the interval, up to
-        # round-off
-        short = sag < OVERLAP
+        # with a sag below ALLOWED_OVERLAP the clearance g falls through −ALLOWED_OVERLAP at most once in the
+        # interval, up to round-off
+        short = sag < ALLOWED_OVERLAP
         if short and at_b < 0.0:
             return time_of_passage(d, c, a, b)
         if short or min(at_a, at_b) >= sag:
@@ -86,7 +87,7 @@ def time_of_meeting(d, c, until):
 
 
 def time_of_passage(d, c, a, b):
-    """Return the time [s] between a and b at which ``base_clearance`` from c's wall falls to −OVERLAP.
+    """Return the time [s] between a and b at which ``base_clearance`` falls to −ALLOWED_OVERLAP.
 
     The clearance is larger at a and smaller at b. The time is found by halving of the interval.
     """

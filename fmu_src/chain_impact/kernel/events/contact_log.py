@@ -4,21 +4,21 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.cost import count_evaluations, counted_cost, uncount_cost
+from chain_impact.kernel.cost import count_evaluations, read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark_contact_event
 from chain_impact.kernel.forces.active_contacts import (
     contact_force,
     contact_slopes,
-    deactivate,
-    set_extremes,
-    set_rates,
+    deactivate_candidate,
+    set_contact_extremes,
+    set_start_rates,
 )
 from chain_impact.kernel.ode.dense import (
     commit_quadratures,
     event_fraction,
-    fraction,
-    interpolate,
+    fraction_at_time,
+    interpolate_state,
 )
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import (
@@ -31,7 +31,12 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.ode.maximum import maximum_of
 from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import at_joint_stop, clearance, gap_acceleration, lever_of_candidate
+from chain_impact.kernel.rows.geometry import (
+    clearance,
+    gap_acceleration,
+    is_at_joint_stop,
+    lever_of_candidate,
+)
 from chain_impact.kernel.transmitted_forces import raise_joint_force_peaks
 
 # number of samples of a constraint force over a step; the two ends of the step are among the samples
@@ -63,8 +68,8 @@ def update_extremes(d):
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
         peak, depth, _ = find_peaks(d, c, force_rate, d.step.end, SOLVER)
-        set_extremes(d, c, peak, depth)
-        set_rates(d, c, -gap_rate, force_rate)
+        set_contact_extremes(d, c, peak, depth)
+        set_start_rates(d, c, -gap_rate, force_rate)
     ensure_points(d)
 
 
@@ -81,11 +86,13 @@ def find_peaks(d, c, force_rate, time, reader):
     peak, depth = max(contacts.peak_force[c], force), max(contacts.max_penetration[c], -gap)
     # force and penetration have a maximum inside the step if their rates fall through zero
     force_peaked = contacts.force_rate[c] > 0.0 and force_rate <= 0.0
-    depth_peaked = contacts.penetration_rate[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
+    depth_peaked = (
+        contacts.penetration_rate[c] > 0.0 and gap_rate >= 0.0 and not penetration_turns_at_end(d, c)
+    )
     if force_peaked or depth_peaked:
         ensure_dense(d, reader)
     first = event_fraction(d)
-    reach = 0.5 * (fraction(d, time) - first) if force_peaked or depth_peaked else 0.0
+    reach = 0.5 * (fraction_at_time(d, time) - first) if force_peaked or depth_peaked else 0.0
     middle = first + reach
     if force_peaked:
         peak = max(peak, largest_force(d, c, middle, reach, middle + reach))
@@ -94,7 +101,7 @@ def find_peaks(d, c, force_rate, time, reader):
     return peak, depth, force_peaked or depth_peaked
 
 
-def turns_at_end(d, c):
+def penetration_turns_at_end(d, c):
     """Return whether candidate c's law damps on approach only and the last step ends at this law's kink.
 
     At the kink the rate of the penetration is 0. If the point has approached until then, the penetration is
@@ -108,10 +115,10 @@ def update_held_extremes(d):
     step, samples = d.step, d.constraints.sample
     ensure_dense(d, SOLVER)
     first = event_fraction(d)
-    length = fraction(d, step.end) - first
+    length = fraction_at_time(d, step.end) - first
     for j in range(HELD_SAMPLES):
         theta = first + length * j / (HELD_SAMPLES - 1)
-        interpolate(step, theta, d.scratch.state)
+        interpolate_state(step, theta, d.scratch.state)
         rate_from_state(d, d.scratch.state, d.scratch.rate)
         refine_rate(d, theta, d.scratch.state, d.scratch.rate)
         for k in range(d.contacts.compliant_count, d.contacts.active_count):
@@ -120,7 +127,7 @@ def update_held_extremes(d):
             peak, bend = right, left - 2.0 * top + right
             if j >= 2 and top > max(left, right):
                 peak = top - (right - left) * (right - left) / (8.0 * bend)
-            set_extremes(d, c, max(d.contacts.peak_force[c], peak), d.contacts.max_penetration[c])
+            set_contact_extremes(d, c, max(d.contacts.peak_force[c], peak), d.contacts.max_penetration[c])
             samples[0, k], samples[1, k] = top, right
     count_evaluations(d, HELD_SAMPLES)
 
@@ -136,13 +143,13 @@ def update_instance_to_communication_point(d):
 
     The cost does not count, because the caller, not the motion, chooses the communication point.
     """
-    counted = counted_cost(d)
+    counted = read_cost_counts(d)
     end_at_communication_point(d)
     ensure_rate(d)
     update_peaks(d)
     commit_quadratures(d)
-    log_active(d)
-    uncount_cost(d, counted)
+    log_active_contacts(d)
+    restore_cost_counts(d, counted)
 
 
 def end_at_communication_point(d):
@@ -171,7 +178,7 @@ def list_latest(d):
     if latest.requested == 0 or (d.contacts.active_count == 0 and latest.listed == rows):
         return
     latest.listed = rows if d.contacts.active_count == 0 else -1
-    theta, time = fraction(d, d.step.communication_point), d.step.communication_point
+    theta, time = fraction_at_time(d, d.step.communication_point), d.step.communication_point
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
         _, gap_rate = clearance(d, c)
@@ -179,7 +186,7 @@ def list_latest(d):
         if not d.law.impulsive[c]:
             peak, depth, elsewhere = find_peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
             if elsewhere:
-                interpolate(d.step, theta, d.scratch.state)
+                interpolate_state(d.step, theta, d.scratch.state)
                 locate_points(d, d.scratch.state)
         log_contact(d, c, rows, time, gap_rate, peak, depth, d.output.impulse[c])
         rows += 1
@@ -217,7 +224,7 @@ def penetration_at(d, c, theta):
 
 def clearance_at(d, c, theta):
     """Return the clearance [m] of candidate c, and its rate [m/s], at the fraction θ of the last step."""
-    interpolate(d.step, theta, d.scratch.state)
+    interpolate_state(d.step, theta, d.scratch.state)
     locate_points(d, d.scratch.state)
     return clearance(d, c)
 
@@ -236,7 +243,7 @@ def clear_log(d):
         latest.peak_force[row], latest.max_penetration[row], latest.impulse[row] = 0.0, 0.0, 0.0
 
 
-def collect(d):
+def mark_collected(d):
     """Record that the caller has collected all contacts that have ended."""
     d.contact_log.collected = d.contact_log.count
 
@@ -251,10 +258,10 @@ def end_contact(d, c, was_rigid):
     # a point leaves a rigid wall with a rate of 0 or more, so a negative rate is round-off
     log_with_peaks(d, c, d.contact_log.count, d.step.end, max(0.0, gap_rate) if was_rigid else gap_rate)
     d.contact_log.count += 1
-    deactivate(d, c)
+    deactivate_candidate(d, c)
 
 
-def log_active(d):
+def log_active_contacts(d):
     """Log the active contacts after the ended contacts, without an end time and without counting them.
 
     In a full log this overwrites the oldest entries.
@@ -275,7 +282,7 @@ def log_with_peaks(d, c, row, end, separation_speed):
     contacts, peaks, arm = d.contacts, d.peaks, lever_of_candidate(d, c)
     force, depth = contacts.peak_force[c], contacts.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.integral[c])
-    if not at_joint_stop(d, c):
+    if not is_at_joint_stop(d, c):
         peaks.force = max(peaks.force, force)
         peaks.penetration = max(peaks.penetration, depth)
     else:

@@ -19,25 +19,21 @@ from chain_impact.kernel.chain import prescribed_motion
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.sites import site_of_point
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
-from chain_impact.kernel.cost import cost_exceeded, count_other_cost
+from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.events.exclusion import begin_next_interval, set_clearance, sundman_u_now
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark_contact_event
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.collocation import bound_curvatures
 from chain_impact.kernel.ode.control import IMPLICIT
-from chain_impact.kernel.ode.dense import (
-    interpolate,
-    rate_bounds,
-    rate_bounds_along,
-)
+from chain_impact.kernel.ode.dense import interpolate_state, rate_bounds, rate_bounds_along
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
-from chain_impact.kernel.rows.geometry import at_joint_stop, at_wall, normal_row
+from chain_impact.kernel.rows.geometry import is_at_joint_stop, is_at_wall, normal_row
 
-FINEST_RESOLUTION = 1e-15  # the finest resolution of ``first_passage``, as a fraction of a step
+FINEST_RESOLUTION = 1e-15  # the finest resolution of ``make_passage_search``, as a fraction of a step
 
 
-def first_passage(function, samples, resolution):
+def make_passage_search(function, samples, resolution):
     """Return a function that searches a step for the first θ at which ``function`` falls below zero.
 
     Args:
@@ -86,12 +82,12 @@ def first_passage(function, samples, resolution):
     return passage
 
 
-def locate_at(d, theta):
+def locate_at_fraction(d, theta):
     """Set ``scratch.state`` to the state at θ of the last step, 0 ≤ θ ≤ 1, and locate the points there."""
     count_other_cost(d, 1)
     if 0.0 < theta < 1.0:
         ensure_dense(d, SOLVER)
-        interpolate(d.step, theta, d.scratch.state)
+        interpolate_state(d.step, theta, d.scratch.state)
     else:
         for j in range(len(d.scratch.state)):
             d.scratch.state[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
@@ -121,7 +117,7 @@ def find_crossing(d):
     start must be set.
     """
     a, b = 0.0, 1.0
-    while not cost_exceeded(d):
+    while not is_cost_exceeded(d):
         measure_clearances(d, b)
         verdict = check_interval(d, a, b)
         if verdict == SPLIT:
@@ -206,7 +202,7 @@ def skims_wall(d, c, width):
     )
 
 
-def nearly_linear(d, c, part):
+def is_nearly_linear(d, c, part):
     """Return whether φ of candidate c is linear, up to round-off, in an interval of the step.
 
     ``part`` is the length of the interval, as a fraction of the step.
@@ -253,7 +249,7 @@ def find_root(d, c, a, b):
     no iteration. If φ does not rise at a, the result is a. If φ rises at a and is linear in [a, b] up to
     round-off, the result is b.
     """
-    if d.search.phi_start[c] <= 0.0 and (d.search.phi_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
+    if d.search.phi_start[c] <= 0.0 and (d.search.phi_start_rate[c] <= 0.0 or is_nearly_linear(d, c, b - a)):
         theta = a if d.search.phi_start_rate[c] <= 0.0 else b
         measure_clearances(d, theta)
         return theta
@@ -273,10 +269,10 @@ def find_root(d, c, a, b):
             # this end by halving only
             break
         theta = next_guess(low, high, guess, tries)
-        locate_at(d, theta)
+        locate_at_fraction(d, theta)
         u, slope = sundman_u_now(d, d.scratch.state)
         set_clearance(d, c, u, slope)
-    measure_located(d)
+    measure_suspects(d)
     return theta
 
 
@@ -306,13 +302,13 @@ def bound_curvature(d):
         )
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        v, a = motion_bounds(d, c, along_x, along_y)
-        if d.channels > 0 and at_wall(d, c):
+        v, a = base_motion_bounds(d, c, along_x, along_y)
+        if d.channels > 0 and is_at_wall(d, c):
             speed, acceleration = prescribed_bounds(d, c)
             # v and a are bounds on |ġ| and |dġ/ds|. A channel is a function of time t, so its acceleration
             # times the bound p on dt/ds adds to the bound on |dġ/ds|.
             v, a = v + speed, a + p * acceleration
-        of_links = links_curvature(d, c) if not at_joint_stop(d, c) else 0.0
+        of_links = links_curvature(d, c) if not is_at_joint_stop(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
     if d.step.last_method == IMPLICIT:
         bound_curvatures(d, d.step.size)
@@ -332,7 +328,7 @@ def links_curvature(d, c):
     return curvature[i] + math.sqrt(along * along + beside * beside) * (curvature[i + 1] - curvature[i])
 
 
-def motion_bounds(d, c, along_x, along_y):
+def base_motion_bounds(d, c, along_x, along_y):
     """Return bounds on |ġ| and |dġ/ds| of candidate c's clearance g, for the part of the base's motion in g.
 
     The motions of links and all prescribed motions are not part of the bounds. At a joint's stop, however,
@@ -342,7 +338,7 @@ def motion_bounds(d, c, along_x, along_y):
     ``along_x`` and ``along_y`` belong to the components x and y of the base's velocity. Each is a pair of
     bounds: on the absolute value of the component, and on that of the component's derivative in s.
     """
-    if at_joint_stop(d, c):
+    if is_at_joint_stop(d, c):
         link = d.candidate.point[c] - 1
         first, arm = omega_at(d.links) + link, d.chain.longest_link
         if link == 0:
@@ -375,15 +371,15 @@ def prescribed_bounds(d, c):
 
 
 def measure_clearances(d, theta):
-    """Set φ and φ′ of all suspects (``measure_located``) at θ of the last step, where an interval ends."""
-    locate_at(d, theta)
-    measure_located(d)
+    """Set φ and φ′ of all suspects (``measure_suspects``) at θ of the last step, where an interval ends."""
+    locate_at_fraction(d, theta)
+    measure_suspects(d)
 
 
-def measure_located(d):
+def measure_suspects(d):
     """Set φ and φ′ (``set_clearance``) of every suspect, a candidate that the search examines.
 
-    ``locate_at`` must have located the points.
+    ``locate_at_fraction`` must have located the points.
     """
     u, slope = sundman_u_now(d, d.scratch.state)
     for k in range(d.search.suspect_count):

@@ -34,9 +34,9 @@ NEARLY_FAST = 0.75
 
 
 # values of `search.known`, which tell what is known of φ (`search.phi_end`) at the end of the last step.
-# NOTHING: no φ; VALUES: φ and φ′ of the candidates; WITH_CURVES: also φ″; SAFE_DISTANCE: only that every
-# candidate without contact has at least the clearance `search.safe_distance`
-NOTHING, VALUES, WITH_CURVES, SAFE_DISTANCE = 0, 1, 2, 3
+# NOTHING: no φ; VALUES: φ and φ′ of the candidates; VALUES_AND_CURVES: also φ″; SAFE_DISTANCE: only that
+# every candidate without contact has at least the clearance `search.safe_distance`
+NOTHING, VALUES, VALUES_AND_CURVES, SAFE_DISTANCE = 0, 1, 2, 3
 
 
 def known_clearances(d):
@@ -65,16 +65,16 @@ def excludes_events(d):
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.search.input_rate)
     if turn < SMALL_TURN and remains_far(d):
         return True
-    if known_clearances(d) != WITH_CURVES:
+    if known_clearances(d) != VALUES_AND_CURVES:
         locate_points(d, d.step.state)
         accelerate_points(d, d.step.state, d.scratch.rate_start)
-        measure_all(d, d.step.state)
+        measure_all_candidates(d, d.step.state)
         ensure_points(d)
     begin_next_interval(d)
     for c in range(d.candidates):
         d.search.phi_start_curve[c] = d.search.phi_end_curve[c]
-    measure_all(d, d.step.state_end)
-    remember_clearances(d, WITH_CURVES)
+    measure_all_candidates(d, d.step.state_end)
+    remember_clearances(d, VALUES_AND_CURVES)
     # The interpolant of a clearance φ has the error h⁶ φ⁽⁶⁾/46080, with the step size h. `error` is ten times
     # this for the tip of a stretched chain in uniform rotation. If the motion may decay or oscillate with a
     # rate ρ above the angular velocity of the rotation, |φ⁽⁶⁾| = ρ⁴ |φ̈| counts, with the φ̈ of the rotation.
@@ -98,20 +98,20 @@ def excludes_events(d):
         clear = clear and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
     if not clear:
         if turn < SMALL_TURN:
-            suspect_some(d, apart, error)
+            suspect_candidates_near(d, apart, error)
         else:
-            suspect_all(d)
+            suspect_all_candidates(d)
     return clear
 
 
-def suspect_all(d):
+def suspect_all_candidates(d):
     """Let the search examine all candidates."""
     d.search.suspect_count = d.candidates
     for c in range(d.candidates):
         d.search.suspect[c] = c
 
 
-def suspect_some(d, apart, error):
+def suspect_candidates_near(d, apart, error):
     """Let the search examine the candidates that the test at the step's ends does not exclude.
 
     Args:
@@ -173,7 +173,7 @@ def remains_far(d):
     # at both ends; the acceleration counts double, as a margin
     way = lasted * (max(speed, search.speed_bound) + lasted * max(acceleration, search.acceleration_bound))
     search.safe_distance -= way
-    if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > allowed_position_error(d)):
+    if not (known_clearances(d) >= VALUES_AND_CURVES and search.safe_distance > allowed_position_error(d)):
         return False
     if step.regularized == NO_CONTACT:
         far = d.contacts.compliant_count == 0
@@ -186,10 +186,10 @@ def remains_far(d):
 
 def force_stays_smooth(d, c):
     """Return whether contact c keeps its impact speed v₀ and crosses no kink in the last step."""
-    return not (d.contacts.kink_crossed[c] or nearly_fast(d, c))
+    return not (d.contacts.kink_crossed[c] or is_nearly_fast(d, c))
 
 
-def nearly_fast(d, c):
+def is_nearly_fast(d, c):
     """Return whether the penetration of contact c grows so fast that v₀ may be latched anew in the last step.
 
     The rate at the start of the step and the rate at the located points count.
@@ -230,7 +230,7 @@ def stays_in_contact(d, c, error):
     return stays_positive(d, c, error)
 
 
-def measure_all(d, y):
+def measure_all_candidates(d, y):
     """Set φ, φ′ and φ″ of every candidate for the state y, and ``search.safe_distance``.
 
     ``set_clearance`` describes φ; φ′ and φ″ are the derivatives of φ in the step's integration variable.

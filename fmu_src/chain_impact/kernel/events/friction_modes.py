@@ -30,9 +30,9 @@ from chain_impact.kernel.forces.friction import (
     joint_number,
     list_friction,
     list_sticking,
-    set_anchor,
+    set_element_anchor,
+    set_friction_mode,
     set_friction_used,
-    set_mode,
     sliding_sign,
 )
 from chain_impact.kernel.forces.holding import project_state
@@ -40,7 +40,7 @@ from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
 from chain_impact.kernel.rows.friction_limits import find_limited_forces
-from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
+from chain_impact.kernel.rows.geometry import has_sticking, tangential_acceleration, tangential_rate
 
 # For an element at rest with the mode "slides": the acceleration against the direction of sliding that counts
 # as an error, relative to the sum of the largest acceleration, gravity and the longest link per second
@@ -66,9 +66,9 @@ def choose_friction_modes(d, jumped):
     list_friction(d)
     for e in range(d.elements):
         d.element.mode_before[e] = NO_FRICTION if begins_now(d, e) else d.element.mode[e]
-        set_mode(d, e, NO_FRICTION)
+        set_friction_mode(d, e, NO_FRICTION)
     for i in range(friction.count):
-        set_mode(d, d.element.index[i], first_mode(d, d.element.index[i], jumped))
+        set_friction_mode(d, d.element.index[i], first_mode(d, d.element.index[i], jumped))
     drop_changes(d)
     decide_onsets(d)
     make_modes_consistent(d)
@@ -76,11 +76,11 @@ def choose_friction_modes(d, jumped):
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         if jumped or d.element.mode_before[e] != STICKS:
-            set_anchor(d, e)
+            set_element_anchor(d, e)
     log_changes(d)
     for i in range(friction.count):
         set_slack(d, d.element.index[i])
-    if any_sticking(d):
+    if has_sticking(d):
         project_state(d, d.step.state_end)
     for i in range(friction.count):
         widen_slack(d, d.element.index[i])
@@ -167,7 +167,9 @@ def make_modes_consistent(d):
         for i in range(d.friction.count):
             e = d.element.index[i]
             if is_inconsistent(d, e):
-                set_mode(d, e, sliding_sign(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS)
+                set_friction_mode(
+                    d, e, sliding_sign(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS
+                )
     choose_by_limits(d)
 
 
@@ -189,7 +191,7 @@ def choose_by_limits(d):
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
-            set_mode(d, d.element.index[i], STICKS)
+            set_friction_mode(d, d.element.index[i], STICKS)
     while count_inconsistent_now(d) > 0 and any_force_over_limit(d):
         find_limited_forces(d)
         slide_at_limits(d)
@@ -214,12 +216,12 @@ def slide_at_limits(d):
         e = d.element.stuck[i]
         excess = abs(d.element.force[e]) - d.element.limit[e]
         if d.limited_forces.at_limit[i] != 0:
-            set_mode(d, e, sliding_sign(float(d.limited_forces.at_limit[i])))
+            set_friction_mode(d, e, sliding_sign(float(d.limited_forces.at_limit[i])))
             all_stick = False
         elif is_inconsistent(d, e) and excess > most:
             worst, most = e, excess
     if all_stick:
-        set_mode(d, worst, sliding_sign(d.element.force[worst]))
+        set_friction_mode(d, worst, sliding_sign(d.element.force[worst]))
 
 
 def count_inconsistent(d):

@@ -16,7 +16,7 @@ from chain_impact.kernel.events.friction_modes import choose_friction_modes, rei
 from chain_impact.kernel.events.impacts import (
     end_changed_contacts,
     handle_impact,
-    rigid_onset,
+    has_rigid_onset,
     update_active_set,
 )
 from chain_impact.kernel.events.marks import (
@@ -25,8 +25,8 @@ from chain_impact.kernel.events.marks import (
     NONE,
     ONSET,
     RELATCH,
+    count_pending_changes,
     mark_contact_event,
-    pending_changes,
 )
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.active_contacts import (
@@ -34,11 +34,11 @@ from chain_impact.kernel.forces.active_contacts import (
     clear_loads,
     cross_kink,
     expect_peaks,
-    list_touching,
-    relatch,
+    list_active_contacts,
+    relatch_speed,
     set_kink_sides,
 )
-from chain_impact.kernel.forces.force_formula import may_jump
+from chain_impact.kernel.forces.force_formula import force_may_jump
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.last_step import reset_step
@@ -77,10 +77,10 @@ def apply_event(d, c, kind):
     elif kind == END:
         end_if_point_left(d, c)
     elif kind == RELATCH:
-        relatch(d, c, RELATCH_RATIO)
+        relatch_speed(d, c, RELATCH_RATIO)
     elif kind == KINK:
         cross_kink(d, c)
-    return kind in (RELATCH, KINK) or (kind in (ONSET, END) and may_jump(d, c))
+    return kind in (RELATCH, KINK) or (kind in (ONSET, END) and force_may_jump(d, c))
 
 
 def apply_events(d):
@@ -88,16 +88,16 @@ def apply_events(d):
 
     Returns:
         Whether a force may have jumped. The result is true in each of these cases: a contact crosses its kink
-        or gets a new impact speed; a contact begins or ends whose force may jump then (``may_jump``); a rigid
-        wall holds a point or has an event; the scene has dry friction or a drive with a limit.
+        or gets a new impact speed; a contact begins or ends whose force may jump then (``force_may_jump``); a
+        rigid wall holds a point or has an event; the scene has dry friction or a drive with a limit.
     """
     # ``onset``: the last candidate with a force law whose contact this function begins; −1: none begins
     contacts, onset, jumped = d.contacts, -1, False
     # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
     # friction or drive mode and, in the loop below, after a kink or a relatch
-    goes_on = pending_changes(d) + d.drive.mode_ends > 0
+    goes_on = count_pending_changes(d) + d.drive.mode_ends > 0
     # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
-    rigid, rigid_impact = any_point_held(d), rigid_onset(d)
+    rigid, rigid_impact = any_point_held(d), has_rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
         # The forces decide whether elements stick. All forces are computed again for the end of the step,
@@ -123,7 +123,7 @@ def apply_events(d):
     if rigid:
         begun = handle_impact(d)
         onset = begun if begun >= 0 else onset
-    list_touching(d)
+    list_active_contacts(d)
     choose_saturation(d)
     if d.friction.used:
         choose_friction_modes(d, False)

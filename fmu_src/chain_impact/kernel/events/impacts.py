@@ -41,14 +41,14 @@ from chain_impact.kernel.events.marks import (
 from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
     clear_loads,
-    deactivate,
+    deactivate_candidate,
     join_impact,
     latch_onset,
-    list_touching,
+    list_active_contacts,
     set_kink_side,
-    set_rates,
+    set_start_rates,
 )
-from chain_impact.kernel.forces.friction import list_sticking, set_anchor, suspend_sticking
+from chain_impact.kernel.forces.friction import list_sticking, set_element_anchor, suspend_sticking
 from chain_impact.kernel.forces.holding import (
     LEAST_RISE,
     add_change,
@@ -60,7 +60,7 @@ from chain_impact.kernel.forces.holding import (
 )
 from chain_impact.kernel.ode.dense import add_impulses_of_impact
 from chain_impact.kernel.ode.last_step import count_dissipated, count_supplied
-from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass
+from chain_impact.kernel.rows.compliance import are_joints_loaded, mean_mass
 from chain_impact.kernel.rows.constraints import (
     SIGN_TOLERANCE,
     activate_all,
@@ -71,9 +71,9 @@ from chain_impact.kernel.rows.constraints import (
     solve_lcp,
 )
 from chain_impact.kernel.rows.geometry import (
-    at_joint_stop,
     clearance,
     coordinates_size,
+    is_at_joint_stop,
     largest_coordinate,
     largest_velocity,
 )
@@ -115,7 +115,7 @@ def handle_impact(d):
             hit = True
     if hit:
         join_near_contacts(d)
-    list_touching(d)
+    list_active_contacts(d)
     if hit:
         gentle = d.friction.stuck_count > 0 and is_gentle(d)
         if not gentle:
@@ -123,7 +123,7 @@ def handle_impact(d):
         apply_impulses(d)
         end_rebounding_contacts(d)
         if d.friction.used:
-            bring_to_rest(d, gentle)
+            stop_held_points(d, gentle)
         set_rates_after_impulses(d)
         onset = begin_late_contacts(d)
         if d.friction.used:
@@ -133,7 +133,7 @@ def handle_impact(d):
     return onset
 
 
-def rigid_onset(d):
+def has_rigid_onset(d):
     """Return whether an onset is marked at a rigid wall or a rigid stop."""
     for c in range(d.candidates):
         if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
@@ -153,7 +153,7 @@ def begin_late_contacts(d):
         if d.contacts.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
             begin_force_contact(d, c)
             onset = c
-    list_touching(d)
+    list_active_contacts(d)
     return onset
 
 
@@ -165,7 +165,7 @@ def set_rates_after_impulses(d):
         _, gap_rate = clearance(d, c)
         # The force may have jumped to its peak, and its true rate may be negative, which would hide this peak
         # from the next search. So the rate of the force is set to a positive value, 1.0.
-        set_rates(d, c, -gap_rate, 1.0)
+        set_start_rates(d, c, -gap_rate, 1.0)
         set_kink_side(d, c)
 
 
@@ -258,10 +258,10 @@ def end_rebounding_contacts(d):
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
         if d.contacts.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
-            deactivate(d, c)  # this point is near its wall, but takes no part in the impact
+            deactivate_candidate(d, c)  # this point is near its wall, but takes no part in the impact
         elif d.constraints.reached[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
-    list_touching(d)
+    list_active_contacts(d)
 
 
 def is_gentle(d):
@@ -285,7 +285,7 @@ def is_gentle(d):
     return slow or energy <= force * fall
 
 
-def bring_to_rest(d, gentle):
+def stop_held_points(d, gentle):
     """Stop held points along their normals; in a ``gentle`` impact also stop the sticking elements."""
     if not gentle:
         suspend_sticking(d)
@@ -300,7 +300,7 @@ def end_changed_contacts(d):
         c = d.contacts.active_index[k]
         if not d.law.impulsive[c]:
             end_contact(d, c, True)
-    list_touching(d)
+    list_active_contacts(d)
 
 
 def update_active_set(d):
@@ -317,7 +317,7 @@ def update_active_set(d):
         end_unstopped_contacts(d)
         rate = d.scratch.rate
         free_rate_from_inputs(d, state, rate)
-        copy_factors(d, joints_loaded(d))
+        copy_factors(d, are_joints_loaded(d))
         scale = set_start_to_accelerations(d, state, rate)
         activate_all(d)
         for k in range(contacts.compliant_count, contacts.active_count):
@@ -325,7 +325,7 @@ def update_active_set(d):
                 remove_from_active_set(d, k)
         solve_lcp(d, scale)
         release_contacts(d)
-        list_touching(d)
+        list_active_contacts(d)
     # only events of contacts are dropped: marked changes of friction modes are still needed, because the
     # modes are chosen later
     drop_contact_events(d)
@@ -337,7 +337,7 @@ def end_unstopped_contacts(d):
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if not d.constraints.in_active_set[k] and d.constraints.reached[k] > SIGN_TOLERANCE * scale:
             end_contact(d, d.contacts.active_index[k], True)
-    list_touching(d)
+    list_active_contacts(d)
 
 
 def release_gap(d, c, far):
@@ -347,7 +347,7 @@ def release_gap(d, c, far):
     (``coordinates_size``) is used in place of ``far``, because the round-off of angles does not grow with the
     distance from the origin.
     """
-    size = coordinates_size(d, c, d.step.state_end) if at_joint_stop(d, c) else far
+    size = coordinates_size(d, c, d.step.state_end) if is_at_joint_stop(d, c) else far
     return max(RELEASE_GAP * d.chain.longest_link, RELEASE_OF_COORDINATES * size)
 
 
@@ -370,4 +370,4 @@ def release_contacts(d):
             locate_points(d, d.step.state_end)
             list_sticking(d)
             for i in range(d.friction.stuck_count):
-                set_anchor(d, d.element.stuck[i])
+                set_element_anchor(d, d.element.stuck[i])

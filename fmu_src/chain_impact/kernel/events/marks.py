@@ -66,7 +66,7 @@ def ends_in_onset(d):
     return False
 
 
-def pending_changes(d):
+def count_pending_changes(d):
     """Return the number of elements that are marked with an end of their friction mode."""
     changes = 0
     for i in range(d.friction.count):

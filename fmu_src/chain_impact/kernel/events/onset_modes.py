@@ -8,10 +8,10 @@ T is at most µ_s F. Otherwise it slides in the direction against which T would 
 
 from chain_impact.kernel.cost import count_other_cost
 from chain_impact.kernel.forces.force_formula import law_force
-from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_mode, sliding_sign
+from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_friction_mode, sliding_sign
 from chain_impact.kernel.forces.holding import set_unforced_to_load_motion
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
-from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
+from chain_impact.kernel.rows.geometry import add_along_row, clear_used_loads, normal_row
 
 # [s] The tangential force that would prevent sliding and the limit of static friction are compared
 # COMPARISON_TIME after the onset. If several contacts begin at the same moment, the normal forces of all of
@@ -35,11 +35,11 @@ def decide_onsets(d):
     if open_ones == 0:
         return
     list_sticking(d)
-    clear_loads_of(d, d.scratch.load)
+    clear_used_loads(d, d.scratch.load)
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
         if begins_now(d, c):
-            add_along(normal_row(d, c), d.scratch.load, force_after_onset(d, c))
+            add_along_row(normal_row(d, c), d.scratch.load, force_after_onset(d, c))
     scale = set_unforced_to_load_motion(d)
     activate_all(d)
     solve_equality(d, scale)
@@ -48,7 +48,7 @@ def decide_onsets(d):
         e = d.element.stuck[i]
         force = d.constraints.impulse[d.contacts.active_count + i]
         if begins_at_rest(d, e) and abs(force) > d.law.static_friction[e] * force_after_onset(d, e):
-            set_mode(d, e, sliding_sign(force))
+            set_friction_mode(d, e, sliding_sign(force))
 
 
 def begins_at_rest(d, e):

@@ -26,15 +26,15 @@ second impact or, after a very slow onset, by gravity. Otherwise the force, whic
 damping factor λ, would grow without bound.
 """
 
-from chain_impact.kernel.chain.drives import along_drive, mode_margin
+from chain_impact.kernel.chain.drives import drive_component, mode_margin
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import rate_in_limited_drives
 from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
-from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, first_passage, locate_at
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
+from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, locate_at_fraction, make_passage_search
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO, is_nearly_fast
 from chain_impact.kernel.events.marks import (
     KINK,
     RELATCH,
@@ -50,8 +50,8 @@ from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import note_crossing
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.forces.holding import least_impulse, project_state
-from chain_impact.kernel.ode.control import SPOILED, accepted, reject_step
-from chain_impact.kernel.ode.dense import interpolate
+from chain_impact.kernel.ode.control import SPOILED, is_accepted, reject_step
+from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 
@@ -78,9 +78,9 @@ REST_SPEED = 1e-12
 FRICTION_EXCESS = 1e-10
 
 
-CONTACTS = (lambda d: d.contacts.compliant_count, lambda d, k: d.contacts.active_index[k])
-ELEMENTS = (lambda d: d.friction.count, lambda d, k: d.element.index[k])
-WHOLE = (lambda _d: 1, lambda _d, _k: 0)
+CONTACT_MEMBERS = (lambda d: d.contacts.compliant_count, lambda d, k: d.contacts.active_index[k])
+ELEMENT_MEMBERS = (lambda d: d.friction.count, lambda d, k: d.element.index[k])
+ONE_MEMBER = (lambda _d: 1, lambda _d, _k: 0)
 
 
 def turn_of_inputs(d):
@@ -88,23 +88,23 @@ def turn_of_inputs(d):
     return (d.step.end - d.step.start) * d.search.input_rate
 
 
-def sample_count_of_turn(d):
+def turn_sample_count(d):
     """Return the number of samples in the search of a step with a turn of inputs above TURN_OF_STAGES."""
     return 1 + int(SAMPLES_PER_RADIAN * min(MOST_SAMPLED_TURN, turn_of_inputs(d)))
 
 
 def make_search(
-    value, suspected, mark_ended, members=WHOLE, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS_TIME
+    value, suspected, mark, members=ONE_MEMBER, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS_TIME
 ):
     """Return a search of the last step for one kind of event.
 
     Args:
         value: function of (d, c, θ) that falls below zero at the event; c is a candidate or an element.
         suspected: function of (d, c): whether stages and located points show that c may have an event.
-        mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
-        members: two functions: of d, the number of searched c; of (d, k), the k-th c. WHOLE: only c = 0.
+        mark: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
+        members: two functions: of d, the number of searched c; of (d, k), the k-th c. ONE_MEMBER: c = 0.
         samples: function of d that returns the number of samples of the step.
-        resolution: accuracy of the location of the event, as in ``first_passage``.
+        resolution: accuracy of the location of the event, as in ``make_passage_search``.
 
     Returns:
         A function of (d, earliest). ``earliest`` is the θ of the earliest event found so far, −1 for none.
@@ -114,21 +114,21 @@ def make_search(
         result or, for −1, at the end of the step.
     """
     count, member = members
-    first_end = first_passage(value, samples, resolution)
+    passage = make_passage_search(value, samples, resolution)
 
     def find(d, earliest):
         first, at = earliest if earliest >= 0.0 else 1.0, -1
         for k in range(count(d)):
             c = member(d, k)
             if suspected(d, c):
-                theta = first_end(d, c, first)
+                theta = passage(d, c, first)
                 if theta >= 0.0:
                     first, at = theta, c
-                locate_at(d, first)
+                locate_at_fraction(d, first)
         if at < 0:
             return earliest
         drop_events(d)
-        mark_ended(d, at, first)
+        mark(d, at, first)
         return first
 
     return find
@@ -158,11 +158,11 @@ def mark_kinks(d, c, theta):
     """
     mark_contact_event(d, c, KINK)
     # contacts of a symmetric chain reach their kinks at one time, up to round-off: all are marked
-    locate_at(d, min(1.0, theta + SIMULTANEOUS_TIME / d.step.size))
+    locate_at_fraction(d, min(1.0, theta + SIMULTANEOUS_TIME / d.step.size))
     for k in range(d.contacts.compliant_count):
         if side_of_kink(d, d.contacts.active_index[k]) < 0.0:
             mark_contact_event(d, d.contacts.active_index[k], KINK)
-    locate_at(d, theta)
+    locate_at_fraction(d, theta)
 
 
 def side_of_kink(d, c):
@@ -179,25 +179,25 @@ def has_crossed(d, c):
 
 def side_of_kink_at(d, c, theta):
     """Return ``side_of_kink`` of contact c at the fraction θ of the last step."""
-    locate_at(d, theta)
+    locate_at_fraction(d, theta)
     return side_of_kink(d, c)
 
 
 def relatch_margin(d, c, theta):
     """Return RELATCH_RATIO v₀ − δ̇ [m/s] of contact c at θ; if this is < 0, the speed v₀ is latched again."""
-    locate_at(d, theta)
+    locate_at_fraction(d, theta)
     _, gap_rate = clearance(d, c)
     return RELATCH_RATIO * d.contacts.law_speed[c] + gap_rate
 
 
 find_relatch = make_search(
     relatch_margin,
-    nearly_fast,
+    is_nearly_fast,
     lambda d, c, _theta: mark_contact_event(d, c, RELATCH),
-    CONTACTS,
+    CONTACT_MEMBERS,
     samples=lambda _d: FEW_SAMPLES,
 )
-find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACTS, resolution=0.0)
+find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACT_MEMBERS, resolution=0.0)
 
 
 # ---- release by rigid walls -------------------------------------------------------------------------------
@@ -238,7 +238,7 @@ def plausible_pull(d):
     """
     first, turning, carriage = omega_at(d.links), 1.0, 0.0
     if d.slides:
-        carriage = abs(along_drive(d, d.scratch.rate_start, velocity_at(d.links), d.links))
+        carriage = abs(drive_component(d, d.scratch.rate_start, velocity_at(d.links), d.links))
     for i in range(d.links):
         omega, alpha = d.step.state[first + i], d.scratch.rate_start[first + i]
         turning = max(turning, omega * omega + abs(alpha))
@@ -252,7 +252,7 @@ def least_force(d, _c, theta):
     If all walls push, 0 stands for the least force. So the result is negative only if a wall pulls by more
     than round-off.
     """
-    interpolate(d.step, theta, d.scratch.state)
+    interpolate_state(d.step, theta, d.scratch.state)
     # the state is projected, because the error of the interpolant would cause large forces of stiff joints
     locate_points(d, d.scratch.state)
     project_state(d, d.scratch.state)
@@ -275,12 +275,12 @@ def may_release(d, c):
     In such a step (turn above TURN_OF_STAGES) a wall may pull between the stages, where ``check_pull`` does
     not look. So the result is true for such a step, unless ``check_pull`` has just rejected it.
     """
-    return check_pull(d, c) or accepted(d)
+    return check_pull(d, c) or is_accepted(d)
 
 
 find_release = choose_search(
     make_search(least_force, check_pull, mark_pulling),
-    make_search(least_force, may_release, mark_pulling, samples=sample_count_of_turn),
+    make_search(least_force, may_release, mark_pulling, samples=turn_sample_count),
 )
 
 
@@ -322,7 +322,7 @@ def element_margin(d, e, theta):
 
     The margin is the speed in the direction of sliding [m/s]; if e sticks, the limit minus |friction| [N].
     """
-    locate_at(d, theta)
+    locate_at_fraction(d, theta)
     if d.element.mode[e] != STICKS:
         return d.element.mode[e] * tangential_rate(d, e) + element_error(d, e)
     project_state(d, d.scratch.state)
@@ -343,7 +343,7 @@ def margin_is_halved(d):
         e = d.element.index[i]
         if d.element.event[e]:
             near = near or element_margin(d, e, 1.0) <= 0.5 * element_margin(d, e, 0.0)
-    locate_at(d, 1.0)
+    locate_at_fraction(d, 1.0)
     return near
 
 
@@ -353,8 +353,8 @@ def may_always_change(_d, _e):
 
 
 find_mode_change = choose_search(
-    make_search(element_margin, mode_may_end, mark_changes, ELEMENTS),
-    make_search(element_margin, may_always_change, mark_changes, ELEMENTS, samples=sample_count_of_turn),
+    make_search(element_margin, mode_may_end, mark_changes, ELEMENT_MEMBERS),
+    make_search(element_margin, may_always_change, mark_changes, ELEMENT_MEMBERS, samples=turn_sample_count),
 )
 
 
@@ -371,7 +371,7 @@ def is_past_limit(d, _c):
 
 def drive_margin(d, _c, theta):
     """Return ``mode_margin`` [N·m] at θ: the least margin of any drive to the end of the drive's mode."""
-    locate_at(d, theta)
+    locate_at_fraction(d, theta)
     ensure_inputs(d, d.scratch.state)
     return mode_margin(d, d.scratch.state)
 
@@ -388,12 +388,12 @@ def may_pass_limit(d, c):
     return d.chain.has_drive_limits != 0
 
 
-def mark_limit(d, _c, _theta):
+def mark_drive_limit(d, _c, _theta):
     """Mark that the mode of a drive ends."""
     mark_saturation(d, 1)
 
 
 find_saturation = choose_search(
-    make_search(drive_margin, is_past_limit, mark_limit),
-    make_search(drive_margin, may_pass_limit, mark_limit, samples=sample_count_of_turn),
+    make_search(drive_margin, is_past_limit, mark_drive_limit),
+    make_search(drive_margin, may_pass_limit, mark_drive_limit, samples=turn_sample_count),
 )

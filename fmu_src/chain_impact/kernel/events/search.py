@@ -14,7 +14,7 @@ from chain_impact.kernel.events.crossing import (
     SIMULTANEOUS_TIME,
     bound_curvature,
     find_crossing,
-    locate_at,
+    locate_at_fraction,
     measure_clearances,
 )
 from chain_impact.kernel.events.exclusion import (
@@ -25,9 +25,9 @@ from chain_impact.kernel.events.exclusion import (
     excludes_events,
     known_clearances,
     remember_clearances,
-    suspect_all,
+    suspect_all_candidates,
 )
-from chain_impact.kernel.events.marks import END, NONE, ONSET, mark_contact_event, pending_changes
+from chain_impact.kernel.events.marks import END, NONE, ONSET, count_pending_changes, mark_contact_event
 from chain_impact.kernel.events.sampled import (
     find_kink,
     find_mode_change,
@@ -36,8 +36,8 @@ from chain_impact.kernel.events.sampled import (
     find_saturation,
     margin_is_halved,
 )
-from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, reject_step
-from chain_impact.kernel.ode.dense import interpolate, interpolate_component
+from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, is_accepted, reject_step
+from chain_impact.kernel.ode.dense import interpolate_component, interpolate_state
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import time_rate_for_sizes
 from chain_impact.kernel.rows.constraints import any_point_held
@@ -76,7 +76,7 @@ def find_event(d):
     if d.candidates == 0:
         return find_event_without_crossing(d)
     if d.step.last_method == IMPLICIT:
-        suspect_all(d)
+        suspect_all_candidates(d)
         if known_clearances(d) in (NOTHING, SAFE_DISTANCE):
             measure_clearances(d, 0.0)
         begin_next_interval(d)
@@ -90,7 +90,7 @@ def find_event(d):
         if d.step.end - d.step.start > SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
             reject_step(d, SPOILED)
             return -1.0
-        theta = drop_separating(d, theta)
+        theta = drop_separating_onsets(d, theta)
         if theta < 0.0:
             measure_clearances(d, 1.0)
     theta = find_sampled_event(d, theta)
@@ -120,10 +120,10 @@ def find_sampled_event(d, theta):
     """
     if any_point_held(d):
         theta = find_release(d, theta)
-        if not accepted(d):
+        if not is_accepted(d):
             return -1.0
         if d.contacts.compliant_count > 0:
-            locate_at(d, theta if theta >= 0.0 else 1.0)
+            locate_at_fraction(d, theta if theta >= 0.0 else 1.0)
     theta = find_kink(d, find_relatch(d, theta))
     return find_saturation(d, find_mode_change(d, theta))
 
@@ -188,7 +188,7 @@ def onset_fraction(d):
     """
     if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0
-    if pending_changes(d) and not margin_is_halved(d):
+    if count_pending_changes(d) and not margin_is_halved(d):
         reject_step(d, SPOILED)
         return -1.0
     late, _ = onset_lateness(d, d.step.state_end)
@@ -199,10 +199,10 @@ def onset_fraction(d):
         reject_step(d, SPOILED)
         return -1.0
     ensure_dense(d, SOLVER)
-    interpolate(d.step, theta, d.scratch.state)
+    interpolate_state(d.step, theta, d.scratch.state)
     late, _ = onset_lateness(d, d.scratch.state)
     theta -= late
-    interpolate(d.step, theta, d.scratch.state)
+    interpolate_state(d.step, theta, d.scratch.state)
     late, deepest = onset_lateness(d, d.scratch.state)
     if not (abs(late) <= LANDING_TIME and deepest <= DEEPEST_ONSET * d.chain.longest_link):
         reject_step(d, SPOILED)
@@ -237,7 +237,7 @@ def onset_lateness(d, y):
     return latest, deepest
 
 
-def drop_separating(d, theta):
+def drop_separating_onsets(d, theta):
     """Remove the mark of an onset if the candidate separates at θ = ``theta``, where the crossing is.
 
     Return ``theta``, or −1 if no event is left.

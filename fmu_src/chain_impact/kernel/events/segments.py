@@ -13,7 +13,7 @@ from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import reinit_contacts_and_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.ode.dense import commit_quadratures, fraction
+from chain_impact.kernel.ode.dense import commit_quadratures, fraction_at_time
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
     count_supplied,
@@ -40,10 +40,10 @@ def limit_to_segment(d, h):
     The step ends exactly at that time or well before it (``limit_to_time``). A step in the fictitious time of
     a contact keeps the size h.
     """
-    return h if d.step.regularized >= 0 else limit_to_time(d, first_end(d), h)
+    return h if d.step.regularized >= 0 else limit_to_time(d, first_segment_end(d), h)
 
 
-def first_end(d):
+def first_segment_end(d):
     """Return the time [s] at which the first of the segments in use ends."""
     first = segment_end(d, 0)
     for j in range(1, d.signals):
@@ -53,15 +53,15 @@ def first_end(d):
 
 def end_at_segment(d):
     """End the last step where a segment ends, if the step goes beyond that time."""
-    end = first_end(d)
+    end = first_segment_end(d)
     if end < d.step.end - TIME_ROUND_OFF * abs(d.step.end):
         drop_events(d)
         ensure_dense(d, SOLVER)
-        truncate_step(d, fraction(d, end))
+        truncate_step(d, fraction_at_time(d, end))
         locate_points(d, d.step.state_end)
 
 
-def has_ended(d, j):
+def has_segment_ended(d, j):
     """Return whether the present segment of signal j ends at the end of the last step, up to round-off."""
     return segment_end(d, j) - d.step.end <= TIME_ROUND_OFF * abs(d.step.end)
 
@@ -72,7 +72,7 @@ def check_segments(d):
     The travel and the speed of a belt may jump.
     """
     for j in range(d.signals):
-        if d.signal.input[j] == CHANNEL and has_ended(d, j):
+        if d.signal.input[j] == CHANNEL and has_segment_ended(d, j):
             before, rate, bend = signal_at(d, j, d.step.end)
             k, lap = d.signal.segment[j], d.signal.lap[j]
             begin_next_segment(d, j)
@@ -93,7 +93,7 @@ def equal_up_to_round_off(before, after, scale):
 
 def begin_next_segment(d, j):
     """Replace the segment of signal j, which has ended, by the segment that begins now."""
-    while has_ended(d, j):
+    while has_segment_ended(d, j):
         next_segment(d, j)
 
 
@@ -108,11 +108,11 @@ def begin_segments(d):
     """
     last = -1
     for j in range(d.signals):
-        if has_ended(d, j):
+        if has_segment_ended(d, j):
             last = j
     change = NO_JUMP
     for j in range(last + 1):
-        if has_ended(d, j):
+        if has_segment_ended(d, j):
             delay = segment_end(d, j) - d.step.end
             shift_start(d, delay)
             change = max(change, begin_segment(d, j))

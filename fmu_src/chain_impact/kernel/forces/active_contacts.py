@@ -24,10 +24,10 @@ from chain_impact.kernel.forces.friction import (
 from chain_impact.kernel.record_operations import clear_numbers
 from chain_impact.kernel.rows.compliance import effective_mass
 from chain_impact.kernel.rows.geometry import (
-    add_along,
-    at_joint_stop,
-    clear_loads_of,
+    add_along_row,
+    clear_used_loads,
     clearance,
+    is_at_joint_stop,
     lever_of_candidate,
     normal_row,
 )
@@ -58,7 +58,7 @@ def apply_contact(d, c, gap, gap_rate):
     """
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     store_force(d, c, force)
-    add_along(normal_row(d, c), d.scratch.load, force)
+    add_along_row(normal_row(d, c), d.scratch.load, force)
     # the elastic part K δⁿ of the force F stores energy; the other part, F − K δⁿ, dissipates the power
     # (F − K δⁿ) δ̇, with the stiffness K and the penetration δ
     return (elastic - force) * gap_rate
@@ -71,7 +71,7 @@ def store_force(d, c, force):
 
 def clear_loads(d):
     """Set the loads at all places and in the joints to zero, but the load at the tip to the input force."""
-    clear_loads_of(d, d.scratch.load)
+    clear_used_loads(d, d.scratch.load)
     tip = d.links
     d.scratch.load.x[tip] = d.inputs.tip_force[0]
     d.scratch.load.y[tip] = d.inputs.tip_force[1]
@@ -103,7 +103,7 @@ def apply_true_contacts(d):
         c = d.contacts.active_index[k]
         gap, gap_rate = clearance(d, c)
         store_force(d, c, contact_force(d, c, gap, gap_rate))
-        add_along(normal_row(d, c), d.scratch.load, d.contacts.force[c])
+        add_along_row(normal_row(d, c), d.scratch.load, d.contacts.force[c])
     if d.friction.count > 0:
         apply_friction(d)
 
@@ -126,7 +126,7 @@ def touching_position(d, c):
     """
     position, radius = d.scratch.position, d.candidate.radius[c]  # stops have the radius 0
     place, nx, ny = normal_row(d, c)
-    if at_joint_stop(d, c):
+    if is_at_joint_stop(d, c):
         place = d.candidate.point[c] - 1
     return position.x[place] - radius * nx, position.y[place] - radius * ny
 
@@ -135,7 +135,8 @@ def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
     The function latches the impact speed v₀, the effective mass, the expected penetration and the damping of
-    the contact. Later, ``relatch`` or a new law can change these values, except the effective mass.
+    the contact. Later, ``relatch_speed`` or a new law can change these values, except the effective
+    mass.
     """
     _, gap_rate = clearance(d, c)
     contacts = d.contacts
@@ -144,11 +145,11 @@ def latch_onset(d, c):
     # the onset speed is 0 if the point moves outward, because of an integration error or another impact
     contacts.impact_speed[c] = max(0.0, 0.0 - gap_rate)
     contacts.law_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
-    set_rates(d, c, -gap_rate, 1.0)  # 1.0: the force rises after the onset
-    set_extremes(d, c, 0.0, 0.0)
+    set_start_rates(d, c, -gap_rate, 1.0)  # 1.0: the force rises after the onset
+    set_contact_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
     contacts.effective_mass[c] = effective_mass(d, c)
-    latch(d, c)
+    latch_depth_and_damping(d, c)
     contacts.active[c] = 1
     d.impact.count += 1
     contacts.impact_number[c] = d.impact.count
@@ -171,7 +172,7 @@ def begin_force_contact(d, c):
         begin_friction(d, c)
 
 
-def latch(d, c):
+def latch_depth_and_damping(d, c):
     """Latch the expected penetration of candidate c's contact and, for a force law, the damping.
 
     Both follow from the law and from the contact's impact speed and effective mass.
@@ -181,13 +182,13 @@ def latch(d, c):
         set_damping(d, c)
 
 
-def relatch(d, c, factor):
+def relatch_speed(d, c, factor):
     """Multiply v₀, the latched impact speed of candidate c, by ``factor``; update what depends on v₀.
 
     The expected penetration, the damping and the side of the law's kink depend on v₀.
     """
     d.contacts.law_speed[c] *= factor
-    latch(d, c)
+    latch_depth_and_damping(d, c)
     set_kink_side(d, c)
 
 
@@ -196,12 +197,12 @@ def join_impact(d, c):
     d.contacts.active[c] = 1
 
 
-def deactivate(d, c):
+def deactivate_candidate(d, c):
     """Make candidate c inactive: its contact has ended."""
     d.contacts.active[c] = 0
 
 
-def set_rates(d, c, speed, force_rate):
+def set_start_rates(d, c, speed, force_rate):
     """Set the rates of candidate c's penetration [m/s] and force [N/s] at the start of the next step.
 
     That step contains a peak if one of the rates falls through 0 in the step (``find_peaks``). Only the sign
@@ -219,7 +220,7 @@ def expect_peaks(d):
         d.contacts.force_rate[d.contacts.active_index[k]] = 1.0
 
 
-def set_extremes(d, c, peak_force, max_penetration):
+def set_contact_extremes(d, c, peak_force, max_penetration):
     """Set the peak force [N] and the largest penetration [m] of candidate c since its contact began."""
     d.contacts.peak_force[c], d.contacts.max_penetration[c] = peak_force, max_penetration
 
@@ -261,7 +262,7 @@ def set_kink_sides(d):
         set_kink_side(d, d.contacts.active_index[k])
 
 
-def list_touching(d):
+def list_active_contacts(d):
     """List the active contacts in ``contacts.active_index``; contacts with a force law come first.
 
     The function also counts the stops of joints among the active contacts. It lists the elements that have
@@ -271,18 +272,18 @@ def list_touching(d):
     contacts.active_count = 0
     contacts.listings += 1
     if d.contact_settings.any_force:
-        list_kind(d, 0)
+        list_contacts_of_kind(d, 0)
     contacts.compliant_count = contacts.active_count
     if d.contact_settings.any_rigid:
-        list_kind(d, 1)
+        list_contacts_of_kind(d, 1)
     contacts.joint_stop_count = 0
     for k in range(contacts.active_count if d.chain.has_joint_stops else 0):
-        contacts.joint_stop_count += at_joint_stop(d, contacts.active_index[k])
+        contacts.joint_stop_count += is_at_joint_stop(d, contacts.active_index[k])
     if d.friction.used:
         list_friction(d)
 
 
-def list_kind(d, impulsive):
+def list_contacts_of_kind(d, impulsive):
     """Append the active contacts of one kind to the list ``contacts.active_index``.
 
     ``impulsive`` is 1 for the contacts at rigid walls, 0 for the contacts with force laws.

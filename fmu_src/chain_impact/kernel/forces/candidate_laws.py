@@ -16,18 +16,18 @@ from chain_impact.kernel.chain.inertia import given_or_derived
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.friction import choose_wall_friction
 from chain_impact.kernel.forces.laws import (
-    ANY,
+    ANY_EXPONENT,
     APPROACH_ONLY,
-    EXPONENTS,
     LAW_COUNT,
     LEAST_RESTITUTIONS,
     RATE_EXPONENTS,
+    REQUIRED_EXPONENTS,
     damping_factor,
     is_impulsive,
 )
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.record_operations import copy_row
-from chain_impact.kernel.rows.geometry import at_joint_stop, at_stop
+from chain_impact.kernel.rows.geometry import is_at_joint_stop, is_at_stop
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     FRICTION_WITH_RIGID_WALLS,
@@ -46,7 +46,7 @@ from chain_impact.kernel.status import (
 # search every step for an onset if a point slides along a wall at zero clearance.
 HARMLESS_DEPTH = 1e-12
 # results of ``law_origin`` for a law that does not belong to a wall
-OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3
+COMMON_LAW, JOINT_STOP_LAW, SLIDER_STOP_LAW = -1, -2, -3
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with such a law
 
 
@@ -67,16 +67,16 @@ def law_origin(d, c):
     """Return a number that tells where the law of candidate c is given.
 
     Returns:
-        The index of the wall (``candidate.wall``) if this wall has any own value of its material; OF_CONTACT
-        for another wall; OF_JOINTS for a stop in a joint; OF_SLIDER for a stop of the slider.
+        The index of the wall (``candidate.wall``) if this wall has any own value of its material; COMMON_LAW
+        for another wall; JOINT_STOP_LAW for a stop in a joint; SLIDER_STOP_LAW for a stop of the slider.
     """
-    if at_stop(d, c):
-        return OF_JOINTS if at_joint_stop(d, c) else OF_SLIDER
+    if is_at_stop(d, c):
+        return JOINT_STOP_LAW if is_at_joint_stop(d, c) else SLIDER_STOP_LAW
     wall = d.candidate.wall[c]
     walls = d.walls
     own = walls.stiffness[wall] > 0.0 or walls.restitution[wall] >= 0.0
     own = own or walls.friction[wall] >= 0.0 or walls.static_friction[wall] >= 0.0
-    return wall if own else OF_CONTACT
+    return wall if own else COMMON_LAW
 
 
 def update_laws(d):
@@ -93,7 +93,7 @@ def update_laws(d):
         first = d.law.same_as[c]
         if first == c:
             derive_damping(d, c)
-            set_parameters(d, c)
+            set_law_parameters(d, c)
             set_law_flags(d, c)
         else:
             copy_row(d.law, first, c)  # a copy is faster than setting the same law again
@@ -111,24 +111,24 @@ def check_laws(d):
             return refuse_candidate(d, c, status)
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        if is_impulsive(given_number(d, c)):
+        if is_impulsive(given_law_number(d, c)):
             return refuse_candidate(d, c, RIGID_WHILE_TOUCHING)
     return OK
 
 
-def laws_in_use(d):
+def are_laws_in_use(d):
     """Return whether all candidates have their given laws; only parameters that a run can change count."""
     for c in range(d.candidates):
-        if d.law.same_as[c] == c and not is_in_use(d, c):
+        if d.law.same_as[c] == c and not is_law_in_use(d, c):
             return False
     return True
 
 
-def is_in_use(d, c):
+def is_law_in_use(d, c):
     """Return whether candidate c has its given law, restitution, stiffness and coefficients of friction."""
     law, (sliding, static) = d.law, given_friction(d, c)
     same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
-    return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
+    return is_damping_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
 
 
 def set_law_flags(d, c):
@@ -141,12 +141,12 @@ def set_law_flags(d, c):
         d.contact_settings.any_force = 1
 
 
-def given_number(d, c):
+def given_law_number(d, c):
     """Return the number, from 1, of the contact law that is given for candidate c.
 
     For a stop in a joint the number is `stops.law` if `stops.law` > 0; in all other cases it is `given.law`.
     """
-    return d.stops.law if at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
+    return d.stops.law if is_at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
 
 
 def given_stiffness(d, c):
@@ -155,9 +155,9 @@ def given_stiffness(d, c):
     A stop of the slider has ``given.stiffness``. The stiffness of stops in joints, given in N·m/radⁿ, is
     converted to that of a contact at the lever arm.
     """
-    if at_joint_stop(d, c):
+    if is_at_joint_stop(d, c):
         return d.given.stop_stiffness / power(d.chain.longest_link, d.stops.exponent + 1.0)
-    if at_stop(d, c):
+    if is_at_stop(d, c):
         return d.given.stiffness
     stiffness = d.walls.stiffness[d.candidate.wall[c]]
     return stiffness if stiffness > 0.0 else d.given.stiffness
@@ -169,9 +169,9 @@ def given_restitution(d, c):
     This is the own restitution of the candidate's wall, or that of stops in joints, if given; else the common
     restitution, as for a stop of the slider.
     """
-    if at_joint_stop(d, c):
+    if is_at_joint_stop(d, c):
         return given_or_derived(d.given.stop_restitution, d.given.restitution)
-    if at_stop(d, c):
+    if is_at_stop(d, c):
         return d.given.restitution
     restitution = d.walls.restitution[d.candidate.wall[c]]
     return restitution if restitution >= 0.0 else d.given.restitution
@@ -183,7 +183,7 @@ def given_friction(d, c):
     They are the wall's own coefficients or the common ones, by the rule of ``choose_wall_friction``: a static
     coefficient of 0 stands for one that equals the sliding coefficient. Both are 0 for a stop.
     """
-    if at_stop(d, c):
+    if is_at_stop(d, c):
         return 0.0, 0.0
     given, walls, wall = d.given, d.walls, d.candidate.wall[c]
     return choose_wall_friction(
@@ -193,27 +193,27 @@ def given_friction(d, c):
 
 def law_exponent(d, c):
     """Return the exponent n given for candidate c: that of stops in joints, or the common one."""
-    return d.stops.exponent if at_joint_stop(d, c) else d.contact_settings.exponent
+    return d.stops.exponent if is_at_joint_stop(d, c) else d.contact_settings.exponent
 
 
 def check_law(d, c):
     """Check candidate c's given law, and whether the given parameters suit the law; return a status."""
-    number, restitution = given_number(d, c), given_restitution(d, c)
+    number, restitution = given_law_number(d, c), given_restitution(d, c)
     if not 1 <= number <= LAW_COUNT + user_law.is_present():
         return UNKNOWN_LAW
-    status = check_values(d, c)
+    status = check_law_values(d, c)
     if status != OK:
         return status
     if is_impulsive(number) and max(given_friction(d, c)) > 0.0:
         return FRICTION_WITH_RIGID_WALLS
     if number == USER_LAW:
         return OK
-    if ANY != EXPONENTS[number - 1] != law_exponent(d, c):
+    if ANY_EXPONENT != REQUIRED_EXPONENTS[number - 1] != law_exponent(d, c):
         return EXPONENT_NOT_ALLOWED
     return OK if restitution >= LEAST_RESTITUTIONS[number - 1] else RESTITUTION_NOT_ALLOWED
 
 
-def check_values(d, c):
+def check_law_values(d, c):
     """Check restitution, stiffness and friction given for candidate c, under any law; return a status."""
     sliding, static = given_friction(d, c)
     in_range = 0.0 <= given_restitution(d, c) <= 1.0 and given_stiffness(d, c) > 0.0
@@ -222,9 +222,9 @@ def check_values(d, c):
     return STATIC_BELOW_SLIDING if 0.0 < static < sliding else OK
 
 
-def is_derived(d, c):
+def is_damping_derived(d, c):
     """Return whether the constants of candidate c were derived from the given law number and restitution."""
-    return d.law.number[c] == given_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
+    return d.law.number[c] == given_law_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
 
 
 def derive_damping(d, c):
@@ -233,29 +233,29 @@ def derive_damping(d, c):
     The constants are the factor f(e) for the restitution e, the exponent p in the damping force d δᵖ δ̇ at
     the penetration δ, whether the damping acts on approach only, and whether the wall is rigid.
     """
-    if is_derived(d, c):
+    if is_damping_derived(d, c):
         return
-    law, number = d.law, given_number(d, c)
+    law, number = d.law, given_law_number(d, c)
     law.impulsive[c] = is_impulsive(number)
     law.rate_exponent[c], law.approach_only[c], law.damping_factor[c] = law_exponent(d, c), 0, 0.0
     if number <= LAW_COUNT:
-        if RATE_EXPONENTS[number - 1] != ANY:
+        if RATE_EXPONENTS[number - 1] != ANY_EXPONENT:
             law.rate_exponent[c] = RATE_EXPONENTS[number - 1]
         law.approach_only[c] = APPROACH_ONLY[number - 1]
         law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
 
 
-def set_parameters(d, c):
+def set_law_parameters(d, c):
     """Set the parameters of candidate c's law to the given values.
 
     At a joint's stop, values for angles are converted to values for lengths at the lever arm.
     """
     law = d.law
-    law.number[c], law.exponent[c] = given_number(d, c), law_exponent(d, c)
+    law.number[c], law.exponent[c] = given_law_number(d, c), law_exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
     law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS_DEPTH * d.chain.longest_link
     law.minimum_impact_speed[c] = d.contact_settings.minimum_impact_speed
     law.friction[c], static = given_friction(d, c)
     law.static_friction[c] = max(law.friction[c], static)
-    if at_joint_stop(d, c):
+    if is_at_joint_stop(d, c):
         law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.chain.longest_link

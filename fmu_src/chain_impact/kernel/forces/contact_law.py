@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
 # exponent of δ → the power of δ as text; powers with other exponents are written like δ^1.2
-DEPTHS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
-DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
+DEPTH_POWERS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
+DAMPING_FACTORS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class ContactLaw:
     def damping(self) -> str:
         """The damping d in terms of the law's factor f (λ in the family), as text; "–" for a rigid wall."""
         power = self.mass_power
-        return "–" if self.impulsive else DAMPINGS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
+        return "–" if self.impulsive else DAMPING_FACTORS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
 
     @property
     def continuous(self) -> bool:
@@ -80,4 +80,4 @@ class ContactLaw:
 
 def depth_power(exponent: float) -> str:
     """Return a power of the penetration as text, without blanks; "" for the power 0."""
-    return DEPTHS.get(exponent, f"δ^{exponent:g}")
+    return DEPTH_POWERS.get(exponent, f"δ^{exponent:g}")

@@ -1,8 +1,8 @@
 """The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its partial derivatives and its elastic energy.
 
 K is the stiffness, δ the penetration and δ̇ its rate. The damping d is latched: it is computed at the onset
-and then fixed, unless ``relatch`` or a change of the law computes it again. The laws with a force in laws.py
-differ only in d, in the exponents n and p, and in whether they damp on approach only. A user's law
+and then fixed, unless ``relatch_speed`` or a change of the law computes it again. The laws with a force
+in laws.py differ only in d, in the exponents n and p, and in whether they damp on approach only. A user's law
 (user_law.py) has a formula of its own in place of K δⁿ + d δᵖ δ̇.
 
 The force has a kink. For a law that damps on approach only, the kink lies at δ̇ = 0; for any other law, it
@@ -19,7 +19,7 @@ from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
+from chain_impact.kernel.rows.geometry import is_at_joint_stop, lever_of_candidate
 
 # The increment of the central differences for the slopes of a user's law: relative to the penetration, or for
 # its rate relative to the size of this rate plus the impact speed. The value is about the cube root of
@@ -126,7 +126,7 @@ def unit_of_damping(d, c, mass_power):
     K' = K rⁿ⁺¹ and the moment of inertia m' = m r², where r is the lever arm. The kernel uses lengths at the
     lever arm, for which the damping is d = d'/rᵖ⁺². So the factor is a power of r; it is 1 if f has no unit.
     """
-    if not at_joint_stop(d, c):
+    if not is_at_joint_stop(d, c):
         return 1.0
     law = d.law
     lengths = (law.exponent[c] + 1.0) * (1.0 - mass_power) + 2.0 * mass_power - law.rate_exponent[c] - 2.0
@@ -238,7 +238,7 @@ def user_contact_force(d, c, depth, rate):
     law, arm = d.law, lever_of_candidate(d, c)
     speed, mass = d.contacts.law_speed[c] / arm, d.contacts.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
-    if at_joint_stop(d, c):
+    if is_at_joint_stop(d, c):
         stiffness *= power(arm, law.exponent[c] + 1.0)
     force = user_force(depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c])
     return force / arm
@@ -253,7 +253,7 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
     return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
 
 
-def may_jump(d, c):
+def force_may_jump(d, c):
     """Return whether the force of candidate c may jump where its contact begins or ends.
 
     This is possible for a user's law, and for a damping d δᵖ δ̇ with the exponent p = 0.

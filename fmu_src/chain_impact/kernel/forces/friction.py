@@ -27,7 +27,7 @@ Unilateral Contacts.
 
 from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_of_drive
 from chain_impact.kernel.rows.geometry import (
-    add_along,
+    add_along_row,
     largest_coordinate,
     tangent_row,
     tangential_position,
@@ -82,7 +82,7 @@ def set_friction_used(d):
 def clear_friction(d):
     """Set the modes of all elements to "no friction"."""
     for e in range(d.elements):
-        set_mode(d, e, NO_FRICTION)
+        set_friction_mode(d, e, NO_FRICTION)
 
 
 def sliding_sign(force):
@@ -90,12 +90,12 @@ def sliding_sign(force):
     return 1 if force < 0.0 else -1
 
 
-def set_mode(d, e, mode):
+def set_friction_mode(d, e, mode):
     """Set the mode of element e: STICKS, NO_FRICTION, or the sign ±1 of its sliding along t."""
     d.element.mode[e] = mode
 
 
-def set_anchor(d, e):
+def set_element_anchor(d, e):
     """Set the anchor of element e to its present coordinate along t, at the located points.
 
     While the element sticks, it is held at its anchor. At a wall, element and anchor move with the belt.
@@ -168,8 +168,8 @@ def begin_friction(d, c):
     speed = tangential_rate(d, c)
     # the anchor is needed now, because a projection before the final choice moves a sticking element to its
     # anchor
-    set_anchor(d, c)
-    set_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
+    set_element_anchor(d, c)
+    set_friction_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
 
 
 def friction_load(d, c):
@@ -214,7 +214,7 @@ def apply_sliding_friction(d, e, size):
     speed = tangential_rate(d, e)
     d.element.force[e] = -sign * size
     d.element.margin[e] = min(d.element.margin[e], sign * speed)
-    add_along(tangent_row(d, e), d.scratch.load, d.element.force[e])
+    add_along_row(tangent_row(d, e), d.scratch.load, d.element.force[e])
     # the power −F_t v_t that friction dissipates, with the friction force F_t and the speed v_t along t
     return sign * size * speed
 
@@ -266,10 +266,10 @@ def move_missed_anchors(d):
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         if abs(tangential_position(d, e) - d.element.anchor[e]) > tolerance:
-            set_anchor(d, e)
+            set_element_anchor(d, e)
 
 
-def clear_margins(d):
+def clear_friction_margins(d):
     """Set the margins of elements with friction to 0 before a step; a stage may then store a negative one."""
     for i in range(d.friction.count):
         d.element.margin[d.element.index[i]] = 0.0

@@ -9,17 +9,23 @@ import math
 
 from chain_impact.kernel.chain.kinematics import (
     accelerate_points,
-    at_center_of_mass,
     largest_component,
     locate_points_now,
     move_points,
+    vector_at_center_of_mass,
 )
 from chain_impact.kernel.chain.response import FREE, copy_factors
-from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
+from chain_impact.kernel.chain.state import (
+    FIRST_ANGLE,
+    coordinate_count,
+    dissipated_at,
+    supplied_at,
+    velocity_at,
+)
 from chain_impact.kernel.forces.active_contacts import store_force
 from chain_impact.kernel.forces.friction import ANCHOR_ROUND_OFF, store_static_forces
 from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass, solve_space
+from chain_impact.kernel.rows.compliance import are_joints_loaded, mean_mass, solve_in_space
 from chain_impact.kernel.rows.constraints import (
     activate_all,
     any_point_held,
@@ -31,13 +37,13 @@ from chain_impact.kernel.rows.constraints import (
     solve_lcp,
 )
 from chain_impact.kernel.rows.geometry import (
-    along,
-    any_sticking,
-    at_wall,
     clearance,
     constraint_acceleration,
     constraint_count,
     constraint_row,
+    dot,
+    has_sticking,
+    is_at_wall,
     largest_acceleration,
     largest_coordinate,
     largest_velocity,
@@ -91,9 +97,9 @@ def set_unforced_to_load_motion(d):
     component of the motion of any place.
     """
     factorize_free(d)
-    solve_space(d, d.scratch.link_vector, d.scratch, FREE, d.scratch.change)
+    solve_in_space(d, d.scratch.link_vector, d.scratch, FREE, d.scratch.change)
     for k in range(constraint_count(d)):
-        d.constraints.unforced[k] = along(constraint_row(d, k), d.scratch.place_change)
+        d.constraints.unforced[k] = dot(constraint_row(d, k), d.scratch.place_change)
     return largest_component(d, d.scratch.place_change)
 
 
@@ -134,7 +140,7 @@ def add_constraint_forces(d, y, rate):
     (rows/constraints.py) is recorded, and the step is rejected later.
     """
     constraints = d.constraints
-    copy_factors(d, joints_loaded(d))
+    copy_factors(d, are_joints_loaded(d))
     scale = set_start_to_accelerations(d, y, rate)
     activate_all(d)
     if solve_equality(d, scale) > d.solver.tolerance * scale:
@@ -150,7 +156,7 @@ def store_constraint_forces(d):
     """Store the forces in ``d.constraints.impulse`` as the forces of held contacts and sticking elements."""
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         store_force(d, d.contacts.active_index[k], d.constraints.impulse[k])
-    if any_sticking(d):
+    if has_sticking(d):
         store_static_forces(d)
 
 
@@ -172,7 +178,7 @@ def project_state(d, y):
     projected state.
     """
     constraints, lost = d.constraints, dissipated_at(d.links)
-    for k in range(d.contacts.compliant_count if any_sticking(d) else 0):
+    for k in range(d.contacts.compliant_count if has_sticking(d) else 0):
         constraints.resistance[k] = contact_resistance(d)
     for derivative in range(2):
         activate_all(d)
@@ -211,7 +217,7 @@ def power_of_motion(d, y, rate):
     power, fx, fy = 0.0, 0.0, 0.0
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
-        if at_wall(d, c):
+        if is_at_wall(d, c):
             force = d.contacts.force[c]
             power += force * d.wall_motion.velocity[c]
             fx, fy = fx + force * d.candidate.normal_x[c], fy + force * d.candidate.normal_y[c]
@@ -228,7 +234,7 @@ def power_of_motion(d, y, rate):
         total += d.chain.mass[i]
     # Newton's law for the whole chain gives the force F₀ that moves the base, with the links' masses m, the
     # accelerations a_C of their centres of mass, gravity g and the other forces F: F₀ = Σ m (a_C − g) − Σ F
-    px, py = momentum(d, d.scratch.acceleration)
+    px, py = total_momentum(d, d.scratch.acceleration)
     fx = px - total * d.chain.gravity[0] - d.inputs.tip_force[0] - fx
     fy = py - total * d.chain.gravity[1] - d.inputs.tip_force[1] - fy
     return power + fx * d.channel.velocity[0] + fy * d.channel.velocity[1]
@@ -240,7 +246,7 @@ def work_of_impulses(d):
     for k in range(constraint_count(d)):
         sticks = k >= d.contacts.active_count
         e = d.element.stuck[k - d.contacts.active_count] if sticks else d.contacts.active_index[k]
-        if e < d.candidates and at_wall(d, e):
+        if e < d.candidates and is_at_wall(d, e):
             _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]
             if k < d.contacts.compliant_count:
@@ -250,18 +256,18 @@ def work_of_impulses(d):
     if not d.chain.base_moves:
         return work
     move_points(d, d.scratch.link_vector, constraints.change, d.scratch.place_change)
-    x, y = momentum(d, d.scratch.place_change)
+    x, y = total_momentum(d, d.scratch.place_change)
     return work + (x - px) * d.channel.velocity[0] + (y - py) * d.channel.velocity[1]
 
 
-def momentum(d, vectors):
+def total_momentum(d, vectors):
     """Return Σ m v_C, x and y: the sum over the links of mass times the vector at the centre of mass.
 
     ``vectors`` are velocities, changes of velocities, or accelerations of the points.
     """
     x, y = 0.0, 0.0
     for i in range(d.links):
-        cx, cy = at_center_of_mass(d, vectors, i)
+        cx, cy = vector_at_center_of_mass(d, vectors, i)
         x, y = x + d.chain.mass[i] * cx, y + d.chain.mass[i] * cy
     return x, y
 
@@ -304,7 +310,7 @@ def solve_positions(d):
     for k in range(d.contacts.compliant_count, constraint_count(d)):
         left = max(left, abs(constraints.target[k] - constraints.reached[k]))
     for j in range(coordinate_count(d.links)):
-        moved = max(moved, abs(constraints.change[j]) / (size if j < ANGLES else 1.0))
+        moved = max(moved, abs(constraints.change[j]) / (size if j < FIRST_ANGLE else 1.0))
     in_vain = left > max(LARGEST_REMAINING_RESIDUAL * asked, ANCHOR_ROUND_OFF * far) and not any_point_held(d)
     if in_vain or moved > LARGEST_CORRECTION * (d.solver.tolerance + asked / size):
         if any_point_held(d):

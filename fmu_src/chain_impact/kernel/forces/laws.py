@@ -276,15 +276,15 @@ __all__ = ["CONTACT_LAWS", "LAW_COUNT", "damping_factor", "is_impulsive"]
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
 _factor = dispatch_by_number([law.damping_factor for law in _LAWS])
-# ANY in EXPONENTS: any exponent n is allowed; ANY in RATE_EXPONENTS: p = n.
-ANY = -1.0
-EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
-RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
+# ANY_EXPONENT in REQUIRED_EXPONENTS: any exponent n is allowed; ANY_EXPONENT in RATE_EXPONENTS: p = n.
+ANY_EXPONENT = -1.0
+REQUIRED_EXPONENTS = tuple(ANY_EXPONENT if law.exponent is None else law.exponent for law in _LAWS)
+RATE_EXPONENTS = tuple(ANY_EXPONENT if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
 # the least restitution e that each law allows: 0, or a number whose reciprocal 1/e does not overflow
 LEAST_RESTITUTIONS = tuple(0.0 if law.allows_zero else 1e-300 for law in _LAWS)
 MASS_POWERS = tuple(law.mass_power for law in _LAWS)
 APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
-IMPULSIVE = tuple(int(law.impulsive) for law in _LAWS)
+IS_IMPULSIVE = tuple(int(law.impulsive) for law in _LAWS)
 
 
 def damping_factor(law, restitution):
@@ -297,4 +297,4 @@ def is_impulsive(law):
 
     A user's law has a force.
     """
-    return law <= LAW_COUNT and IMPULSIVE[law - 1] != 0
+    return law <= LAW_COUNT and IS_IMPULSIVE[law - 1] != 0

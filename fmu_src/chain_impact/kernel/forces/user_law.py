@@ -5,7 +5,7 @@ Plain Python uses the functions below. A compiled kernel is linked with C functi
 (compilation/compilers.py).
 """
 
-ARGUMENTS = (
+LAW_ARGUMENTS = (
     "penetration",
     "rate",
     "impact_speed",
@@ -28,6 +28,6 @@ def is_present():
 def force(_penetration, _rate, _impact_speed, _effective_mass, _stiffness, _exponent, _restitution):
     """Return 0. A user's law returns its force [N] before the cut at 0; at a joint's stop the moment [N·m].
 
-    ``ARGUMENTS`` describes the arguments.
+    ``LAW_ARGUMENTS`` describes the arguments.
     """
     return 0.0

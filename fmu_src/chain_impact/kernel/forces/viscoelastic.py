@@ -19,7 +19,7 @@ import math
 from chain_impact.kernel.mathematics.exponentials import exp, expm1
 from chain_impact.kernel.mathematics.logarithms import log
 
-SERIES = (
+CHEBYSHEV_COEFFICIENTS = (
     1.03271384845832,
     0.1847072566438916,
     -0.01671535445063114,
@@ -65,12 +65,12 @@ def viscoelastic_factor(e):
     """Return f(e), the factor of the damping in the law of Kuwabara and Kono, for 0 < e ≤ 1."""
     exponent = log(e)
     root = math.sqrt(-expm1(0.125 * exponent)) if 1.0 - e > NEAREST_TO_ONE else 0.0 * e
-    return (1.0 - e) * exp(-0.6 * exponent) * series(2.0 * root - 1.0)
+    return (1.0 - e) * exp(-0.6 * exponent) * evaluate_series(2.0 * root - 1.0)
 
 
-def series(x):
+def evaluate_series(x):
     """Return the sum of the Chebyshev series of P at x, by Clenshaw's rule (1955, Math Tab Wash 9:118)."""
     last, sum_so_far = 0.0 * x, 0.0 * x
-    for k in range(len(SERIES) - 1, 0, -1):
-        last, sum_so_far = sum_so_far, SERIES[k] + 2.0 * x * sum_so_far - last
-    return SERIES[0] + x * sum_so_far - last
+    for k in range(len(CHEBYSHEV_COEFFICIENTS) - 1, 0, -1):
+        last, sum_so_far = sum_so_far, CHEBYSHEV_COEFFICIENTS[k] + 2.0 * x * sum_so_far - last
+    return CHEBYSHEV_COEFFICIENTS[0] + x * sum_so_far - last

@@ -10,7 +10,13 @@ import math
 import numpy as np
 
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
-from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits_of, double_of_bits
+from chain_impact.kernel.mathematics.doubles import (
+    BITS_OF_ONE,
+    FRACTION_BITS,
+    ROUNDING_TERM,
+    bits_of,
+    double_of_bits,
+)
 
 # [rad] the largest |angle| for ``cosine_and_sine``; a larger angle would lose digits when its quarter turns
 # are subtracted
@@ -28,9 +34,9 @@ S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
 C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
      -2.75573143539534e-07, 2.0875723499343115e-09, -1.1359659812851872e-11)
 # fmt: on
-# GROUP_BITS: the number of bits of 2/π in each group, an entry of DIGITS. GROUPS: the number of groups that
-# ``far_reduction`` uses for one angle, enough for every double.
-GROUP_BITS, GROUPS = 24, 6
+# GROUP_BITS: the number of bits of 2/π in each group, an entry of TWO_OVER_PI_DIGITS. GROUP_COUNT: the number
+# of groups that ``reduce_far_angle`` uses for one angle, enough for every double.
+GROUP_BITS, GROUP_COUNT = 24, 6
 # exponent e of the largest double m 2^e, with an integer m of 53 bits; this exponent determines how many bits
 # of 2/π are stored
 LAST_DIGIT = 971
@@ -41,7 +47,7 @@ def _digit_groups():
 
     Each group is an integer, stored as a double; the first group has the digits next to the point.
     """
-    count = LAST_DIGIT // GROUP_BITS + GROUPS + 1
+    count = LAST_DIGIT // GROUP_BITS + GROUP_COUNT + 1
     scale = GROUP_BITS * count + 32
     # Machin's formula of 1706: π = 16 arctan(1/5) − 4 arctan(1/239)
     digits = (2 << 2 * scale) // (16 * _fixed_arctangent(5, scale) - 4 * _fixed_arctangent(239, scale))
@@ -58,38 +64,38 @@ def _fixed_arctangent(n, scale):
     return total
 
 
-DIGITS = _digit_groups()
+TWO_OVER_PI_DIGITS = _digit_groups()
 
 
 @has_dual_rule
-def direction(angle):
+def unit_vector(angle):
     """Return the cosine and sine of any angle [rad]; both are NaN if the angle is not finite."""
     if abs(angle) < LARGEST_ANGLE:
         return cosine_and_sine(angle)
     if not abs(angle) < math.inf:
         return math.nan, math.nan
-    turns, r = far_reduction(angle)
+    turns, r = reduce_far_angle(angle)
     return cosine_and_sine_of_parts(turns, r)
 
 
 def cosine(angle):
     """Return the cosine of any angle [rad]; NaN if the angle is not finite."""
-    return direction(angle)[0]
+    return unit_vector(angle)[0]
 
 
 def sine(angle):
     """Return the sine of any angle [rad]; NaN if the angle is not finite."""
-    return direction(angle)[1]
+    return unit_vector(angle)[1]
 
 
 @inlined
 def cosine_and_sine(angle):
     """Return the cosine and sine of an angle [rad] between −LARGEST_ANGLE and LARGEST_ANGLE."""
     # the angle φ is k quarter turns and a remainder r: φ = k π/2 + r
-    k = (angle * TWO_OVER_PI + ROUND) - ROUND
+    k = (angle * TWO_OVER_PI + ROUNDING_TERM) - ROUNDING_TERM
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2
     # k mod 4, as an integer from −2 to 2: whole turns have no effect
-    turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
+    turns = k - 4.0 * ((0.25 * k + ROUNDING_TERM) - ROUNDING_TERM)
     return cosine_and_sine_of_parts(turns, r)
 
 
@@ -107,7 +113,7 @@ def cosine_and_sine_of_parts(turns, r):
     return p * c - q * s, p * s + q * c
 
 
-def far_reduction(angle):
+def reduce_far_angle(angle):
     """Return the quarter turns, −2 to 2, and the remainder r [rad] of a large angle, without whole turns.
 
     The angle [rad] is finite, with |angle| ≥ LARGEST_ANGLE. The bits of 2/π that would only add whole turns
@@ -115,18 +121,20 @@ def far_reduction(angle):
     """
     pattern = bits_of(abs(angle))
     # |φ| = m 2^e for the angle φ, with m = a 2²⁷ + b and integers m, e, a and b
-    e = (pattern >> FRACTION) - 1075
-    m = double_of_bits((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
+    e = (pattern >> FRACTION_BITS) - 1075
+    m = double_of_bits((pattern & ((1 << FRACTION_BITS) - 1)) + (1075 << FRACTION_BITS))
     a = float(math.floor(m * 2.0**-27))
     b = m - a * 2.0**27
     first = max(0, (e - 2) // GROUP_BITS)
     total, lost = 0.0, 0.0
-    for i in range(first, first + GROUPS):
+    for i in range(first, first + GROUP_COUNT):
         for half, exponent in ((a, e + 27 - GROUP_BITS * (i + 1)), (b, e - GROUP_BITS * (i + 1))):
             if exponent >= 2:
                 continue
             # this product, in quarter turns, is exact, and so is its remainder after whole turns are removed
-            part = half * (float(DIGITS[i]) * double_of_bits(ONE + (exponent << FRACTION)))
+            part = half * (
+                float(TWO_OVER_PI_DIGITS[i]) * double_of_bits(BITS_OF_ONE + (exponent << FRACTION_BITS))
+            )
             remainder = part - 4.0 * math.floor(0.25 * part)
             # ``total`` is the sum of the remainders, and ``lost`` the sum of what rounding loses in ``total``
             before, total = total, total + remainder

@@ -11,27 +11,27 @@ import numpy as np
 
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import (
-    FIXED,
-    FRACTION,
-    LEAST_NORMAL,
-    ONE,
+    BITS_OF_LEAST_NORMAL,
+    BITS_OF_ONE,
+    FIXED_BITS,
+    FRACTION_BITS,
     bits_of,
     double_of_bits,
-    in_two_doubles,
-    rounded_to_26_bits,
+    round_to_26_bits,
+    split_in_two_doubles,
 )
 
 # MANTISSA_INTERVALS: the number of intervals of the mantissa m, each with a row in the table. WIDTH_BITS: an
 # interval contains 2^WIDTH_BITS doubles.
 MANTISSA_INTERVALS, WIDTH_BITS = 256, 44
-# FIRST: the bits of the start of the first interval of the mantissa, near √½. MIDDLE: the index, from 0, of
-# the interval in which c = 1; this interval extends as far below 1 as above 1, so that ln x loses no digits
-# near x = 1.
-MIDDLE = 150
-FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
-# ln 2 and −ln c are sums of two doubles; the first double has PLACES bits after the binary point, so that k
-# ln 2 − ln c of the first doubles is exact for |k| < 2¹¹
-PLACES = 42
+# FIRST_INTERVAL_BITS: the bits of the start of the first interval of the mantissa, near √½. MIDDLE_INTERVAL:
+# the index, from 0, of the interval in which c = 1; this interval extends as far below 1 as above 1, so that
+# ln x loses no digits near x = 1.
+MIDDLE_INTERVAL = 150
+FIRST_INTERVAL_BITS = BITS_OF_ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE_INTERVAL << WIDTH_BITS)
+# ln 2 and −ln c are sums of two doubles; the first double has LOG_PLACES bits after the binary point, so that
+# k ln 2 − ln c of the first doubles is exact for |k| < 2¹¹
+LOG_PLACES = 42
 # coefficients, from the constant one on, of the best polynomial P for |r| < 0.0035, by Remez's exchange:
 # ln(1 + r) = r − r²/2 + r³ P(r)
 LOG_P = (
@@ -45,13 +45,13 @@ LINEAR_UP_TO = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are equal to 
 
 
 def fixed_logarithm(a, b):
-    """Return ln(a/b) of two positive integers, times 2^FIXED, rounded to an integer near it."""
+    """Return ln(a/b) of two positive integers, times 2^FIXED_BITS, rounded to an integer near it."""
     # ln(a/b) = 2 (z + z³/3 + z⁵/5 + …), z = (a − b)/(a + b)
-    term = ((a - b) << FIXED) // (a + b)
-    square, total, n = term * term >> FIXED, 0, 1
+    term = ((a - b) << FIXED_BITS) // (a + b)
+    square, total, n = term * term >> FIXED_BITS, 0, 1
     while abs(term) > 1:
         total += term // n
-        term, n = term * square >> FIXED, n + 2
+        term, n = term * square >> FIXED_BITS, n + 2
     return 2 * total
 
 
@@ -62,17 +62,17 @@ def _table():
     """
     rows = []
     for i in range(MANTISSA_INTERVALS):
-        m = double_of_bits(FIRST + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))
+        m = double_of_bits(FIRST_INTERVAL_BITS + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))
         # c has 9 bits, so r = m c − 1 is exact
         unit = 512 if m > 1.0 else 256
-        c = unit if i == MIDDLE else round(unit / m)
-        rows.append((c / unit, *in_two_doubles(fixed_logarithm(unit, c), PLACES)))
+        c = unit if i == MIDDLE_INTERVAL else round(unit / m)
+        rows.append((c / unit, *split_in_two_doubles(fixed_logarithm(unit, c), LOG_PLACES)))
     return tuple(np.array(column) for column in zip(*rows, strict=True))
 
 
-INVERSE, LOG_HIGH, LOG_LOW = _table()
+MANTISSA_INVERSE, LOG_HIGH, LOG_LOW = _table()
 LN_2 = fixed_logarithm(2, 1)
-LN_2_HIGH, LN_2_LOW = in_two_doubles(LN_2, PLACES)
+LN_2_HIGH, LN_2_LOW = split_in_two_doubles(LN_2, LOG_PLACES)
 
 
 @inlined
@@ -82,11 +82,11 @@ def log_parts(pattern):
     Args:
         pattern: the 64 bits of the number, as an integer.
     """
-    k = (pattern - FIRST) >> FRACTION
-    i = ((pattern - FIRST) >> WIDTH_BITS) & (MANTISSA_INTERVALS - 1)
-    m, c = double_of_bits(pattern - (k << FRACTION)), float(INVERSE[i])
+    k = (pattern - FIRST_INTERVAL_BITS) >> FRACTION_BITS
+    i = ((pattern - FIRST_INTERVAL_BITS) >> WIDTH_BITS) & (MANTISSA_INTERVALS - 1)
+    m, c = double_of_bits(pattern - (k << FRACTION_BITS)), float(MANTISSA_INVERSE[i])
     # r = m c − 1 is the sum of u and v; u, v, r and u² are exact
-    m_front = rounded_to_26_bits(m)
+    m_front = round_to_26_bits(m)
     u, v = m_front * c - 1.0, (m - m_front) * c
     r = u + v
     base = float(k) * LN_2_HIGH + float(LOG_HIGH[i])
@@ -105,8 +105,8 @@ def log_parts(pattern):
 def log_parts_of_any(x):
     """Return the natural logarithm of a positive finite number, normal or not, as the sum of two doubles."""
     pattern = bits_of(x)
-    if pattern < LEAST_NORMAL:
-        pattern = bits_of(x * 2.0**52) - (52 << FRACTION)
+    if pattern < BITS_OF_LEAST_NORMAL:
+        pattern = bits_of(x * 2.0**52) - (52 << FRACTION_BITS)
     return log_parts(pattern)
 
 

@@ -6,8 +6,13 @@ x^y = e^(y ln x) for x > 0, with y ln x as the sum of two doubles.
 import math
 
 from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.mathematics.doubles import INFINITY, LEAST_NORMAL, bits_of, product
-from chain_impact.kernel.mathematics.exponentials import COMMON, exp_of_common, exp_of_sum
+from chain_impact.kernel.mathematics.doubles import (
+    BITS_OF_INFINITY,
+    BITS_OF_LEAST_NORMAL,
+    bits_of,
+    product_in_two_doubles,
+)
+from chain_impact.kernel.mathematics.exponentials import COMMON_RANGE, exp_of_common, exp_of_sum
 from chain_impact.kernel.mathematics.logarithms import log_parts, log_parts_of_any
 
 ALL_EVEN = 2.0**53  # from this number on all doubles are even integers
@@ -16,12 +21,12 @@ HUGE_EXPONENT = 2.0**64  # for |y| from this number on, |x|^y is 0, 1 or infinit
 
 @has_dual_rule
 def power(x, y):
-    """Return x^y for any x and y, as ``any_power`` does; faster for a normal x > 0 and |y ln x| < COMMON."""
+    """Return x^y for any x and y, as ``any_power``; faster for a normal x > 0 and |y ln x| < COMMON_RANGE."""
     pattern = bits_of(x)
-    if LEAST_NORMAL <= pattern < INFINITY:
+    if BITS_OF_LEAST_NORMAL <= pattern < BITS_OF_INFINITY:
         high, low = log_parts(pattern)
-        high, low = product(y, high, low)
-        if abs(high) < COMMON:
+        high, low = product_in_two_doubles(y, high, low)
+        if abs(high) < COMMON_RANGE:
             return exp_of_common(high, low)
     return any_power(x, y)
 
@@ -47,5 +52,5 @@ def power_of_size(x, y):
     if x == 0.0 or math.isinf(x) or abs(y) >= HUGE_EXPONENT:
         return math.inf if (x > 1.0) == (y > 0.0) else 0.0
     high, low = log_parts_of_any(x)
-    high, low = product(y, high, low)
+    high, low = product_in_two_doubles(y, high, low)
     return exp_of_sum(high, low)

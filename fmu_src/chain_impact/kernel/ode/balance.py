@@ -54,13 +54,13 @@ from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.ode.control import (
     EXPLICIT,
     SPOILED,
-    accepted,
     impact_energy,
+    is_accepted,
     penetration_scale,
     reject_step,
     set_outcome,
 )
-from chain_impact.kernel.ode.dense import interpolate
+from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
     count_supplied,
@@ -82,7 +82,7 @@ STEP_CHANGE = 3.0
 # rests on a wall: there the ratios of change to tolerance × S add up to 230 in 100,000 steps.
 WINDOW_CHANGE = 100.0
 # [s] the length of a window of time for WINDOW_CHANGE; equal to COST_WINDOW (cost.py)
-WINDOW = 1.0
+BALANCE_WINDOW = 1.0
 # The limit of the energy that the errors of all steps together add, relative to the available energy: the
 # largest energy so far that motion, springs, walls and heat can have had. Beyond this limit, steps that add
 # energy are rejected.
@@ -194,8 +194,8 @@ def reinit_balance(d):
 def check_energy(d, theta):
     """Reject the last step if the energy balance changes too much from the step's start to its fraction θ.
 
-    θ = −1 stands for the end of the step. A long step (``is_long``) whose rate at the end is known is also
-    rejected if its dense output is wrong in the middle (``interpolates``).
+    θ = −1 stands for the end of the step. If ``may_err_in_middle`` and its rate at the end is known, it is
+    also rejected if its dense output is wrong in the middle (``is_middle_correct``).
 
     If the step loses more than NOTABLE_LOSS of its allowed loss (``loss_allowed``), its loss divided by the
     allowed loss counts as an error of the step: if it is above 1, and not only round-off, the step is
@@ -208,7 +208,7 @@ def check_energy(d, theta):
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
         y = d.scratch.state
-        interpolate(d.step, theta, y)
+        interpolate_state(d.step, theta, y)
         locate_points(d, y)
     else:
         ensure_rate(d)
@@ -232,7 +232,7 @@ def check_energy(d, theta):
         loss = 1.0
     if loss > NOTABLE_LOSS:
         set_outcome(d, max(d.trial.error, loss), d.trial.cost_factor)
-    if accepted(d) and d.step.rate_known and is_long(d) and not interpolates(d):
+    if is_accepted(d) and d.step.rate_known and may_err_in_middle(d) and not is_middle_correct(d):
         reject_step(d, SPOILED)
     return present, available
 
@@ -281,7 +281,7 @@ def loss_budget(d, available):
     return most * (1.0 + (d.step.end - balance.run_start) / LOSS_TIME)
 
 
-def is_long(d):
+def may_err_in_middle(d):
     """Return whether the last step is of a kind that can have a correct end although its middle is wrong.
 
     There are three kinds, all long: a step whose dense output exists and in which a link has turned by more
@@ -296,7 +296,7 @@ def is_long(d):
     return resisted and find_joint_stiffness(d, d.step.end - d.step.start) > STABLE_STEP
 
 
-def interpolates(d):
+def is_middle_correct(d):
     """Return whether the dense output is correct at the middle of the last step.
 
     There the energy balance may have changed since the start of the step by at most MIDDLE_CHANGE times the
@@ -304,7 +304,7 @@ def interpolates(d):
     """
     y = d.scratch.state
     ensure_dense(d, SOLVER)
-    interpolate(d.step, 0.5, y)
+    interpolate_state(d.step, 0.5, y)
     if not dissipates_evenly(d, y[dissipated_at(d.links)]):
         return False
     locate_points(d, y)
@@ -378,7 +378,7 @@ def check_balance(d):
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):
         return ENERGY_NOT_KEPT
-    if d.step.end >= balance.window_start + WINDOW:
+    if d.step.end >= balance.window_start + BALANCE_WINDOW:
         balance.window_start = d.step.end
         begin_window(d)
     fraction, drift = WINDOW_CHANGE / STEP_CHANGE, abs(balance.at_end - balance.reference)

@@ -27,10 +27,10 @@ from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.ode.control import (
     DIVERGED,
+    ERROR_ORDER,
     IMPLICIT,
     INFINITE,
     LATE,
-    ORDER,
     PAST_END,
     clear_faded,
     force_errors,
@@ -40,7 +40,7 @@ from chain_impact.kernel.ode.control import (
     set_outcome,
     set_scales,
 )
-from chain_impact.kernel.ode.dense import POWERS, copy_tried_quadratures, interpolate
+from chain_impact.kernel.ode.dense import BASIS_POWERS, copy_tried_quadratures, interpolate_state
 from chain_impact.kernel.ode.extended import (
     clearance_count,
     extend_start,
@@ -61,8 +61,8 @@ from chain_impact.kernel.ode.friction_work import correct_friction_energy, store
 from chain_impact.kernel.ode.radau import (
     END_WEIGHTS,
     MOST_ITERATIONS,
-    NODES,
-    PAIRS,
+    PAIR_COUNT,
+    RADAU_NODES,
     RADAU_STAGES,
     REAL_EIGENVALUE,
     START_WEIGHTS,
@@ -71,8 +71,8 @@ from chain_impact.kernel.ode.radau import (
 )
 from chain_impact.kernel.rows.constraints import any_constraint
 
-LAST = RADAU_STAGES - 1
-WITH_START = (0.0, *NODES)
+LAST_STAGE = RADAU_STAGES - 1
+START_AND_NODES = (0.0, *RADAU_NODES)
 SLOW_CONVERGENCE = 0.2  # above this ratio of a Newton correction to the one before, shorter steps cost less
 # Stages are predicted with degree 5, 4 or 3 if the new step ends at most 1.2, 2 or 3 sizes of the last step
 # after the last step's end, else with degree 1. Size and end are those that the last step had before a cut.
@@ -80,7 +80,7 @@ EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # The cost of a step without its evaluations, in evaluations: all factorizations; all solutions in an
 # iteration; error estimate and projection onto the clearances. A real factorization costs 1 and a real
 # solution 0.7, complex ones 2.5 times as much; estimate and projection take four real solutions.
-FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
+FACTORIZATION_COST, SOLUTION_COST, ESTIMATE_COST = 6, 4, 3
 FORCELESS_PART = 1e-3  # a contact that ends in this first part of a step has hardly any force left
 DECAY_TIMES = 3.0  # size of a step, in decay times of its fast motion, if this motion equals the tolerance
 
@@ -90,8 +90,8 @@ def _coefficients():
 
     The matrix is computed in rational numbers: the last digits of NumPy's inverse depend on the processor.
     """
-    nodes = [Fraction(node) for node in NODES]
-    rows = [[t**p * (1 - t) ** q for p, q in POWERS[:RADAU_STAGES]] for t in nodes]
+    nodes = [Fraction(node) for node in RADAU_NODES]
+    rows = [[t**p * (1 - t) ** q for p, q in BASIS_POWERS[:RADAU_STAGES]] for t in nodes]
     for k, row in enumerate(rows):
         row += [Fraction(int(i == k)) for i in range(RADAU_STAGES)]
     for k in range(RADAU_STAGES):
@@ -103,23 +103,23 @@ def _coefficients():
 
 
 # row m times the increments of the stages is the coefficient of the m-th basis function of the dense output
-SHAPE = _coefficients()
+INTERPOLANT_MATRIX = _coefficients()
 # the largest |second derivative| of each of the first five basis functions on [0, 1]
 CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)
 
 
-def factorize(d, h):
+def factorize_systems(d, h):
     """Factorize the linear systems of an implicit step of size h [s]."""
     factorize_real(d, h * REAL_EIGENVALUE)
-    for pair in range(PAIRS):
+    for pair in range(PAIR_COUNT):
         factorize_complex(d, shift_of(pair, h), pair)
 
 
-def solve(d, h, size):
+def solve_systems(d, h, size):
     """Replace ``implicit.parts``, right-hand sides of ``size`` entries, by the solutions for step size h."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
-    for pair in range(PAIRS):
+    for pair in range(PAIR_COUNT):
         solve_complex(d, shift_of(pair, h), pair, parts[1 + 2 * pair], parts[2 + 2 * pair], size)
 
 
@@ -136,18 +136,18 @@ def can_extrapolate(d):
 def set_jacobian(d, z):
     """Evaluate the Jacobian A at z, the predicted state at the middle node, if ``can_extrapolate`` is true.
 
-    Otherwise z is inaccurate, and A stays as ``prepare`` has evaluated it, at the start of the step.
+    Otherwise z is inaccurate, and A stays as ``prepare_step`` has evaluated it, at the start of the step.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
 
 
 find_residuals, correct_stages, _converge = simplified_newton(
-    clear_stage_notes, extended_rate, store_friction_forces, set_jacobian, factorize, solve
+    clear_stage_notes, extended_rate, store_friction_forces, set_jacobian, factorize_systems, solve_systems
 )
 
 
-def prepare(d, h):
+def prepare_step(d, h):
     """Prepare a step; return the size [s]: h, or less if a contact ends soon or a motion is fast."""
     extend_start(d)
     extended_slopes(d, d.implicit.z_start)
@@ -204,7 +204,7 @@ def size_for_fast_motion(d, h):
     # the operator leaves the part 1/(1 + ρ h μ) of a motion that decays with the rate ρ; h μ is ``shift``
     rho = (most / remains - 1.0) / shift
     if rho * h > 1.0 and most > rho:
-        return min(h, DECAY_TIMES / rho * power(rho / most, 1.0 / (ORDER[IMPLICIT] - 1)))
+        return min(h, DECAY_TIMES / rho * power(rho / most, 1.0 / (ERROR_ORDER[IMPLICIT] - 1)))
     return h
 
 
@@ -215,7 +215,7 @@ def extrapolate_stages(d, h, size):
         extrapolate_polynomial(d, h, size)
         return
     for i in range(RADAU_STAGES):
-        part = h * NODES[i]
+        part = h * RADAU_NODES[i]
         for j in range(size):
             implicit.stages[i, j] = 0.0
         for j in range(velocity_at(d.links)):
@@ -237,24 +237,24 @@ def extrapolate_polynomial(d, h, size):
         for j in range(size):
             implicit.stages[i, j] = 0.0
     for m in range(max(1, dropped), RADAU_STAGES + 1):
-        before = lagrange(dropped, m, base)
+        before = lagrange_polynomial(dropped, m, base)
         for i in range(RADAU_STAGES):
-            weight = lagrange(dropped, m, base + h * NODES[i] / span) - before
+            weight = lagrange_polynomial(dropped, m, base + h * RADAU_NODES[i] / span) - before
             for j in range(size):
                 implicit.stages[i, j] += weight * implicit.last_stages[m - 1, j]
 
 
-def attempt(d, h):
-    """Try a step of size h [s] from the start that ``prepare`` has set; store the result in ``trial``."""
+def attempt_step(d, h):
+    """Try a step of size h [s] from the start of ``prepare_step``; store the result in ``trial``."""
     implicit, size = d.implicit, extended_size(d)
     extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
     count_evaluations(d, RADAU_STAGES * implicit.iterations)
-    count_other_cost(d, FACTORIZATIONS + SOLUTIONS * implicit.iterations + ESTIMATE)
+    count_other_cost(d, FACTORIZATION_COST + SOLUTION_COST * implicit.iterations + ESTIMATE_COST)
     if solved:
         if d.friction.count > 0:
             correct_friction_energy(d, h)
-        set_result(d, h)
+        set_step_end(d, h)
         error = error_estimate(d, h, size)
         if clearance_count(d) > 0:
             change, apart = project_clearances(d, implicit.z, d.trial.state)
@@ -274,11 +274,11 @@ def cost_factor(implicit):
     return factor
 
 
-def set_result(d, h):
+def set_step_end(d, h):
     """Set the extended state z and the state y at the end of a step of size h; locate the points there."""
     implicit, y = d.implicit, d.trial.state
     for j in range(extended_size(d)):
-        implicit.z[j] = implicit.z_start[j] + implicit.stages[LAST, j]
+        implicit.z[j] = implicit.z_start[j] + implicit.stages[LAST_STAGE, j]
     for j in range(sundman_u_at(d.links)):
         y[j] = implicit.z[j]
     y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
@@ -290,10 +290,10 @@ def error_estimate(d, h, size):
     """Return the error of ``size`` components of z in a step h [s], over the tolerance; ∞ if not finite."""
     implicit, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
-        start, end = implicit.rate_start[j], implicit.rates[LAST, j]
+        start, end = implicit.rate_start[j], implicit.rates[LAST_STAGE, j]
         for i in range(RADAU_STAGES):
             start -= START_WEIGHTS[i] * implicit.rates[i, j]
-        for i in range(LAST):
+        for i in range(LAST_STAGE):
             end -= END_WEIGHTS[i] * implicit.rates[i, j]
         implicit.parts[0, j], implicit.parts[1, j] = shift * start, shift * end
     solve_real(d, shift, implicit.parts[0])
@@ -315,11 +315,11 @@ def error_estimate(d, h, size):
     return first * min(1.0, first / second) if second > 0.0 else first
 
 
-def coefficient(stages, m, j):
+def dense_coefficient(stages, m, j):
     """Return the coefficient of the m-th basis function of the dense output for component j of ``stages``."""
     total = 0.0
     for i in range(RADAU_STAGES):
-        total += SHAPE[m][i] * stages[i, j]
+        total += INTERPOLANT_MATRIX[m][i] * stages[i, j]
     return total
 
 
@@ -342,7 +342,7 @@ def set_dense(values, j, stages, at, degree):
     """Set the dense output of component j, index ``at`` in z; coefficients F_m with m ≥ ``degree`` are 0."""
     values.dense[0, j] = values.state_end[j] - values.state[j]
     for m in range(1, len(values.dense)):
-        values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
+        values.dense[m, j] = dense_coefficient(stages, m, at) if m < degree else 0.0
 
 
 def match_clearances(d):
@@ -354,7 +354,7 @@ def match_clearances(d):
     if clearance_count(d) == 0:
         return
     for third in range(1, 3):
-        interpolate(d.step, third / 3.0, d.scratch.state)
+        interpolate_state(d.step, third / 3.0, d.scratch.state)
         locate_points(d, d.scratch.state)
         for derivative in range(2):
             for k in range(clearance_count(d)):
@@ -373,12 +373,12 @@ def match_clearances(d):
         dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
 
 
-def lagrange(first, m, x):
-    """Return at x the polynomial that is 1 at WITH_START[m] and 0 at WITH_START[k], ``first`` ≤ k ≠ m."""
+def lagrange_polynomial(first, m, x):
+    """Return at x the polynomial that is 1 at START_AND_NODES[m], and 0 at k ≠ m from ``first`` on."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:
-            value *= (x - WITH_START[k]) / (WITH_START[m] - WITH_START[k])
+            value *= (x - START_AND_NODES[k]) / (START_AND_NODES[m] - START_AND_NODES[k])
     return value
 
 
@@ -386,7 +386,7 @@ def extended_component(d, j, theta):
     """Return component j of the extended state z at the fraction θ of the last step."""
     total = d.implicit.z_start[j]
     for m in range(1, RADAU_STAGES + 1):
-        total += lagrange(0, m, theta) * d.implicit.last_stages[m - 1, j]
+        total += lagrange_polynomial(0, m, theta) * d.implicit.last_stages[m - 1, j]
     return total
 
 
@@ -395,5 +395,5 @@ def bound_curvatures(d, h):
     for k in range(clearance_count(d)):
         bound = 0.0
         for m in range(RADAU_STAGES):
-            bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last_stages, m, gap_at(d, k)))
+            bound += CURVE_BOUND[m] * abs(dense_coefficient(d.implicit.last_stages, m, gap_at(d, k)))
         d.search.curvature[d.contacts.active_index[k]] = bound / (h * h)

@@ -14,15 +14,10 @@ shorter if it must resolve a fast motion (collocation.py).
 
 import math
 
-from chain_impact.kernel.chain.drives import (
-    along_drive,
-    drive_count,
-    drive_slopes,
-    moment_factor,
-)
+from chain_impact.kernel.chain.drives import drive_component, drive_count, drive_slopes, moment_factor
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.state import (
-    ANGLES,
+    FIRST_ANGLE,
     dissipated_at,
     omega_at,
     sundman_u_at,
@@ -33,21 +28,21 @@ from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
-from chain_impact.kernel.rows.geometry import along, clearance, largest_coordinate, normal_row
+from chain_impact.kernel.rows.geometry import clearance, dot, largest_coordinate, normal_row
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method: the two methods of integration
 SOLVER_METHODS = ("auto", "explicit", "implicit")
 """The values of the scene key `solver.method`, numbered from 1; with `auto` the solver chooses the method."""
-AUTO = 1
+AUTOMATIC_METHOD = 1
 
 # Constants of the two methods: the entry 0 is for EXPLICIT, the entry 1 for IMPLICIT. The error of a step is
-# proportional to the power ORDER of the step's size. The next size that follows from the last error is
-# multiplied by SAFETY, so that few steps are rejected. ONSET_SIZE is the size of the first step of a contact
-# at a tolerance of 1, divided by ``contact_time_scale``; the error of this step is proportional to the power
-# ONSET_ORDER of the step's size.
-ORDER = (8, 7)
-SAFETY = (0.8, 0.85)
+# proportional to the power ERROR_ORDER of the step's size. The next size that follows from the last error is
+# multiplied by SAFETY_FACTOR, so that few steps are rejected. ONSET_SIZE is the size of the first step of a
+# contact at a tolerance of 1, divided by ``contact_time_scale``; the error of this step is proportional to
+# the power ONSET_ORDER of the step's size.
+ERROR_ORDER = (8, 7)
+SAFETY_FACTOR = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
 # ONSET_ORDER of the implicit method is 3/2 + 2, for the default exponent: the elastic force is proportional
 # to δ^(3/2), and the motion is the double integral of the force
@@ -60,13 +55,13 @@ PAST_END = 1.04
 
 def prescribed_method(choice):
     """Return EXPLICIT or IMPLICIT for ``choice``, a number from 1 in SOLVER_METHODS; −1 for `auto`."""
-    return choice - AUTO - 1
+    return choice - AUTOMATIC_METHOD - 1
 
 
 # The least and the largest ratio by which the error of a step changes the size of the next try or step. The
 # authors of DOP853 use 1/3 and 6.
-SHRINK, GROW = 0.1, 6.0
-EXPONENT = tuple(-1.0 / order for order in ORDER)
+LEAST_RATIO, LARGEST_RATIO = 0.1, 6.0
+SIZE_EXPONENT = tuple(-1.0 / order for order in ERROR_ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 # The outcomes of a tried step:
 # INACCURATE  the error exceeds the tolerance, or the step loses more energy than is allowed
@@ -123,7 +118,7 @@ def reject_step(d, outcome):
     d.trial.outcome = outcome
 
 
-def accepted(d):
+def is_accepted(d):
     """Return whether no check has rejected the tried step so far."""
     return d.trial.outcome == ACCEPTED
 
@@ -154,12 +149,12 @@ def propose_flight_size(d):
 
 
 def next_size_factor(d):
-    """Return the next size divided by the tried one: at least SHRINK, but not yet limited to GROW."""
+    """Return the next size over the tried one: at least LEAST_RATIO, not yet limited to LARGEST_RATIO."""
     outcome, method = d.trial.outcome, d.step.method
     if outcome == INFINITE:
-        return SHRINK
+        return LEAST_RATIO
     error = EQUIVALENT_ERROR[outcome] if outcome >= SPOILED else max(d.trial.error, LEAST_ERROR)
-    return max(SHRINK, SAFETY[method] * d.trial.cost_factor * power(error, EXPONENT[method]))
+    return max(LEAST_RATIO, SAFETY_FACTOR[method] * d.trial.cost_factor * power(error, SIZE_EXPONENT[method]))
 
 
 def size_in_flight(d, y, rate):
@@ -171,7 +166,7 @@ def size_in_flight(d, y, rate):
     n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
-    turn = FIRST_TURN * power(d.solver.tolerance, -EXPONENT[EXPLICIT])
+    turn = FIRST_TURN * power(d.solver.tolerance, -SIZE_EXPONENT[EXPLICIT])
     return turn / max(fastest, turn)
 
 
@@ -231,7 +226,7 @@ def set_scales(d, y, scale, contact_count):
     """
     n, size = d.links, d.chain.longest_link
     for j in range(velocity_at(n)):
-        scale[j] = size if j < ANGLES else 1.0
+        scale[j] = size if j < FIRST_ANGLE else 1.0
     for j in range(velocity_at(n), dissipated_at(n)):
         scale[j] = (size if j < omega_at(n) else 1.0) + abs(y[j])
     scale[dissipated_at(n)] = d.chain.energy_scale + abs(y[dissipated_at(n)]) + impact_energy(d)
@@ -253,7 +248,7 @@ def raise_scales(d, y, scale, contact_count):
     if contact_count == 0:
         return
     for i in range(n):
-        turned = max(turned, abs(y[ANGLES + i]))
+        turned = max(turned, abs(y[FIRST_ANGLE + i]))
     largest = max(largest_coordinate(d), size * turned) / d.solver.tolerance
     for k in range(contact_count):
         c = d.contacts.active_index[k]
@@ -353,11 +348,10 @@ def force_errors(d):
 
 
 def force_error(d, error, i, c, k):
-    """Return a bound [N or N·m] on the error of drive i's spring and damper force, from a state's ``error``.
-
-    c is the damping and k the stiffness of the drive (``drive_slopes``).
-    """
-    return k * abs(along_drive(d, error, 0, i)) + c * abs(along_drive(d, error, velocity_at(d.links), i))
+    """Return a bound [N or N·m] on the error of drive i's force, from the ``error`` of a state, c and k."""
+    return k * abs(drive_component(d, error, 0, i)) + c * abs(
+        drive_component(d, error, velocity_at(d.links), i)
+    )
 
 
 def impact_energy(d):
@@ -382,7 +376,7 @@ def set_gap_errors(d, estimate):
         move_points(d, d.scratch.link_vector, d.scratch.y_error[estimate], d.scratch.place_change)
     for k in range(d.contacts.active_count):
         row = normal_row(d, d.contacts.active_index[k])
-        d.contacts.gap_error[estimate, k] = along(row, d.scratch.place_change)
+        d.contacts.gap_error[estimate, k] = dot(row, d.scratch.place_change)
 
 
 def penetration_scale(d, c):

@@ -18,15 +18,15 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
-from chain_impact.kernel.rows.geometry import at_wall
+from chain_impact.kernel.rows.geometry import is_at_wall
 
 # the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
-POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
-DENSE_COEFFICIENTS = len(POWERS)
+BASIS_POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
+DENSE_COEFFICIENTS = len(BASIS_POWERS)
 FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularized step reaches a time
 
 
-def interpolate(step, theta, y):
+def interpolate_state(step, theta, y):
     """Set y to the state at the fraction θ of the last step; outside [0, 1] the state is extrapolated."""
     for j in range(len(step.state)):
         y[j] = interpolate_component(step, theta, j)
@@ -34,10 +34,10 @@ def interpolate(step, theta, y):
 
 def interpolate_component(step, theta, j):
     """Return component j of the state at the fraction θ of the last step."""
-    return step.state[j] + change_within(step, theta, j)
+    return step.state[j] + change_up_to(step, theta, j)
 
 
-def change_within(step, theta, j):
+def change_up_to(step, theta, j):
     """Return the change of component j from the start of the last step to the fraction θ of this step."""
     remaining = 1.0 - theta
     high = step.dense[4, j] + remaining * (step.dense[5, j] + theta * step.dense[6, j])
@@ -46,7 +46,7 @@ def change_within(step, theta, j):
 
 
 @has_dual_rule
-def fraction(d, time):
+def fraction_at_time(d, time):
     """Return the fraction θ of the last step at a ``time`` [s]."""
     elapsed = time - d.step.start
     if d.step.regularized < 0:
@@ -94,9 +94,10 @@ def _basis_bounds():
     """Return the largest |value| and the largest |slope| of each basis function, from samples of [0, 1]."""
     theta = np.linspace(0.0, 1.0, 10001)
     remaining = 1.0 - theta
-    values = [theta**p * remaining**q for p, q in POWERS]
+    values = [theta**p * remaining**q for p, q in BASIS_POWERS]
     slopes = [
-        p * theta ** (p - 1) * remaining**q - q * theta**p * remaining ** max(q - 1, 0) for p, q in POWERS
+        p * theta ** (p - 1) * remaining**q - q * theta**p * remaining ** max(q - 1, 0)
+        for p, q in BASIS_POWERS
     ]
     return (
         tuple(float(np.abs(v).max()) for v in values),
@@ -162,17 +163,17 @@ def list_quadratures(d):
     quadrature.count = 0
     if quadrature.computed:
         for k in range(d.contacts.active_count):
-            integrate(d, d.contacts.active_index[k])
+            add_quadrature(d, d.contacts.active_index[k])
         for k in range(d.friction.contact_count):
-            integrate(d, d.candidates + d.element.index[k])
+            add_quadrature(d, d.candidates + d.element.index[k])
         if d.friction.count > 0:
-            integrate(d, d.candidates + d.elements)
+            add_quadrature(d, d.candidates + d.elements)
         if d.transmitted_rows > 0 and d.chain.has_inputs:
             for j in range(2):
-                integrate(d, d.candidates + d.elements + 1 + j)
+                add_quadrature(d, d.candidates + d.elements + 1 + j)
 
 
-def integrate(d, i):
+def add_quadrature(d, i):
     """Append the quadrature with index i to the quadratures that are integrated."""
     d.quadrature.index[d.quadrature.count] = i
     d.quadrature.count += 1
@@ -186,7 +187,7 @@ def clear_quadratures(d):
         quadrature.integral[i], quadrature.rate[i] = 0.0, 0.0
 
 
-def quadrature_rates(d, factor, out):
+def set_quadrature_rates(d, factor, out):
     """Set ``out[k]`` to ``factor`` times the rate of the integrated quadrature ``quadrature.index[k]``.
 
     The rate of the state must have just been evaluated.
@@ -200,7 +201,7 @@ def store_end_rates(d):
 
     ẏ must have just been evaluated there.
     """
-    quadrature_rates(d, 1.0, d.quadrature.rate_end)
+    set_quadrature_rates(d, 1.0, d.quadrature.rate_end)
 
 
 def set_quadrature_stage(d, i):
@@ -208,7 +209,7 @@ def set_quadrature_stage(d, i):
 
     The rate of the state must have just been evaluated.
     """
-    quadrature_rates(d, d.scratch.stage[i, time_at(d.links)], d.quadrature.stage[i])
+    set_quadrature_rates(d, d.scratch.stage[i, time_at(d.links)], d.quadrature.stage[i])
 
 
 def set_quadrature_stage_at_end(d, i):
@@ -235,7 +236,7 @@ def correct_falling_impulses(d):
             quadrature.state_end[k] = quadrature.state[k]
             # stops are left out: stops of different joints have the same wall number, though each is a wall
             # of its own
-            if k >= d.contacts.compliant_count and at_wall(d, c):
+            if k >= d.contacts.compliant_count and is_at_wall(d, c):
                 reduce_largest_impulse(d, d.candidate.wall[c], fallen)
 
 

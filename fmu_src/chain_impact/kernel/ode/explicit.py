@@ -28,8 +28,14 @@ from chain_impact.kernel.ode.control import (
     set_outcome,
 )
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
-from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
-from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
+from chain_impact.kernel.ode.sundman import (
+    NO_CONTACT,
+    regularize_rate,
+    regularized_rate,
+    root_curve,
+    runs_back,
+)
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, has_sticking
 
 # The number of stages of a step, 0 to 11. Stage 12 is the rate at the end of the step; stages 13 to 15 are
 # only for the dense output.
@@ -101,7 +107,7 @@ D: tuple[dict[int, float], ...] = (
 # fmt: on
 
 
-STAGES = len(A)
+STAGE_COUNT = len(A)
 # index of the stage at the end of a step
 END_STAGE = STEP_STAGES
 # Near the first predicted end of a contact, a step is PAST_END times as long as the way to this end, in the
@@ -124,10 +130,10 @@ FAST_SINE = 0.35
 STEP_EVALUATIONS = END_STAGE - 1
 # the cost of the dense output, as a number of evaluations of the right-hand side: stages 13 to 15, and one
 # more for the other operations
-DENSE_EVALUATIONS = STAGES - END_STAGE
+DENSE_EVALUATIONS = STAGE_COUNT - END_STAGE
 
 
-def weighted_sum(row):
+def make_weighted_sum(row):
     """Return a function of (stages, j) with the value Σ_m row[m] stages[m, j].
 
     ``row`` maps each stage m in the sum to its coefficient.
@@ -144,13 +150,13 @@ def weighted_sum(row):
     return inlined(summed)
 
 
-def combination(row):
+def make_combination(row):
     """Return a function that computes out = base + h Σ_m row[m] k_m, unrolled over the stages m in the row.
 
     The function takes (stages, base, h, out). Row m of ``stages`` is the stage k_m. The sum is computed for
     as many components as ``base`` has.
     """
-    summed = weighted_sum(row)
+    summed = make_weighted_sum(row)
 
     def combine(stages, base, h, out):
         for j in range(len(base)):
@@ -159,7 +165,7 @@ def combination(row):
     return combine
 
 
-def combinations(first_row, second_row):
+def make_two_combinations(first_row, second_row):
     """Return a function for the sums h Σ_j row[j] k_j of two rows, which reads each stage k_j only once.
 
     The returned function takes (stages, h, first, second); it writes the sum of ``first_row`` to ``first``,
@@ -187,7 +193,7 @@ def _stage(i, accepted):
     ``accepted`` is false for the tried step, which starts at ``step.state_end``, and true for the last step,
     which started at ``step.state``; the dense output needs further stages of the last step.
     """
-    combine = combination(A[i])
+    combine = make_combination(A[i])
 
     def stage(d, h):
         combine(d.scratch.stage, d.step.state if accepted else d.step.state_end, h, d.scratch.state)
@@ -198,10 +204,10 @@ def _stage(i, accepted):
 
 
 _stages = join_functions(*(_stage(i, accepted=False) for i in range(1, END_STAGE)))
-_step_end, _step_sum = combination(B), weighted_sum(B)
-_dense_stages = join_functions(*(_stage(i, accepted=True) for i in range(END_STAGE + 1, STAGES)))
-_errors = combinations(E5, E3)
-_high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
+_step_end, _step_sum = make_combination(B), make_weighted_sum(B)
+_dense_stages = join_functions(*(_stage(i, accepted=True) for i in range(END_STAGE + 1, STAGE_COUNT)))
+_errors = make_two_combinations(E5, E3)
+_high_01, _high_23 = make_two_combinations(*D[:2]), make_two_combinations(*D[2:])
 
 
 def size_toward_end(d, h):
@@ -213,7 +219,7 @@ def size_toward_end(d, h):
     if d.contacts.compliant_count == 0:
         return h
     if d.step.regularized == NO_CONTACT:
-        return toward_ends(d, h)
+        return size_toward_ends(d, h)
     root = sundman_u_at(d.links)
     u, slope = d.step.state_end[root], d.scratch.stage[0, root]
     if u + 2.0 * slope * h >= 0.0:
@@ -225,7 +231,7 @@ def size_toward_end(d, h):
     return size_up_to_end(h, left)
 
 
-def toward_ends(d, h):
+def size_toward_ends(d, h):
     """Return the size [s] of the next step, which runs in time; h [s] is the size that the errors allow.
 
     If a contact with a force law is predicted to end soon, the step either passes the first such end or
@@ -255,7 +261,7 @@ def size_up_to_end(h, left):
     return min(h, 0.5 * left)
 
 
-def attempt(d, h):
+def attempt_step(d, h):
     """Try a step of size h from the state ``step.state_end``.
 
     ``trial`` gets the state at the end of the step, the outcome and, unless the step runs back, the error
@@ -277,7 +283,7 @@ def error_estimate(d, h):
     """
     controlled = controlled_count(d)
     _errors(d.scratch.stage, h, d.scratch.y_error[0, :controlled], d.scratch.y_error[1, :controlled])
-    if d.contacts.active_count > 0 or any_sticking(d):
+    if d.contacts.active_count > 0 or has_sticking(d):
         locate_points(d, d.trial.state)
     set_gap_errors(d, 0)
     set_gap_errors(d, 1)
@@ -324,10 +330,10 @@ def step_increment(d, j):
     return d.trial.size * _step_sum(d.scratch.stage, j)
 
 
-def dense_output(d, h):
+def set_dense_output(d, h):
     """Set the dense output of the last step, of size h."""
     locate_points(d, d.step.state_end)
-    regularize(d, d.step.state_end, d.scratch.rate_end, d.scratch.stage[END_STAGE])
+    regularize_rate(d, d.step.state_end, d.scratch.rate_end, d.scratch.stage[END_STAGE])
     set_quadrature_stage_at_end(d, END_STAGE)
     _dense_stages(d, h)
     _interpolant(d.step, d.scratch.stage, len(d.scratch.state), h)

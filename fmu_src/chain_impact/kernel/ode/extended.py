@@ -44,40 +44,30 @@ the small difference would act as an impact on a stiff wall. The difference befo
 error of the step.
 """
 
-from chain_impact.kernel.chain.drives import (
-    along_drive,
-    drive_count,
-    drive_slopes,
-    load_drive,
-)
+from chain_impact.kernel.chain.drives import drive_component, drive_count, drive_slopes, load_drive
 from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
-from chain_impact.kernel.chain.response import SHIFTED, factorize, no_impedance
-from chain_impact.kernel.chain.state import (
-    coordinate_count,
-    sundman_u_at,
-    supplied_at,
-    velocity_at,
-)
+from chain_impact.kernel.chain.response import SHIFTED, clear_impedance, factorize_matrix
+from chain_impact.kernel.chain.state import coordinate_count, sundman_u_at, supplied_at, velocity_at
 from chain_impact.kernel.equations import free_rate_from_loads
 from chain_impact.kernel.forces.active_contacts import apply_contact, apply_contacts, clear_loads
 from chain_impact.kernel.forces.force_formula import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
-from chain_impact.kernel.ode.dense import quadrature_rates
-from chain_impact.kernel.rows.compliance import joints_loaded, solve_space
+from chain_impact.kernel.ode.dense import set_quadrature_rates
+from chain_impact.kernel.rows.compliance import are_joints_loaded, solve_in_space
 from chain_impact.kernel.rows.constraints import any_constraint, set_single_solution_impedances
 from chain_impact.kernel.rows.geometry import (
-    add_along,
+    add_along_row,
     add_impedance,
     add_joint_impedances,
-    along,
-    any_sticking,
-    clear_loads_of,
+    clear_used_loads,
     clearance,
     constraint_count,
     constraint_row,
+    dot,
     gap_acceleration,
+    has_sticking,
     normal_row,
     row_of_drive,
 )
@@ -131,7 +121,7 @@ def extend_start(d):
         implicit.z_start[quadrature_at(d, k)] = d.quadrature.state_end[k]
         implicit.rate_start[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.z_start, implicit.rate_start)
-    if any_sticking(d):
+    if has_sticking(d):
         # ``apply_contacts`` computes the limits of friction at the start. A system that is factorized before
         # the first stage, as in ``size_for_fast_motion``, needs these limits: the impedances of sticking
         # elements depend on them.
@@ -166,7 +156,7 @@ def extended_rate(d, z, elapsed, rate):
         add_constraint_forces(d, z, rate)
     if d.channels > 0:
         rate[supplied_at(d.links)] += power_of_motion(d, z, rate)
-    quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
+    set_quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
 
@@ -206,7 +196,7 @@ def drive_resistance(d, i, s):
 
 def factorize_shift(d, s, space, slot):
     """Factorize M + Jᵀ D J + K of the linear systems for a shift s [s] into ``slot`` of ``space``."""
-    no_impedance(d, space.impedance)
+    clear_impedance(d, space.impedance)
     for k in range(clearance_count(d)):
         add_impedance(constraint_row(d, k), space.impedance, contact_impedance(d, k, s))
     set_single_solution_impedances(d)
@@ -218,7 +208,9 @@ def factorize_shift(d, s, space, slot):
         if d.slides:
             add_impedance(row_of_drive(d, d.links), space.impedance, drive_resistance(d, d.links, s))
     add_joint_impedances(d, space.impedance)
-    factorize(d, d.implicit.link_vector, space, slot, d.chain.has_springs_or_dampers != 0 or joints_loaded(d))
+    factorize_matrix(
+        d, d.implicit.link_vector, space, slot, d.chain.has_springs_or_dampers != 0 or are_joints_loaded(d)
+    )
 
 
 def solve_shift(d, s, space, slot, x):
@@ -227,11 +219,14 @@ def solve_shift(d, s, space, slot, x):
     The array x contains r at the call, and the solution afterwards.
     """
     n, implicit, change = d.links, d.implicit, space.change
-    clear_loads_of(d, space.load)
+    clear_used_loads(d, space.load)
     if d.chain.has_springs_or_dampers:
         for i in range(drive_count(d)):
             # the impulse of damper and spring of drive i: its part of K r_v + s S r_q, where x contains r
-            rate, displacement = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
+            rate, displacement = (
+                drive_component(d, x, velocity_at(n), i),
+                drive_component(d, x, 0, i),
+            )
             impulse = drive_resistance(d, i, s) * rate + s * implicit.drive_stiffness[i] * displacement
             load_drive(d, space.load, i, impulse)
     for k in range(clearance_count(d)):
@@ -241,8 +236,8 @@ def solve_shift(d, s, space, slot, x):
             contact_impedance(d, k, s) * x[rate_at(d, k)]
             + s * implicit.contact_stiffness[k] * x[gap_at(d, k)]
         )
-        add_along(constraint_row(d, k), space.load, impulse)
-    solve_space(d, implicit.link_vector, space, slot, change)
+        add_along_row(constraint_row(d, k), space.load, impulse)
+    solve_in_space(d, implicit.link_vector, space, slot, change)
     if d.slides:
         # ``load_drive`` has put the load of the slider's drive on point 0, the base. The load is removed
         # here, because in flight no other function clears the loads on points.
@@ -251,7 +246,7 @@ def solve_shift(d, s, space, slot, x):
         x[velocity_at(n) + j] -= change[j]
         x[j] += s * x[velocity_at(n) + j]
     for k in range(clearance_count(d)):
-        x[rate_at(d, k)] -= along(constraint_row(d, k), space.place_change)
+        x[rate_at(d, k)] -= dot(constraint_row(d, k), space.place_change)
         x[gap_at(d, k)] += s * x[rate_at(d, k)]
     for k in range(min(d.quadrature.count, clearance_count(d))):
         x[quadrature_at(d, k)] -= s * (
@@ -312,15 +307,15 @@ def project_coordinates(d, y, derivative, change):
     coordinates or velocities is stored in ``change``, shape (N+2,).
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
-    clear_loads_of(d, d.scratch.load)
+    clear_used_loads(d, d.scratch.load)
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
         gap, gap_rate = clearance(d, c)
         impulse = contact_impedance(d, k, implicit.shift) * (
             implicit.normal[k] - (gap_rate if derivative else gap)
         )
-        add_along(normal_row(d, c), d.scratch.load, impulse)
-    solve_space(d, implicit.link_vector, d.scratch, SHIFTED, change)
+        add_along_row(normal_row(d, c), d.scratch.load, impulse)
+    solve_in_space(d, implicit.link_vector, d.scratch, SHIFTED, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]
 

@@ -14,7 +14,7 @@ from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state, true_rate_from_inputs
 from chain_impact.kernel.forces.holding import add_change, store_constraint_forces
-from chain_impact.kernel.ode.dense import interpolate
+from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_count
 
@@ -22,16 +22,20 @@ from chain_impact.kernel.rows.geometry import constraint_count
 # step. Samples may lie outside the step, the farther ones by up to half the step's size: there the dense
 # output is extrapolated, as if no event ended the step.
 LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
-# OFFSETS: the times of the four samples of a force, counted from the output's time, in units of the time to
-# the nearer samples. VALUE: the weights of the four forces with which a cubic polynomial through them gives
-# the force at the output. DIFFERENCE: weights with which the sum of the four forces is 0 for a polynomial of
-# degree 2. A part c/ε of the force, with the time ε since the fold, makes this sum about −3 c divided by the
-# time to the nearer samples.
-OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
+# SAMPLE_OFFSETS: the times of the four samples of a force, counted from the output's time, in units of the
+# time to the nearer samples. VALUE_WEIGHTS: the weights of the four forces with which a cubic polynomial
+# through them gives the force at the output. DIFFERENCE_WEIGHTS: weights with which the sum of the four
+# forces is 0 for a polynomial of degree 2. A part c/ε of the force, with the time ε since the fold, makes
+# this sum about −3 c divided by the time to the nearer samples.
+SAMPLE_OFFSETS, VALUE_WEIGHTS, DIFFERENCE_WEIGHTS = (
+    (-1.0, 1.0, -2.0, 2.0),
+    (2 / 3, 2 / 3, -1 / 6, -1 / 6),
+    (2.0, -2.0, -1.0, 1.0),
+)
 # The forces of constraints pass a fold smoothly if the sum of the four samples of each force, with the
-# weights DIFFERENCE, has a size of at most UNEVEN times the largest of all forces that VALUE gives at the
-# output.
-UNEVEN = 1e-3
+# weights DIFFERENCE_WEIGHTS, has a size of at most UNEVEN_PART times the largest of all forces that
+# VALUE_WEIGHTS gives at the output.
+UNEVEN_PART = 1e-3
 
 
 def refine_rate(d, theta, y, rate):
@@ -64,28 +68,28 @@ def find_forces(d, theta, distance, rate):
 
     ``distance`` is the distance of the two nearer samples from θ, relative to the step; ``rate`` is
     overwritten. The forces at θ are stored in ``refined``, and the sums of the four samples with the weights
-    DIFFERENCE in ``uneven``. Return whether all samples are far enough from the fold; if not, ``refined`` and
-    ``uneven`` are meaningless.
+    DIFFERENCE_WEIGHTS in ``uneven``. Return whether all samples are far enough from the fold; if not,
+    ``refined`` and ``uneven`` are meaningless.
     """
     constraints, y = d.constraints, d.scratch.nearby
     for k in range(constraint_count(d)):
         constraints.refined[k], constraints.uneven[k] = 0.0, 0.0
-    for i in range(len(OFFSETS)):
-        interpolate(d.step, theta + OFFSETS[i] * distance, y)
+    for i in range(len(SAMPLE_OFFSETS)):
+        interpolate_state(d.step, theta + SAMPLE_OFFSETS[i] * distance, y)
         rate_from_state(d, y, rate)
         count_evaluations(d, 1)
         if constraints.near_fold > 0:
             return False
         for k in range(constraint_count(d)):
-            constraints.refined[k] += VALUE[i] * constraints.impulse[k]
-            constraints.uneven[k] += DIFFERENCE[i] * constraints.impulse[k]
+            constraints.refined[k] += VALUE_WEIGHTS[i] * constraints.impulse[k]
+            constraints.uneven[k] += DIFFERENCE_WEIGHTS[i] * constraints.impulse[k]
     return True
 
 
 def passes_smoothly(d):
-    """Return whether the samples of ``find_forces`` show that all forces pass the fold smoothly (UNEVEN)."""
+    """Return whether the samples of ``find_forces`` show that all forces pass the fold smoothly."""
     constraints, largest, uneven = d.constraints, 0.0, 0.0
     for k in range(constraint_count(d)):
         largest = max(largest, abs(constraints.refined[k]))
         uneven = max(uneven, abs(constraints.uneven[k]))
-    return uneven <= UNEVEN * largest
+    return uneven <= UNEVEN_PART * largest

@@ -13,8 +13,8 @@ from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, sun
 from chain_impact.kernel.forces.friction import STICKS, work_of_holding
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.control import IMPLICIT
-from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, Q
-from chain_impact.kernel.rows.geometry import along, any_sticking, tangent_row
+from chain_impact.kernel.ode.radau import RADAU_NODES, RADAU_STAGES, Q
+from chain_impact.kernel.rows.geometry import dot, has_sticking, tangent_row
 
 
 def store_friction_forces(d, stage):
@@ -34,7 +34,7 @@ def correct_friction_energy(d, h):
         power = power_of_correction(d, m)
         for i in range(RADAU_STAGES):
             d.implicit.stages[i, dissipated_at(d.links)] -= h * Q[i][m] * power
-    if any_sticking(d):
+    if has_sticking(d):
         count_holding_work(d, h)
 
 
@@ -71,7 +71,7 @@ def uncounted_work(d):
     # the work of sticking elements is a difference of two functions of the positions, so the round-off of
     # positions cancels in it
     work = work_of_sliding(d, change, d.element.force) + work_of_holding(d)
-    work -= holding_at(d, z, d.trial.size)
+    work -= holding_work_at(d, z, d.trial.size)
     locate_points_now(d, y)
     return work
 
@@ -91,7 +91,7 @@ def work_along(d, change):
     work = work_of_sliding(d, change, d.element.force)
     for k in range(d.friction.stuck_count):
         e = d.element.stuck[k]
-        work += d.element.force[e] * along(tangent_row(d, e), d.scratch.place_change)
+        work += d.element.force[e] * dot(tangent_row(d, e), d.scratch.place_change)
     return work
 
 
@@ -108,7 +108,7 @@ def work_of_sliding(d, change, force):
     for k in range(d.friction.count):
         e = d.element.index[k]
         if d.element.mode[e] != STICKS:
-            work += force[e] * along(tangent_row(d, e), d.scratch.place_change)
+            work += force[e] * dot(tangent_row(d, e), d.scratch.place_change)
     return work
 
 
@@ -120,14 +120,16 @@ def count_holding_work(d, h):
     elements back to their anchors, and does the opposite work.
     """
     implicit = d.implicit
-    before = holding_at(d, implicit.z_start, 0.0)
+    before = holding_work_at(d, implicit.z_start, 0.0)
     for i in range(RADAU_STAGES):
         for j in range(sundman_u_at(d.links)):
             implicit.z[j] = implicit.z_start[j] + implicit.stages[i, j]
-        implicit.stages[i, dissipated_at(d.links)] -= holding_at(d, implicit.z, h * NODES[i]) - before
+        implicit.stages[i, dissipated_at(d.links)] -= (
+            holding_work_at(d, implicit.z, h * RADAU_NODES[i]) - before
+        )
 
 
-def holding_at(d, z, elapsed):
+def holding_work_at(d, z, elapsed):
     """Return the work [J] of the present sticking forces along the ways from the anchors to the elements.
 
     The elements are at their places in the extended state z, ``elapsed`` [s] after the step's start.

@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.kinematics import (
 )
 from chain_impact.kernel.chain.prescribed_motion import move_channels_to_state
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
-from chain_impact.kernel.cost import count_evaluations, counted_cost, uncount_cost
+from chain_impact.kernel.cost import count_evaluations, read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_points, rate_from_state
 from chain_impact.kernel.forces.friction import move_missed_anchors
 from chain_impact.kernel.forces.holding import project_state
@@ -24,17 +24,17 @@ from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, clear_faded, scale_next_size
 from chain_impact.kernel.ode.dense import (
     accept_quadratures,
-    change_within,
+    change_up_to,
     correct_falling_impulses,
-    fraction,
-    interpolate,
+    fraction_at_time,
+    interpolate_state,
     reset_quadratures,
     roll_back_quadratures,
     store_end_rates,
     truncate_quadratures,
 )
 from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
-from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_for_sizes
+from chain_impact.kernel.ode.sundman import NO_CONTACT, find_lone_contact, time_rate_for_sizes
 from chain_impact.kernel.rows.constraints import any_constraint
 
 # values of step.dense_for: for whom the step's dense output was completed; NOT_REQUESTED: for nobody yet
@@ -180,13 +180,13 @@ def end_at_fraction(d, theta):
     The function also sets ``step.end_fraction`` and counts a break; the caller sets ``step.end``.
     """
     step, lost = d.step, dissipated_at(d.links)
-    interpolate(step, theta, step.state_end)
+    interpolate_state(step, theta, step.state_end)
     # Rounding has made the dissipated energy too small by ``remainder`` at the start of the step, and by
     # ``remainder_whole`` at its end. At θ the interpolant is too small by ``grown``, a number between these
     # two: ``part`` is θ or, in an explicit step, where the slopes at both ends are exact, a cubic of θ.
     part = theta if step.last_method == IMPLICIT else theta * theta * (3.0 - 2.0 * theta)
     grown = step.remainder + part * (step.remainder_whole - step.remainder)
-    add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])
+    add_dissipated(d, step.state_end, change_up_to(step, theta, lost) + grown, step.state[lost])
     truncate_quadratures(d, theta)
     step.end_fraction = theta
     count_break(d)
@@ -204,14 +204,14 @@ def set_communication_point_in_step(d, time):
 def truncate_to_communication_point(d):
     """Cut the last step at the communication point: the state at the end becomes that of the dense output."""
     ensure_dense(d, OUTPUTS)
-    end_at_fraction(d, fraction(d, d.step.communication_point))
+    end_at_fraction(d, fraction_at_time(d, d.step.communication_point))
     correct_falling_impulses(d)
     d.step.end = d.step.communication_point
 
 
 def store_output_state(d):
     """Store the state at the communication point in ``trial.state``, which no tried step uses then."""
-    interpolate(d.step, fraction(d, d.step.communication_point), d.trial.state)
+    interpolate_state(d.step, fraction_at_time(d, d.step.communication_point), d.trial.state)
 
 
 def return_to_stored_state(d):
@@ -240,7 +240,7 @@ def choose_variable(d, size_chosen):
             have begun or ended; otherwise a change of the variable converts the size.
     """
     step, root = d.step, sundman_u_at(d.links)
-    before, (contact, u) = time_rate_for_sizes(d, step.state_end), lone_contact(d)
+    before, (contact, u) = time_rate_for_sizes(d, step.state_end), find_lone_contact(d)
     changed = contact != step.regularized
     step.regularized = contact
     step.state_end[root] = u
@@ -322,11 +322,11 @@ def ensure_dense(d, reader):
     step = d.step
     present, step.dense_for = step.dense_for, max(step.dense_for, reader)
     if present == NOT_REQUESTED:
-        counted = counted_cost(d)
+        counted = read_cost_counts(d)
         if step.last_method == IMPLICIT:
             collocation.match_clearances(d)
         else:
-            explicit.dense_output(d, step.size)
-        uncount_cost(d, counted)
+            explicit.set_dense_output(d, step.size)
+        restore_cost_counts(d, counted)
     if present < SOLVER <= reader and step.last_method == EXPLICIT:
         count_evaluations(d, explicit.DENSE_EVALUATIONS)

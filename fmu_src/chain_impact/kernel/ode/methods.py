@@ -15,7 +15,8 @@ oscillates rather than decays. If the oscillation is larger than the tolerance, 
 explicit steps below STIFF_STEP. If explicit steps have a larger hρ, the oscillation is so small that implicit
 steps may damp it. Rigid walls cause no stiffness.
 
-The functions ``prepare`` and ``attempt`` take the size h of a step, in the step's integration variable.
+The functions ``prepare_step`` and ``attempt_step`` take the size h of a step, in the step's integration
+variable.
 """
 
 import math
@@ -24,7 +25,7 @@ from chain_impact.kernel.chain.joints import largest_joint_rate
 from chain_impact.kernel.forces.active_contacts import clear_loads, contact_slopes
 from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import (
-    AUTO,
+    AUTOMATIC_METHOD,
     EXPLICIT,
     IMPLICIT,
     begin_trial,
@@ -78,7 +79,7 @@ def choose_method(d):
     touching = d.contacts.active_count > 0
     if d.contact_settings.any_rigid and not (d.contact_settings.any_force or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # rigid walls are constraints, which are not stiff
-    elif d.solver.method != AUTO:
+    elif d.solver.method != AUTOMATIC_METHOD:
         step.method = prescribed_method(d.solver.method)
         if touching and step.method == EXPLICIT:
             limit_to_stable(d)
@@ -119,7 +120,7 @@ def suggests_switch(d):
     if FAR_SHORTER * step.next_size < step.other_method_size:
         return True
     z = stiffness_number(d, step.end - step.start)
-    return z > STIFF_STEP or (z > STIFF_STEP_IN_CONTACT and contacts_last(d))
+    return z > STIFF_STEP or (z > STIFF_STEP_IN_CONTACT and are_contacts_sustained(d))
 
 
 def limit_to_stable(d):
@@ -133,7 +134,7 @@ def limit_to_stable(d):
         limit_next_size(d, d.step.size * d.step.end_fraction * STABLE_STEP / z)
 
 
-def contacts_last(d):
+def are_contacts_sustained(d):
     """Return whether contacts with a force law are active and all of them sustained (SUSTAINED_AFTER)."""
     if d.contacts.compliant_count == 0:
         return False
@@ -238,18 +239,18 @@ def fastest_contact(d):
     return fastest
 
 
-def prepare(d, h):
+def prepare_step(d, h):
     """Prepare a step of the current method at the step's start; return the size that is to be tried first.
 
     h is the size that the errors allow. The result also suits the predicted ends of contacts with force laws
     (``size_toward_end``) and, in an implicit step that the last step cannot predict, a fast motion.
     """
     if d.step.method == IMPLICIT:
-        return collocation.prepare(d, h)
+        return collocation.prepare_step(d, h)
     return explicit.size_toward_end(d, h)
 
 
-def attempt(d, h):
+def attempt_step(d, h):
     """Try a step of size h from ``step.state_end`` with the current method.
 
     The result is in ``trial``: the state at the step's end, the outcome, and the error relative to the
@@ -257,6 +258,6 @@ def attempt(d, h):
     """
     begin_trial(d, h)
     if d.step.method == IMPLICIT:
-        collocation.attempt(d, h)
+        collocation.attempt_step(d, h)
     else:
-        explicit.attempt(d, h)
+        explicit.attempt_step(d, h)

@@ -27,13 +27,13 @@ from chain_impact.kernel.combinators import join_functions
 from chain_impact.kernel.mathematics.powers import power
 
 RADAU_STAGES = 5
-PAIRS = 2  # number of pairs of complex eigenvalues of the matrix Q
+PAIR_COUNT = 2  # number of pairs of complex eigenvalues of the matrix Q
 
 # fmt: off
-NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
+RADAU_NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
     1.0)
-# row i, column j of the matrix Q: the integral, from 0 to NODES[i], of the j-th Lagrange polynomial of the
-# nodes
+# row i, column j of the matrix Q: the integral, from 0 to RADAU_NODES[i], of the j-th Lagrange polynomial of
+# the nodes
 Q: tuple[tuple[float, ...], ...] = (
     (0.07299886431790333, -0.02673533110794557, 0.018676929763984353,
      -0.01287910609330644, 0.005042839233882015),
@@ -170,7 +170,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
             for j in range(size):
                 implicit.z[j] = implicit.z_start[j] + implicit.stages[stage, j]
-            rate(d, implicit.z, h * NODES[stage], implicit.rates[stage])
+            rate(d, implicit.z, h * RADAU_NODES[stage], implicit.rates[stage])
             note(d, stage)
         _transform(d, h, size)
 

@@ -42,10 +42,10 @@ def regularized_rate(d, y, rate):
     """Set ``rate`` to dy/ds at the state y; s is the integration variable of the tried or last step."""
     rate_from_state(d, y, rate)
     if d.step.regularized != NO_CONTACT:
-        to_fictitious_time(d, y, rate)
+        convert_to_fictitious_time(d, y, rate)
 
 
-def regularize(d, y, rate_in_time, rate):
+def regularize_rate(d, y, rate_in_time, rate):
     """Set ``rate`` to dy/ds in state y, from ``rate_in_time``, which is dy/dt in this state.
 
     y is the state at the start or at the end of a step. In a regularized step the points must be located.
@@ -53,10 +53,10 @@ def regularize(d, y, rate_in_time, rate):
     for j in range(len(rate)):
         rate[j] = rate_in_time[j]
     if d.step.regularized != NO_CONTACT:
-        to_fictitious_time(d, y, rate)
+        convert_to_fictitious_time(d, y, rate)
 
 
-def to_fictitious_time(d, y, rate):
+def convert_to_fictitious_time(d, y, rate):
     """Convert ``rate`` from dy/dt to dy/ds in state y, s the fictitious time; points must be located."""
     u = y[sundman_u_at(d.links)]
     p = regularized_time_rate(u)
@@ -113,7 +113,7 @@ def runs_back(d, y):
     )
 
 
-def lone_contact(d):
+def find_lone_contact(d):
     """Return the active contact and its u if the next step can be regularized; else NO_CONTACT and u = 1.
 
     The contact must have a force law, must not rest (RESTING_SUM) or be at its end, and must be the only

@@ -5,14 +5,14 @@ import numpy as np
 from chain_impact.kernel.chain.state import coordinate_count
 from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.ode.explicit import STAGES
-from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, layout, table, written_by
+from chain_impact.kernel.ode.explicit import STAGE_COUNT
+from chain_impact.kernel.record.fields import INTEGER, REAL, bounded_integer, layout, table, written_by
 
 # Number of ended contacts, not yet collected, in a full log. ``trajectory`` then returns, and ``run_each``
 # collects them; in other functions new entries overwrite the oldest. The log has one more row for each
 # candidate, because all contacts may end in one step.
 LOG_SIZE = 32
-LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
+LATEST_COUNT = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
 
 
 @written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/prescribed_motion.py"))
@@ -85,18 +85,18 @@ def contacts_dtype(candidates: int) -> np.dtype:
     speeds are angles and their rates times a lever arm, and forces are moments over this lever arm.
     """
     return layout(
-        # number of times that ``list_touching`` has listed the active contacts; an implicit step from before
-        # the last listing may have entries of other contacts, and does not predict the next step
+        # number of times that ``list_active_contacts`` has listed the active contacts; an implicit step from
+        # before the last listing may have entries of other contacts, and does not predict the next step
         ("listings", INTEGER),
-        ("active_count", bounded(0, candidates)),
+        ("active_count", bounded_integer(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),
         ("joint_stop_count", INTEGER),  # number of active stops in joints
         # indices of the candidates with active contacts; only the first ``active_count`` entries are used
-        ("active_index", bounded(0, candidates - 1), (candidates,)),
-        ("active", bounded(0, 1), (candidates,)),  # 1: the candidate is in contact; 0: it is not
+        ("active_index", bounded_integer(0, candidates - 1), (candidates,)),
+        ("active", bounded_integer(0, 1), (candidates,)),  # 1: the candidate is in contact; 0: it is not
         # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
-        ("event", bounded(0, NEIGHBOUR), (candidates,)),
+        ("event", bounded_integer(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, onset of the candidate's latest contact
         ("impact_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset, ≥ 0
         ("law_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ `law.minimum_impact_speed`
@@ -155,18 +155,21 @@ def latest_dtype() -> np.dtype:
     ``max_penetration`` and N·m·s for ``impulse``.
     """
     return layout(
-        ("requested", bounded(0, LATEST)),  # number of latest impacts that the scene requests
+        ("requested", bounded_integer(0, LATEST_COUNT)),  # number of latest impacts that the scene requests
         # number of ended contacts when the list was last written; −1: a contact was active at this time
         ("listed", INTEGER),
-        ("point", INTEGER, (LATEST,)),  # point of each impact, as in `candidate.point`; −1 for no impact
-        ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
-        ("onset", REAL, (LATEST,)),  # s, onset of each impact
-        ("impact_speed", REAL, (LATEST,)),  # m/s, approach speed at the onset of each impact
-        ("end", REAL, (LATEST,)),  # s, end of each contact; the communication point while the contact lasts
-        ("separation_speed", REAL, (LATEST,)),  # m/s, rate of the clearance at ``end``
-        ("peak_force", REAL, (LATEST,)),  # N, peak force of each contact
-        ("max_penetration", REAL, (LATEST,)),  # m, largest penetration of each contact
-        ("impulse", REAL, (LATEST,)),  # N·s, impulse of the wall on the point in each contact
+        # point of each impact, as in `candidate.point`; −1 for no impact
+        ("point", INTEGER, (LATEST_COUNT,)),
+        # 1 + index of the wall in the scene's wall_names; 0 for no impact
+        ("wall", INTEGER, (LATEST_COUNT,)),
+        ("onset", REAL, (LATEST_COUNT,)),  # s, onset of each impact
+        ("impact_speed", REAL, (LATEST_COUNT,)),  # m/s, approach speed at the onset of each impact
+        # s, end of each contact; the communication point while the contact lasts
+        ("end", REAL, (LATEST_COUNT,)),
+        ("separation_speed", REAL, (LATEST_COUNT,)),  # m/s, rate of the clearance at ``end``
+        ("peak_force", REAL, (LATEST_COUNT,)),  # N, peak force of each contact
+        ("max_penetration", REAL, (LATEST_COUNT,)),  # m, largest penetration of each contact
+        ("impulse", REAL, (LATEST_COUNT,)),  # N·s, impulse of the wall on the point in each contact
     )
 
 
@@ -219,7 +222,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # N, near a fold: force of the constraint, computed from its forces at earlier and later times
         ("refined", REAL, (count,)),
         # N, near a fold: sum of the constraint's forces at earlier and later times, with the weights
-        # DIFFERENCE (ode/folds.py); small if the force is smooth
+        # DIFFERENCE_WEIGHTS (ode/folds.py); small if the force is smooth
         ("uneven", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
         # sampled, the earlier time first; the points are in the order of ``contacts.active_index``
@@ -263,9 +266,9 @@ def contact_log_dtype(candidates: int) -> np.dtype:
     """Return the layout of the log of contacts, a ring buffer: the ended contacts, then the active contacts.
 
     A caller that collects the ended contacts sets ``collected`` to ``count``. The log always contains the
-    latest LATEST impacts: after the entry of one of these impacts come at most the entries of the other ones
-    and, for each other candidate, of one contact that began earlier. The row of a stop in a joint has angles
-    and moments: rad/s for speeds, N·m for ``peak_force``, rad for ``max_penetration``, kg·m² for
+    latest LATEST_COUNT impacts: after the entry of one of these impacts come at most the entries of the other
+    ones and, for each other candidate, of one contact that began earlier. The row of a stop in a joint has
+    angles and moments: rad/s for speeds, N·m for ``peak_force``, rad for ``max_penetration``, kg·m² for
     ``effective_mass`` and N·m·s for ``impulse``.
     """
     log = LOG_SIZE + candidates
@@ -320,10 +323,10 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
         ("integral", REAL, (count,)),
         # rate of each quadrature at the last ``commit_quadratures``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
-        ("count", bounded(0, count)),  # number of quadratures that steps integrate at present
+        ("count", bounded_integer(0, count)),  # number of quadratures that steps integrate at present
         # index in ``integral`` of each quadrature that steps integrate; only the first ``count`` entries
         # count
-        ("index", bounded(0, count - 1), (count,)),
+        ("index", bounded_integer(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
         ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end
         ("rate_end", REAL, (count,)),  # rates of the integrated quadratures at the last step's end
@@ -331,5 +334,5 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
         # coefficients of the quadratures' dense output in the last step
         ("dense", REAL, (DENSE_COEFFICIENTS, count)),
         # derivatives dq/ds of the quadratures q by the step's integration variable s, at the stages
-        ("stage", REAL, (STAGES, count)),
+        ("stage", REAL, (STAGE_COUNT, count)),
     )

@@ -4,10 +4,11 @@ import numpy as np
 
 REAL, INTEGER, COMPLEX = np.float64, np.int64, np.complex128
 WORD = 8  # [byte] size of a word: a 64-bit real number or integer of the record
-LARGEST, SMALLEST = float(np.finfo(REAL).max), 5e-324  # the largest and the smallest positive double
+# the largest and the smallest positive double
+LARGEST_DOUBLE, SMALLEST_DOUBLE = (float(np.finfo(REAL).max), 5e-324)
 
 
-def real(least: float, most: float) -> np.dtype:
+def ranged_real(least: float, most: float) -> np.dtype:
     """Return the type of a real field whose values must be ≥ ``least`` and ≤ ``most``.
 
     ``check_ranges`` in kernel/initialize.py checks these values at the start of a run. Other reals that the
@@ -17,11 +18,16 @@ def real(least: float, most: float) -> np.dtype:
     return np.dtype(REAL, metadata={"range": (least, most)})
 
 
-POSITIVE, NOT_NEGATIVE, FINITE = real(SMALLEST, LARGEST), real(0.0, LARGEST), real(-LARGEST, LARGEST)
-LIMIT = real(0.0, float("inf"))  # type of a real that is a limit: any number ≥ 0, or infinite for no limit
+POSITIVE, NOT_NEGATIVE, FINITE = (
+    ranged_real(SMALLEST_DOUBLE, LARGEST_DOUBLE),
+    ranged_real(0.0, LARGEST_DOUBLE),
+    ranged_real(-LARGEST_DOUBLE, LARGEST_DOUBLE),
+)
+# type of a real that is a limit: any number ≥ 0, or infinite for no limit
+LIMIT_REAL = ranged_real(0.0, float("inf"))
 
 
-def bounded(least: int, most: int) -> np.dtype:
+def bounded_integer(least: int, most: int) -> np.dtype:
     """Return the type of an integer field whose values must be ≥ ``least`` and ≤ ``most``.
 
     The kernel uses the integer as an index or as a number of iterations: with a value beyond the bounds the

@@ -3,7 +3,7 @@
 import numpy as np
 
 from chain_impact.kernel.forces.friction import NO_FRICTION
-from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, layout, written_by
+from chain_impact.kernel.record.fields import INTEGER, REAL, bounded_integer, layout, written_by
 
 # number of changes of friction modes for which the log has room, divided by the number of elements
 CHANGES_OF_EACH = 4
@@ -15,7 +15,7 @@ def friction_dtype(elements: int) -> np.dtype:
     return layout(
         ("used", INTEGER),  # 1: some wall, joint or the slider has dry friction
         # number of elements with friction at present: active contacts, joints and the slider, in this order
-        ("count", bounded(0, elements)),
+        ("count", bounded_integer(0, elements)),
         ("contact_count", INTEGER),  # number of active contacts among these elements
         ("stuck_count", INTEGER),  # number of sticking elements: contacts, joints and the slider
         ("stuck_joints", INTEGER),  # number of sticking joints, plus 1 if the slider sticks
@@ -32,10 +32,11 @@ def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
     return layout(
         # indices of the elements with friction at present; only the first `friction.count` entries are used
-        ("index", bounded(0, elements - 1), (elements,)),
+        ("index", bounded_integer(0, elements - 1), (elements,)),
         # indices of the sticking elements; only the first `friction.stuck_count` entries are used
-        ("stuck", bounded(0, elements - 1), (elements,)),
-        ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction
+        ("stuck", bounded_integer(0, elements - 1), (elements,)),
+        # 0: sticks; ±1: slides along ±t; 2: no friction
+        ("mode", bounded_integer(-1, NO_FRICTION), (elements,)),
         # the event of an element at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", INTEGER, (elements,)),
         ("mode_before", INTEGER, (elements,)),  # mode before the last choice of modes; 2 for a new contact

@@ -2,19 +2,19 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.input_fields import EACH_DRIVE, FIELDS, TARGET
-from chain_impact.kernel.chain.inputs import DEGREE
+from chain_impact.kernel.chain.input_fields import EACH_DRIVE, INPUT_SIZES, TARGET
+from chain_impact.kernel.chain.inputs import INPUT_DEGREE
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.fields import (
     AT_ANY_TIME,
     AT_START,
     FINITE,
     INTEGER,
-    LIMIT,
+    LIMIT_REAL,
     NOT_NEGATIVE,
     POSITIVE,
     REAL,
-    bounded,
+    bounded_integer,
     layout,
     settable,
     written_by,
@@ -78,10 +78,10 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("distal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its far end
         # index of the first site of each link, with links counted from 0: link i has the sites from
         # first_site[i] to first_site[i + 1] − 1; entry N is the number of sites
-        ("first_site", bounded(0, sites), (links + 1,)),
+        ("first_site", bounded_integer(0, sites), (links + 1,)),
         # number of the point at which the two arms of the elimination meet (chain/elimination.py): 0, the
         # base, if the base has a joint; else N/2, rounded down
-        ("meeting_joint", bounded(0, links)),
+        ("meeting_joint", bounded_integer(0, links)),
         ("gravity_size", REAL),  # m/s², magnitude of the vector ``gravity``
         ("reach", REAL),  # m, largest distance from the base that a point or site can have
         # m, length of the longest link: the scale of positions, to which errors and round-off are relative
@@ -157,7 +157,7 @@ def drive_dtype(links: int) -> np.dtype:
     return layout(
         ("friction_moment", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
         # N·m, largest absolute value of the sum of the torques of motor, spring and damper; ∞: no limit
-        ("torque_limit", LIMIT, rows),
+        ("torque_limit", LIMIT_REAL, rows),
         ("min", REAL, rows),  # rad, angle of the joint at which the lower stop begins to act; −∞: no stop
         ("max", REAL, rows),  # rad, angle of the joint at which the upper stop begins to act; ∞: no stop
         # ---- set during the run
@@ -190,7 +190,7 @@ def solver_dtype() -> np.dtype:
     """Return the layout of the settings of the solver."""
     return layout(
         # number of the method of integration, from 1: its position in SOLVER_METHODS of ode/control.py
-        ("method", bounded(1, len(SOLVER_METHODS))),
+        ("method", bounded_integer(1, len(SOLVER_METHODS))),
         ("tolerance", POSITIVE),  # allowed error of a step, relative to the scales of ode/control.py
         # 1/s, largest cost per second of simulated time, as a number of evaluations of ẏ (kernel/cost.py)
         ("work_limit", POSITIVE),
@@ -205,7 +205,7 @@ def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[ob
     """
     return [
         (name, target if k == TARGET else REAL, (*rows, links + 1 if size == EACH_DRIVE else size))
-        for k, (name, size) in enumerate(FIELDS.items())
+        for k, (name, size) in enumerate(INPUT_SIZES.items())
     ]
 
 
@@ -215,7 +215,7 @@ def piece_dtype(links: int) -> np.dtype:
     kernel/chain/inputs.py has the formula.
     """
     return layout(
-        ("degree", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
+        ("degree", bounded_integer(0, INPUT_DEGREE)),  # degree of the polynomials; 0: the inputs are constant
         # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. In a
         # piece with an end, −1 ≤ x ≤ 1, so that the powers of x lose no digits in a short or late piece.
         ("middle", REAL),  # s, time at which the argument x of the polynomials is 0
@@ -223,7 +223,7 @@ def piece_dtype(links: int) -> np.dtype:
         ("until", REAL),  # s, end of the piece, up to round-off; without meaning if ``degree`` is 0
         # rad/s, how fast the inputs change in the piece: the angular frequency of a sine that is as fast
         ("change_rate", REAL),
-        *input_fields(links, DEGREE + 1),  # coefficients of the polynomials of the inputs
+        *input_fields(links, INPUT_DEGREE + 1),  # coefficients of the polynomials of the inputs
     )
 
 
@@ -280,7 +280,7 @@ def inputs_dtype(links: int) -> np.dtype:
 def site_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the sites in the order of their links: points of links other than their ends."""
     return layout(
-        ("link", bounded(0, links - 1), (sites,)),  # index of the site's link, from 0
+        ("link", bounded_integer(0, links - 1), (sites,)),  # index of the site's link, from 0
         # 1 to 4: number of the box's corner at which the site lies (``corner_of_box``); 0: not a corner
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint

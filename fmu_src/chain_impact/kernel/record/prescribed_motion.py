@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import DEGREE
+from chain_impact.kernel.chain.inputs import INPUT_DEGREE
 from chain_impact.kernel.record.fields import AT_ANY_TIME, INTEGER, REAL, layout, settable, table, written_by
 
 
@@ -21,7 +21,7 @@ def given_channel_dtype(channels: int) -> np.dtype:
         ("acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel; 0 for a belt
         # m, polynomial coefficients (rows) of each channel's position in the next piece of the inputs, which
         # follows the piece in use; the coefficients of the piece in use are in `channel.piece`
-        ("piece", REAL, (DEGREE + 1, channels)),
+        ("piece", REAL, (INPUT_DEGREE + 1, channels)),
     )
 
 
@@ -46,7 +46,7 @@ def channel_dtype(channels: int) -> np.dtype:
         ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`
         ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move_channels`
         # m, polynomial coefficients (rows) of each channel's position in the present piece of the inputs
-        ("piece", REAL, (DEGREE + 1, channels)),
+        ("piece", REAL, (INPUT_DEGREE + 1, channels)),
         # ---- values that were given to each channel at their most recent change
         ("given_position", REAL, (channels,)),  # m, position that was given last
         ("given_velocity", REAL, (channels,)),  # m/s, velocity that was given last

@@ -10,7 +10,7 @@ from chain_impact.kernel.record.fields import (
     INTEGER,
     NOT_NEGATIVE,
     REAL,
-    bounded,
+    bounded_integer,
     layout,
     settable,
     written_by,
@@ -27,20 +27,20 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
     """
     return layout(
         # kind of the signal, 0 to 4: constant, sine, ramp, steps, table
-        ("form", bounded(CONSTANT, TABLE), (signals,)),
+        ("form", bounded_integer(CONSTANT, TABLE), (signals,)),
         # shape of a ramp: SMOOTH, LINEAR or TRAPEZOID of chain/signals.py
-        ("shape", bounded(SMOOTH, TRAPEZOID), (signals,)),
-        ("source", bounded(0, signals - 1), (signals,)),
+        ("shape", bounded_integer(SMOOTH, TRAPEZOID), (signals,)),
+        ("source", bounded_integer(0, signals - 1), (signals,)),
         # number of the driven input (chain/input_fields.py), such as MOTOR; CHANNEL for a prescribed motion
-        ("input", bounded(0, CHANNEL), (signals,)),
+        ("input", bounded_integer(0, CHANNEL), (signals,)),
         # index of the driven value in the input's array, for example of the joint, from 0; for a prescribed
         # motion the index of the channel
         ("index", INTEGER, (signals,)),
         # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2); for an
         # input 0
-        ("order", bounded(0, 2), (signals,)),
+        ("order", bounded_integer(0, 2), (signals,)),
         ("first_knot", INTEGER, (signals,)),  # index of the signal's first knot in `knot`
-        ("last_knot", bounded(0, knots - 1), (signals,)),  # index of the signal's last knot in `knot`
+        ("last_knot", bounded_integer(0, knots - 1), (signals,)),  # index of the signal's last knot in `knot`
         ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
         # m, growth of the position over one period, if a periodic table gives a velocity or an acceleration;
         # else 0
@@ -61,10 +61,11 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("final", REAL, (signals,)),
         ("duration", REAL, (signals,)),  # s, duration of the ramp
         # ---- derived at initialization
-        ("degree", bounded(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the signal's polynomials
+        # largest degree of the signal's polynomials
+        ("degree", bounded_integer(0, SIGNAL_DEGREE), (signals,)),
         # number of times that the kernel integrates the signal over time: ``order``, but 0 for a table, whose
         # given polynomials already describe the position
-        ("integrals", bounded(0, 2), (signals,)),
+        ("integrals", bounded_integer(0, 2), (signals,)),
         # m, initial position of the base, if the signal is the velocity or acceleration of the base: this
         # constant is added to the integral of the signal; else 0
         ("begin", REAL, (signals,)),

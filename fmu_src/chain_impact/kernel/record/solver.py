@@ -2,20 +2,20 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.response import SLOTS
+from chain_impact.kernel.chain.response import SLOT_COUNT
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.events.exclusion import SAFE_DISTANCE
 from chain_impact.kernel.ode.control import ACCEPTED, DIVERGED, EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.ode.explicit import STAGES
+from chain_impact.kernel.ode.explicit import STAGE_COUNT
 from chain_impact.kernel.ode.last_step import SOLVER
-from chain_impact.kernel.ode.radau import PAIRS, RADAU_STAGES
+from chain_impact.kernel.ode.radau import PAIR_COUNT, RADAU_STAGES
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.fields import (
     COMPLEX,
     INTEGER,
     REAL,
-    bounded,
+    bounded_integer,
     impedance_dtype,
     layout,
     loads_dtype,
@@ -63,16 +63,16 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at ``end``; 0: ẏ at ``end`` is not known
         # for whom the dense output was completed: OUTPUTS or SOLVER of ode/last_step.py; 0: for nobody yet
-        ("dense_for", bounded(0, SOLVER)),
+        ("dense_for", bounded_integer(0, SOLVER)),
         # number of the method of the last step, see kernel/ode/control.py
-        ("last_method", bounded(EXPLICIT, IMPLICIT)),
+        ("last_method", bounded_integer(EXPLICIT, IMPLICIT)),
         # number of breaks in the sequence of steps since the run's start; data that were derived from a step
         # before the last break, such as clearances, are not valid (ode/last_step.py)
         ("breaks", INTEGER),
         # index of the candidate of the regularized contact, in whose fictitious time the step runs; −1: the
         # integration variable is time
-        ("regularized", bounded(NO_CONTACT, candidates - 1)),
-        ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the method of the tried or next step
+        ("regularized", bounded_integer(NO_CONTACT, candidates - 1)),
+        ("method", bounded_integer(EXPLICIT, IMPLICIT)),  # number of the method of the tried or next step
         # s, size of the other method's steps when the method changed; 0: not known
         ("other_method_size", REAL),
         ("stiff_count", INTEGER),  # number of steps in a row that have suggested the other method
@@ -87,7 +87,7 @@ def trial_dtype(links: int) -> np.dtype:
         ("size", REAL),  # size of the tried step in its integration variable: time [s] or fictitious time [s]
         ("state", REAL, (state_size(links),)),  # state y at the end of the tried step
         # ACCEPTED, or the reason why the tried step is rejected, such as INACCURATE (kernel/ode/control.py)
-        ("outcome", bounded(ACCEPTED, DIVERGED)),
+        ("outcome", bounded_integer(ACCEPTED, DIVERGED)),
         # error of the tried step relative to the tolerance or, if larger, the energy that the step loses,
         # relative to the allowed loss; valid if ``outcome`` is ACCEPTED or INACCURATE
         ("error", REAL),
@@ -114,7 +114,7 @@ def statistics_dtype() -> np.dtype:
         # number of evaluations of ẏ that the solver needs; evaluations for outputs do not count
         ("rhs_evaluations", INTEGER),
         ("implicit_steps", INTEGER),  # number of accepted implicit steps
-        ("status", bounded(OK, LAST_STATUS)),  # status of the run, see kernel/status.py
+        ("status", bounded_integer(OK, LAST_STATUS)),  # status of the run, see kernel/status.py
     )
 
 
@@ -219,7 +219,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
     return layout(
-        ("stage", REAL, (STAGES, state)),  # rates dy/ds at the stages of a step
+        ("stage", REAL, (STAGE_COUNT, state)),  # rates dy/ds at the stages of a step
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
         # ẏ at the end of the last step, if `step.rate_known` is 1; valid after the step, too
         ("rate_end", REAL, (state,)),
@@ -236,7 +236,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("thrust", REAL),  # N, force of the slider's motor, spring and damper on the carriage
         ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
         # factors of the matrices M + Jᵀ D J + K, see kernel/chain/response.py
-        ("factors", factors_dtype(links, REAL, SLOTS)),
+        ("factors", factors_dtype(links, REAL, SLOT_COUNT)),
         # results of the recursion for the accelerations, see kernel/chain/elimination.py
         ("elimination", elimination_dtype(links)),
         # m, positions of all places: points, sites and, if `chain.has_joint_places`, joints (with an angle
@@ -265,9 +265,9 @@ def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with each φ (exclusion.py) at both ends of an interval."""
     return layout(
         # what is known of the candidates' φ (``phi_end``) at the last step's end (events/exclusion.py):
-        # NOTHING; VALUES: φ and φ′; WITH_CURVES: also φ″; SAFE_DISTANCE: candidates without contact have at
-        # least the clearance ``safe_distance``
-        ("known", bounded(0, SAFE_DISTANCE)),
+        # NOTHING; VALUES: φ and φ′; VALUES_AND_CURVES: also φ″; SAFE_DISTANCE: candidates without contact
+        # have at least the clearance ``safe_distance``
+        ("known", bounded_integer(0, SAFE_DISTANCE)),
         # value of `step.breaks` for which ``known`` is valid; for other values nothing is known
         ("known_for", INTEGER),
         # m, lower bound on the clearances of candidates without contact, at the last step's end
@@ -323,7 +323,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     # slot for each shift; the other fields serve one system at a time. For the real shift, `scratch` has such
     # data, and ``parts`` has x.
     pairs = layout(
-        ("factors", factors_dtype(links, COMPLEX, PAIRS)),
+        ("factors", factors_dtype(links, COMPLEX, PAIR_COUNT)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
         ("load", loads_dtype(links, sites, COMPLEX)),
         ("place_change", vectors_dtype(place_count(links, sites), COMPLEX)),

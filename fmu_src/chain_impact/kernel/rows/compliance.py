@@ -14,19 +14,19 @@ is formed.
 """
 
 from chain_impact.kernel.chain.kinematics import move_points
-from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
+from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix, solve_response
 from chain_impact.kernel.chain.sites import move_site_loads
 from chain_impact.kernel.chain.state import coordinate_count, omega_at, velocity_at
 from chain_impact.kernel.rows.geometry import (
-    add_along,
+    add_along_row,
     add_impedance,
     add_joint_impedances,
     add_joint_loads,
-    along,
-    at_joint_stop,
-    clear_loads_of,
+    clear_used_loads,
     constraint_count,
     constraint_row,
+    dot,
+    is_at_joint_stop,
     normal_row,
 )
 
@@ -82,14 +82,14 @@ def factorize_contacts(d, slot, impedance):
 
     ``impedance`` contains the impedance D_k [kg] of each constraint k.
     """
-    no_impedance(d, d.scratch.impedance)
+    clear_impedance(d, d.scratch.impedance)
     for k in range(constraint_count(d)):
         add_impedance(constraint_row(d, k), d.scratch.impedance, impedance[k])
     add_joint_impedances(d, d.scratch.impedance)
-    factorize(d, d.scratch.link_vector, d.scratch, slot, joints_loaded(d))
+    factorize_matrix(d, d.scratch.link_vector, d.scratch, slot, are_joints_loaded(d))
 
 
-def joints_loaded(d):
+def are_joints_loaded(d):
     """Return whether any joint adds a term to M + Jᵀ D J: an armature, an active stop or sticking friction.
 
     The sticking friction of a slider counts, too.
@@ -97,7 +97,7 @@ def joints_loaded(d):
     return d.chain.has_armatures != 0 or d.contacts.joint_stop_count + d.friction.stuck_joints > 0
 
 
-def solve_space(d, link_vectors, space, slot, change):
+def solve_in_space(d, link_vectors, space, slot, change):
     """Compute the response Δ to the impulses in ``space.load`` at the places and in the joints.
 
     The function changes ``space.load``: it adds loads at joints' places to the loads in joints, and loads at
@@ -113,7 +113,7 @@ def solve_space(d, link_vectors, space, slot, change):
     """
     add_joint_loads(d, space.load)
     move_site_loads(d, link_vectors, space.load)
-    solve(d, link_vectors, space, slot, change)
+    solve_response(d, link_vectors, space, slot, change)
     move_points(d, link_vectors, change, space.place_change)
 
 
@@ -123,13 +123,13 @@ def solve_contacts(d, slot, impulse, change):
     ``slot`` is the index of the factors in ``scratch.factors`` (chain/response.py). The function stores Δ in
     ``change``, and the motion of the places in ``scratch.place_change``.
     """
-    clear_loads_of(d, d.scratch.load)
+    clear_used_loads(d, d.scratch.load)
     for k in range(constraint_count(d)):
-        add_along(constraint_row(d, k), d.scratch.load, impulse[k])
-    solve_space(d, d.scratch.link_vector, d.scratch, slot, change)
+        add_along_row(constraint_row(d, k), d.scratch.load, impulse[k])
+    solve_in_space(d, d.scratch.link_vector, d.scratch, slot, change)
 
 
-def accelerations_with_armatures(d, y, rate):
+def solve_accelerations_with_armatures(d, y, rate):
     """Set the accelerations in ``rate``, ẏ at the state y, of a chain with armatures.
 
     The mass matrix M also contains the inertia of the rotors. The force m (g − a_C) of each link is divided
@@ -170,10 +170,10 @@ def accelerations_with_armatures(d, y, rate):
         slider, gravity = d.slider, d.chain.gravity
         load.x[0] += scratch.thrust * slider.ux + slider.mass * gravity[0]
         load.y[0] += scratch.thrust * slider.uy + slider.mass * gravity[1]
-    no_impedance(d, scratch.impedance)
+    clear_impedance(d, scratch.impedance)
     add_joint_impedances(d, scratch.impedance)
-    factorize(d, link, scratch, FREE, True)
-    solve(d, link, scratch, FREE, scratch.change)
+    factorize_matrix(d, link, scratch, FREE, True)
+    solve_response(d, link, scratch, FREE, scratch.change)
     for j in range(coordinate_count(n)):
         rate[velocity_at(n) + j] = scratch.change[j]
     for k in range(n + 1):
@@ -187,13 +187,15 @@ def effective_mass(d, c):
     ``mean_mass``, divided by LEAST_MOBILITY.
     """
     scratch, row = d.scratch, normal_row(d, c)
-    no_impedance(d, scratch.impedance)
+    clear_impedance(d, scratch.impedance)
     add_joint_impedances(d, scratch.impedance)
-    factorize(d, scratch.link_vector, scratch, FREE, d.chain.has_armatures != 0 or at_joint_stop(d, c))
-    clear_loads_of(d, scratch.load)
-    add_along(row, scratch.load, 1.0)
-    solve_space(d, scratch.link_vector, scratch, FREE, scratch.change)
+    factorize_matrix(
+        d, scratch.link_vector, scratch, FREE, d.chain.has_armatures != 0 or is_at_joint_stop(d, c)
+    )
+    clear_used_loads(d, scratch.load)
+    add_along_row(row, scratch.load, 1.0)
+    solve_in_space(d, scratch.link_vector, scratch, FREE, scratch.change)
     # in a toggle position no impulse moves the point, so its mobility is 0; the least mobility keeps the
     # result finite
     mobility = LEAST_MOBILITY * d.chain.longest_link * d.chain.longest_link / d.chain.energy_scale
-    return 1.0 / max(mobility, along(row, scratch.place_change))
+    return 1.0 / max(mobility, dot(row, scratch.place_change))

@@ -28,7 +28,7 @@ depended on the residual, forces would jump within a step by a part of the resid
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
-from chain_impact.kernel.cost import cost_exceeded, count_other_cost
+from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.rows.compliance import (
     STICKING_ITERATIONS,
@@ -37,15 +37,15 @@ from chain_impact.kernel.rows.compliance import (
     holding_impedance,
     mean_mass,
     solve_contacts,
-    solve_space,
+    solve_in_space,
 )
 from chain_impact.kernel.rows.geometry import (
-    add_along,
-    along,
-    any_sticking,
-    clear_loads_of,
+    add_along_row,
+    clear_used_loads,
     constraint_count,
     constraint_row,
+    dot,
+    has_sticking,
 )
 
 # If an iteration at a rigid wall leaves more than SLOW_DECREASE of the residual, as near a toggle position,
@@ -99,7 +99,7 @@ def set_impedance(d, amount):
     constraints = d.constraints
     for k in range(constraint_count(d)):
         constraints.impedance[k] = amount if constraints.in_active_set[k] else constraints.resistance[k]
-    if amount > 0.0 and any_sticking(d):
+    if amount > 0.0 and has_sticking(d):
         scale_sticking_impedances(d)
 
 
@@ -118,7 +118,7 @@ def set_single_solution_impedances(d):
     for k in range(d.contacts.compliant_count, constraint_count(d)):
         times = SINGLE_SOLUTION_FACTOR if k >= d.contacts.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
-    if any_sticking(d):
+    if has_sticking(d):
         scale_sticking_impedances(d)
 
 
@@ -218,10 +218,10 @@ def single_active(d):
 def solve_single(d, only):
     """Solve the equality problem for constraint ``only``; return False if a wall's mobility is too small."""
     constraints, motion = d.constraints, d.scratch.place_change
-    clear_loads_of(d, d.scratch.load)
-    add_along(constraint_row(d, only), d.scratch.load, 1.0)
-    solve_space(d, d.scratch.link_vector, d.scratch, FREE, constraints.change)
-    mobility = along(constraint_row(d, only), motion)
+    clear_used_loads(d, d.scratch.load)
+    add_along_row(constraint_row(d, only), d.scratch.load, 1.0)
+    solve_in_space(d, d.scratch.link_vector, d.scratch, FREE, constraints.change)
+    mobility = dot(constraint_row(d, only), motion)
     if only >= d.contacts.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE_MOBILITY:
@@ -231,7 +231,7 @@ def solve_single(d, only):
         constraints.change[j] *= impulse
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse if k == only else 0.0
-        constraints.reached[k] = constraints.unforced[k] + impulse * along(constraint_row(d, k), motion)
+        constraints.reached[k] = constraints.unforced[k] + impulse * dot(constraint_row(d, k), motion)
     count_other_cost(d, 1)
     return True
 
@@ -273,7 +273,7 @@ def correct_impulses(d):
     solve_contacts(d, HELD, constraints.residual, constraints.change)
     for k in range(constraint_count(d)):
         if constraints.in_active_set[k]:
-            back = constraints.impedance[k] * along(constraint_row(d, k), motion)
+            back = constraints.impedance[k] * dot(constraint_row(d, k), motion)
             constraints.impulse[k] += constraints.residual[k] - back
     move_by_impulses(d)
     count_other_cost(d, 1)
@@ -284,7 +284,7 @@ def move_by_impulses(d):
     constraints = d.constraints
     solve_contacts(d, FREE, constraints.impulse, constraints.change)
     for k in range(constraint_count(d)):
-        constraints.reached[k] = constraints.unforced[k] + along(constraint_row(d, k), d.scratch.place_change)
+        constraints.reached[k] = constraints.unforced[k] + dot(constraint_row(d, k), d.scratch.place_change)
     count_other_cost(d, 1)
 
 
@@ -313,7 +313,7 @@ def solve_lcp(d, scale):
     for _ in range(EXTRA_PIVOTS + 4 * count):
         solve_equality(d, scale)
         wrong = count_violations(d, scale)
-        if wrong == 0 or cost_exceeded(d):
+        if wrong == 0 or is_cost_exceeded(d):
             return
         fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
         for i in range(count):
@@ -377,7 +377,7 @@ def any_point_held(d):
 
 def any_constraint(d):
     """Return whether a rigid wall holds any point, or any element sticks by dry friction."""
-    return any_point_held(d) or any_sticking(d)
+    return any_point_held(d) or has_sticking(d)
 
 
 def activate_all(d):

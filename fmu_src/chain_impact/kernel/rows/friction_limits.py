@@ -30,7 +30,7 @@ Comput Stat 10:129).
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
-from chain_impact.kernel.cost import cost_exceeded, count_other_cost
+from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.rows.compliance import (
     STICKING_ITERATIONS,
     factorize_contacts,
@@ -38,7 +38,7 @@ from chain_impact.kernel.rows.compliance import (
     solve_contacts,
 )
 from chain_impact.kernel.rows.constraints import EXTRA_PIVOTS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
-from chain_impact.kernel.rows.geometry import along, constraint_count, constraint_row
+from chain_impact.kernel.rows.geometry import constraint_count, constraint_row, dot
 
 # Where W is nearly singular, the residual falls slowly, and a force after few iterations may be at a limit
 # though the exact force is not. Iterations end when all residuals of the constraints inside their limits are
@@ -63,7 +63,7 @@ def find_limited_forces(d):
         minimize_within_limits(d, scale)
         update_residuals(d)
         solved = iteration + 1 >= STICKING_ITERATIONS and largest_residual_inside(d) <= SOLVED_WITHIN * scale
-        if solved or cost_exceeded(d):
+        if solved or is_cost_exceeded(d):
             break
     for i in range(d.friction.stuck_count):
         limited.at_limit[i] = sign_at_limit(d, d.contacts.active_count + i)
@@ -125,7 +125,7 @@ def upper_limit(d, k):
     return max(0.0, ratio * d.element.limit[e])
 
 
-def clipped(d, k, force):
+def clip_force(d, k, force):
     """Return the force [N] nearest to ``force`` within the limits of constraint k."""
     return min(upper_limit(d, k), max(lower_limit(d, k), force))
 
@@ -147,10 +147,10 @@ def minimize_within_limits(d, scale):
             if limited.inside[k]:
                 limited.force[k] += part * (limited.unlimited[k] - limited.force[k])
         if found >= 0:
-            limited.inside[found], limited.force[found] = 0, clipped(d, found, limited.unlimited[found])
+            limited.inside[found], limited.force[found] = 0, clip_force(d, found, limited.unlimited[found])
         else:
             found = constraint_to_release(d, scale)
-            if found < 0 or cost_exceeded(d):
+            if found < 0 or is_cost_exceeded(d):
                 return
             limited.inside[found] = 1
 
@@ -164,7 +164,7 @@ def first_at_limit(d):
     """
     limited, first, part = d.limited_forces, -1, 1.0
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        limit = clipped(d, k, limited.unlimited[k])
+        limit = clip_force(d, k, limited.unlimited[k])
         if limited.inside[k] and limit != limited.unlimited[k]:
             reached = (limit - limited.force[k]) / (limited.unlimited[k] - limited.force[k])
             if reached < part or first < 0:
@@ -181,7 +181,7 @@ def constraint_to_release(d, scale):
     for k in range(d.contacts.compliant_count, constraint_count(d)):
         largest = max(largest, abs(limited.force[k]))
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        inward = abs(clipped(d, k, limited.unlimited[k]) - limited.force[k])
+        inward = abs(clip_force(d, k, limited.unlimited[k]) - limited.force[k])
         round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
         if not limited.inside[k] and inward > max(round_off, most_of_all):
             found, most_of_all = k, inward
@@ -204,7 +204,7 @@ def solve_inside(d):
     factorize_contacts(d, HELD, limited.impedance)
     solve_contacts(d, HELD, limited.correction, limited.change)
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        residual = limited.residual[k] - along(constraint_row(d, k), motion)
+        residual = limited.residual[k] - dot(constraint_row(d, k), motion)
         limited.unlimited[k] = limited.center[k] + d.constraints.impedance[k] * residual
     count_other_cost(d, 1)
 
@@ -215,6 +215,6 @@ def update_residuals(d):
     solve_contacts(d, FREE, limited.force, limited.change)
     for k in range(d.contacts.compliant_count, constraint_count(d)):
         limited.center[k] = limited.force[k]
-        reached = d.constraints.unforced[k] + along(constraint_row(d, k), d.scratch.place_change)
+        reached = d.constraints.unforced[k] + dot(constraint_row(d, k), d.scratch.place_change)
         limited.residual[k] = d.constraints.target[k] - reached
     count_other_cost(d, 1)

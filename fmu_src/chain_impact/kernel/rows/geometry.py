@@ -32,7 +32,7 @@ from chain_impact.kernel.chain.drives import (
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, largest_component, set_polar
 from chain_impact.kernel.chain.prescribed_motion import fastest_wall
 from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_place
-from chain_impact.kernel.chain.slider import along_slider
+from chain_impact.kernel.chain.slider import slider_component
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The numbers of walls at any angle follow."""
@@ -40,8 +40,8 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 
 # [m] the largest depth in a wall at which a point, or a pinned base, may start a run: a point that touches
 # the wall may have this depth by round-off of positions and sines
-OVERLAP = 1e-12
-NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+ALLOWED_OVERLAP = 1e-12
+BOX_NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The components x and y of the normals of the box's walls, to the inside, in the order of WALLS."""
 STOP_CODES = {"joint_min": 1, "joint_max": -1, "slider_min": 2, "slider_max": -2}
 """Name of a stop → its value of candidate.stop, whose sign is that of the stop's normal (``stop_sign``)."""
@@ -58,7 +58,7 @@ def set_candidate_rows(d):
         if point > d.links:
             s = site_of_point(d, point)
             d.candidate.place[c], d.candidate.radius[c] = site_place(d, s), d.site.radius[s]
-        if at_stop(d, c):
+        if is_at_stop(d, c):
             set_stop(d, c)
         elif wall < len(WALLS):
             set_box_wall(d, c, wall)
@@ -70,7 +70,7 @@ def set_candidate_rows(d):
 def set_box_wall(d, c, wall):
     """Set the normal and the offset of candidate c at a ``wall`` of the box, an index in WALLS."""
     candidate = d.candidate
-    nx, ny = NORMALS[wall]
+    nx, ny = BOX_NORMALS[wall]
     candidate.normal_x[c], candidate.normal_y[c] = nx, ny
     # the normal has a single component: either nx or ny is 0
     candidate.offset[c] = (nx + ny) * d.chain.box_wall[wall]
@@ -95,28 +95,28 @@ def set_stop(d, c):
     candidate, sign, i = (
         d.candidate,
         stop_sign(d, c),
-        d.candidate.point[c] - 1 if at_joint_stop(d, c) else d.links,
+        d.candidate.point[c] - 1 if is_at_joint_stop(d, c) else d.links,
     )
     candidate.place[c], x, y = row_of_drive(d, i)
     # a sum with 0.0 is never −0.0, which outputs would print
     candidate.normal_x[c], candidate.normal_y[c] = sign * x + 0.0, sign * y + 0.0
     limit = lever_of_candidate(d, c) * (d.drive.min[i] if sign > 0.0 else d.drive.max[i])
-    if not at_joint_stop(d, c):
-        limit += along_slider(d, d.initial.position[0], d.initial.position[1])
+    if not is_at_joint_stop(d, c):
+        limit += slider_component(d, d.initial.position[0], d.initial.position[1])
     candidate.offset[c], candidate.radius[c] = sign * limit, 0.0
 
 
-def at_wall(d, c):
+def is_at_wall(d, c):
     """Return whether candidate c is at a wall, not at a stop of a joint or of the slider."""
     return d.candidate.stop[c] == AT_WALL
 
 
-def at_stop(d, c):
+def is_at_stop(d, c):
     """Return whether candidate c is a stop of a joint or of the slider."""
     return d.candidate.stop[c] != AT_WALL
 
 
-def at_joint_stop(d, c):
+def is_at_joint_stop(d, c):
     """Return whether candidate c is a stop of a joint."""
     return d.candidate.stop[c] == JOINT_MIN or d.candidate.stop[c] == JOINT_MAX
 
@@ -156,9 +156,9 @@ def candidate_within_bounds(d, c):
     A record from outside may contain any numbers.
     """
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
-    first, last = (1, d.links) if at_joint_stop(d, c) else (0, d.links + d.sites)
+    first, last = (1, d.links) if is_at_joint_stop(d, c) else (0, d.links + d.sites)
     most = len(WALLS) + d.candidates - 1
-    if at_stop(d, c):
+    if is_at_stop(d, c):
         most += STOP_COUNT
     return (
         SLIDER_MAX <= d.candidate.stop[c] <= SLIDER_MIN
@@ -200,7 +200,7 @@ def constraint_count(d):
     return d.contacts.active_count + d.friction.stuck_count
 
 
-def any_sticking(d):
+def has_sticking(d):
     """Return whether any element sticks by dry friction."""
     return d.friction.stuck_count > 0
 
@@ -215,13 +215,13 @@ def constraint_row(d, k):
     return tangent_row(d, d.element.stuck[k - d.contacts.active_count])
 
 
-def along(row, vectors):
+def dot(row, vectors):
     """Return J v of a row: the component, along the row, of the vectors v of all places."""
     place, nx, ny = row
     return nx * vectors.x[place] + ny * vectors.y[place]
 
 
-def add_along(row, vectors, amount):
+def add_along_row(row, vectors, amount):
     """Add a force or impulse ``amount`` along a row to the load of the row's place in ``vectors``."""
     place, nx, ny = row
     vectors.x[place] += nx * amount
@@ -242,8 +242,8 @@ def add_impedance(row, impedance, amount):
 def clearance(d, c):
     """Return clearance g [m] and ġ [m/s] of c at located points; at a joint's stop angle × lever arm."""
     row = normal_row(d, c)
-    gap = along(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
-    gap_rate = along(row, d.scratch.velocity)
+    gap = dot(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
+    gap_rate = dot(row, d.scratch.velocity)
     if d.channels > 0:
         gap_rate -= d.wall_motion.velocity[c]
     return gap, gap_rate
@@ -251,7 +251,7 @@ def clearance(d, c):
 
 def gap_acceleration(d, c):
     """Return g̈ [m/s²], the second derivative of candidate c's clearance, from the accelerated points."""
-    acceleration = along(normal_row(d, c), d.scratch.acceleration)
+    acceleration = dot(normal_row(d, c), d.scratch.acceleration)
     if d.channels > 0:
         acceleration -= d.wall_motion.acceleration[c]
     return acceleration
@@ -259,19 +259,19 @@ def gap_acceleration(d, c):
 
 def tangential_position(d, e):
     """Return the coordinate [m] of element e along t, at a wall relative to the belt, at located points."""
-    coordinate = along(tangent_row(d, e), d.scratch.position)
+    coordinate = dot(tangent_row(d, e), d.scratch.position)
     return coordinate - d.wall_motion.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
     """Return the speed [m/s] of element e along t, at a wall relative to the belt, at located points."""
-    speed = along(tangent_row(d, e), d.scratch.velocity)
+    speed = dot(tangent_row(d, e), d.scratch.velocity)
     return speed - d.wall_motion.belt_velocity[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
     """Return the acceleration [m/s²] of e along t, at a wall relative to the belt, at accelerated points."""
-    a = along(tangent_row(d, e), d.scratch.acceleration)
+    a = dot(tangent_row(d, e), d.scratch.acceleration)
     return a - d.wall_motion.belt_acceleration[e] if d.channels > 0 and e < d.candidates else a
 
 
@@ -303,7 +303,7 @@ def add_joint_impedances(d, impedance):
                 impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
 
 
-def clear_loads_of(d, load):
+def clear_used_loads(d, load):
     """Set ``load`` to zero at all places and, if joints can resist (``joints_resist``), in all joints."""
     clear_vectors(d, load)
     if joints_resist(d):
@@ -358,7 +358,7 @@ def coordinates_size(d, c, y):
     At a joint's stop these are angles times the lever arm. The clearance's round-off is relative to the sum.
     """
     point = d.candidate.point[c]
-    if at_joint_stop(d, c):
+    if is_at_joint_stop(d, c):
         return d.chain.longest_link * coordinates_of_drive(d, y, point - 1)
     place = d.candidate.place[c]
     return abs(d.scratch.position.x[place]) + abs(d.scratch.position.y[place])
@@ -375,7 +375,7 @@ def link_of(d, c):
 
 def lever_of_candidate(d, c):
     """Return the clearance [m] per angle [rad] of a joint's stop, its lever arm; 1 for other candidates."""
-    return lever_of_drive(d, d.candidate.point[c] - 1) if at_joint_stop(d, c) else 1.0
+    return lever_of_drive(d, d.candidate.point[c] - 1) if is_at_joint_stop(d, c) else 1.0
 
 
 def faces_base(d, c):
@@ -385,7 +385,7 @@ def faces_base(d, c):
     wall is checked once.
     """
     # all walls have the same points as candidates, in the same order, unless the base slides
-    first = at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]
+    first = is_at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]
     return first and (d.chain.base_moves or d.wall_motion.first_channel[c] >= 0)
 
 

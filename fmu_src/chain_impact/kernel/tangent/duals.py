@@ -44,7 +44,7 @@ TRUST = np.dtype(
         # meaning if ``point`` is −1
         ("wall", np.int64),
         # a sum over the changes of positions whose derivatives are neglected: changes by a speed that
-        # friction stops soon. Each change adds its share (``negligible`` in tangent/friction.py)
+        # friction stops soon. Each change adds its share (``is_negligible`` in tangent/friction.py)
         ("neglected", np.float64),
         (
             "split",
@@ -88,9 +88,9 @@ def slope(number, direction):
     return number.slope[direction]
 
 
-def with_slope(number, direction, slope):
+def replace_slope(number, direction, slope):
     """Return a copy of a dual number in which the derivative in one direction is ``slope``."""
-    return number.with_slope(direction, slope)
+    return number.replace_slope(direction, slope)
 
 
 def has_slope(number):
@@ -98,7 +98,7 @@ def has_slope(number):
     return number.has_slope()
 
 
-def block(d, number):
+def tangent_instance(d, number):
     """Return tangent instance ``number``, counted from 0, of the primal instance d."""
     return d.tangent_instances[number]
 

@@ -16,13 +16,13 @@ from chain_impact.kernel.ode.last_step import (
     store_output_state,
 )
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent.duals import DIRECTIONS, as_words, block
+from chain_impact.kernel.tangent.duals import DIRECTIONS, as_words, tangent_instance
 from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
 from chain_impact.kernel.tangent.step_ends import move_end
 from chain_impact.kernel.tangent.trust import copy_reason, is_trusted
 
 
-def for_all(act):
+def act_on_all_tangents(act):
     """Return a function of d that calls ``act`` (d, t) for each tangent instance t of the instance d.
 
     If derivatives have ended in some tangent instances, those in all instances then end at the earliest of
@@ -31,11 +31,11 @@ def for_all(act):
 
     def act_on_all(d):
         for b in range(d.tangents):
-            act(d, block(d, b))
+            act(d, tangent_instance(d, b))
         for b in range(1, d.tangents):
-            copy_reason(block(d, 0), block(d, b))
+            copy_reason(tangent_instance(d, 0), tangent_instance(d, b))
         for b in range(1, d.tangents):
-            copy_reason(block(d, b), block(d, 0))
+            copy_reason(tangent_instance(d, b), tangent_instance(d, 0))
 
     return act_on_all
 
@@ -92,11 +92,11 @@ def truncate_tangent(d, t):
     move_end(t)
 
 
-def all_valid(d):
+def are_all_valid(d):
     """Return 1 if all tangent instances have the counts of d and valid indices, else 0."""
     fits = True
     for b in range(d.tangents):
-        t = block(d, b)
+        t = tangent_instance(d, b)
         fits = fits and t.links == d.links and t.candidates == d.candidates
         fits = (
             fits
@@ -111,17 +111,17 @@ def all_valid(d):
 
 def tangent_word_count(d):
     """Return the number of words, of 8 bytes each, of all tangent instances together."""
-    return d.tangents * len(as_words(block(d, 0)))
+    return d.tangents * len(as_words(tangent_instance(d, 0)))
 
 
 HOOKS = {
-    hooks.on_start: for_all(start_tangent),
-    hooks.on_reinit: for_all(reinit_tangent),
-    hooks.on_step: for_all(replay),
-    hooks.on_observe: for_all(observe_tangent),
-    hooks.on_observe_trial: for_all(observe_trial_of_tangent),
-    hooks.on_truncate: for_all(truncate_tangent),
-    hooks.indices_valid: all_valid,
+    hooks.on_start: act_on_all_tangents(start_tangent),
+    hooks.on_reinit: act_on_all_tangents(reinit_tangent),
+    hooks.on_step: act_on_all_tangents(replay),
+    hooks.on_observe: act_on_all_tangents(observe_tangent),
+    hooks.on_observe_trial: act_on_all_tangents(observe_trial_of_tangent),
+    hooks.on_truncate: act_on_all_tangents(truncate_tangent),
+    hooks.indices_valid: are_all_valid,
     hooks.tangent_words: tangent_word_count,
 }
 """Function of kernel/hooks.py → its replacement in a kernel that carries derivatives."""

@@ -14,7 +14,7 @@ from chain_impact.kernel.chain.signals import segment_end
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import KINK, RELATCH
-from chain_impact.kernel.events.segments import has_ended
+from chain_impact.kernel.events.segments import has_segment_ended
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
@@ -31,7 +31,7 @@ def step_length(t):
     return value(t.step.end - t.step.start)
 
 
-def along_motion(function):
+def make_motion_functions(function):
     """Return two functions, for φ and for the rate φ̇ along the motion; ``function`` is φ, of (t, c).
 
     φ uses located points and known forces. The state beyond the end of the last step is extrapolated by ẏ.
@@ -58,11 +58,11 @@ def along_motion(function):
     return after, rate_at_end
 
 
-def delay_along_motion(after):
+def make_delay(after):
     """Return a function of (t, c, rate) for the delay [s] of the event φ = 0 at the end of the last step.
 
-    ``after`` is the first function that ``along_motion`` returns for φ, and ``rate`` is φ̇ at the event. When
-    the returned function ends, points and forces are again those at the end of the last step.
+    ``after`` is the first function that ``make_motion_functions`` returns for φ, and ``rate`` is φ̇ at the
+    event. When the returned function ends, points and forces are again those at the end of the last step.
     """
 
     def delay(t, c, rate):
@@ -82,12 +82,12 @@ def evaluate_end(t):
     ensure_points(t)
 
 
-_kink_after, _kink_rate = along_motion(kink_height)
-_delay_of_kink = delay_along_motion(_kink_after)
-_force_after, _force_rate = along_motion(lambda t, c: t.contacts.force[c])
-_delay_of_release = delay_along_motion(_force_after)
-_margin_after, _margin_rate = along_motion(lambda t, _c: mode_margin(t, t.scratch.state))
-_delay_of_margin = delay_along_motion(_margin_after)
+_kink_after, _kink_rate = make_motion_functions(kink_height)
+_delay_of_kink = make_delay(_kink_after)
+_force_after, _force_rate = make_motion_functions(lambda t, c: t.contacts.force[c])
+_delay_of_release = make_delay(_force_after)
+_margin_after, _margin_rate = make_motion_functions(lambda t, _c: mode_margin(t, t.scratch.state))
+_delay_of_margin = make_delay(_margin_after)
 
 
 def delay_of_crossing(t, c, kind):
@@ -128,6 +128,6 @@ def delay_of_segment(t):
     If no signal's segment ends there, the result is 0 without derivatives.
     """
     for j in range(t.signals):
-        if has_ended(t, j):
+        if has_segment_ended(t, j):
             return dual_with_slope(0.0, 1.0, segment_end(t, j) - t.step.end)
     return dual_with_slope(0.0, 0.0, t.step.end)

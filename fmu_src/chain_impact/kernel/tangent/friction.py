@@ -20,7 +20,7 @@ from chain_impact.kernel.chain.drives import drive_count, first_joint
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pending_changes
+from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, count_pending_changes
 from chain_impact.kernel.events.onset_modes import begins_now
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
@@ -34,9 +34,9 @@ from chain_impact.kernel.rows.constraints import activate_all
 from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, reciprocal, slope, value
 from chain_impact.kernel.tangent.event_times import (
-    along_motion,
-    delay_along_motion,
     evaluate_end,
+    make_delay,
+    make_motion_functions,
     step_length,
 )
 from chain_impact.kernel.tangent.trust import (
@@ -112,8 +112,8 @@ def largest_acceleration_error(t, e):
 
 # functions for φ = µ_s F_n − |F_t|, the margin of static friction, after the end of a step, and for its rate
 # φ̇
-margin_after, margin_rate = along_motion(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
-delay_of_margin = delay_along_motion(margin_after)
+margin_after, margin_rate = make_motion_functions(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
+delay_of_margin = make_delay(margin_after)
 
 
 def delay_of_sliding(t, e):
@@ -133,13 +133,15 @@ def delay_of_sliding(t, e):
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
             # The friction drops at this time, and a delay of the drop changes the speed of the element. If
             # this change is not negligible, the derivatives end.
-            if not (rate < 0.0 and negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))):
+            if not (
+                rate < 0.0 and is_negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))
+            ):
                 end_derivatives(t, SLOW_CHANGE, e)
         rate = -math.inf
     return delay_of_margin(t, e, rate)
 
 
-def negligible(t, speed):
+def is_negligible(t, speed):
     """Return whether the derivatives of ``speed`` [m/s], a dual number of the value 0, may be neglected.
 
     The speed times the settling time is a change of a position. The share of this change is the largest ratio
@@ -198,7 +200,7 @@ def check_changes(t, time):
             stopped += stops
             slowly = slowly or (stops and acceleration_may_be_error(t, e))
             after = speed + value(tangential_acceleration(t, e)) * time
-            if stops and not stays_at_rest(t, after, time) and not negligible(t, after):
+            if stops and not stays_at_rest(t, after, time) and not is_negligible(t, after):
                 end_derivatives(
                     t, SLOW_CHANGE if acceleration_may_be_error(t, e) else SIMULTANEOUS_CHANGES, e
                 )
@@ -207,7 +209,7 @@ def check_changes(t, time):
     # the two ends stop.
     if stopped > 1 or slowly:
         mark_split(t)
-    if pending_changes(t) > 1:
+    if count_pending_changes(t) > 1:
         for i in range(t.friction.count):
             e = t.element.index[i]
             matters = t.element.event[e] == STICKING_ENDS and (friction_drops(t, e) or any_stops_sliding(t))
@@ -377,9 +379,9 @@ def is_nearly_at_limit(t, e):
     if t.element.mode[e] == STICKS:
         margin = t.element.limit[e] - abs(t.element.force[e])
         near = abs(value(margin)) <= errors * limit
-        return near and (friction_drops(t, e) or not negligible(t, margin * (time / mass)))
+        return near and (friction_drops(t, e) or not is_negligible(t, margin * (time / mass)))
     slow = not friction_drops(t, e) and acceleration_may_be_error(t, e)
-    return slow and not negligible(t, tangential_acceleration(t, e) * time)
+    return slow and not is_negligible(t, tangential_acceleration(t, e) * time)
 
 
 def end_derivatives(t, reason, e):

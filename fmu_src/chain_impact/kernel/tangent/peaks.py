@@ -7,10 +7,10 @@ jumps, which may be larger than the values before and after both jumps.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.forces.active_contacts import contact_force, set_extremes, set_joint_square
+from chain_impact.kernel.forces.active_contacts import contact_force, set_contact_extremes, set_joint_square
 from chain_impact.kernel.ode.last_step import set_start_delay
 from chain_impact.kernel.rows.geometry import clearance
-from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value, with_slope
+from chain_impact.kernel.tangent.duals import DIRECTIONS, replace_slope, slope, value
 from chain_impact.kernel.transmitted_forces import set_joint_force_peak, square_of_force
 
 # a contact's force at the end of a step counts as the contact's peak if it is below the stored peak by at
@@ -24,17 +24,17 @@ def forget_peaks(t, delay):
     Only the derivatives in directions in which the ``delay`` [s] of an event at this time has derivatives are
     set. A peak that is found later, at the start of the next step, gets NaN from ``step.start_delay``.
     """
-    set_start_delay(t, with_unknown_slopes(t.step.start_delay, delay))
+    set_start_delay(t, replace_slopes_by_nan(t.step.start_delay, delay))
     for i in range(t.links if t.transmitted_rows > 0 else 0):
         at_end, peak = value(square_of_force(t, i)), t.transmitted.peak_square[i]
         if at_end >= value(peak):
-            time = with_unknown_slopes(t.transmitted.peak_time[i], delay)
-            set_joint_force_peak(t, i, with_unknown_slopes(peak, delay), time)
+            time = replace_slopes_by_nan(t.transmitted.peak_time[i], delay)
+            set_joint_force_peak(t, i, replace_slopes_by_nan(peak, delay), time)
         for k in range(t.contacts.active_count):
             c = t.contacts.active_index[k]
             if at_end >= value(t.contacts.joint_square[c]):
                 set_joint_square(
-                    t, c, with_unknown_slopes(t.contacts.joint_square[c], delay), t.contacts.joint[c]
+                    t, c, replace_slopes_by_nan(t.contacts.joint_square[c], delay), t.contacts.joint[c]
                 )
     if t.contacts.compliant_count > 0:
         locate_points(t, t.step.state_end)
@@ -49,15 +49,15 @@ def forget_peaks(t, delay):
             gap, gap_rate = clearance(t, c)
             at_end = value(contact_force(t, c, gap, gap_rate)) + FORCE_ROUND_OFF * value(peak)
         if at_end >= value(peak):
-            set_extremes(t, c, with_unknown_slopes(peak, delay), t.contacts.max_penetration[c])
+            set_contact_extremes(t, c, replace_slopes_by_nan(peak, delay), t.contacts.max_penetration[c])
 
 
-def with_unknown_slopes(number, delay):
+def replace_slopes_by_nan(number, delay):
     """Return ``number`` with NaN as derivatives in the directions in which ``delay`` has derivatives.
 
     The other derivatives stay.
     """
     for k in range(DIRECTIONS):
         if slope(delay, k) != 0.0:
-            number = with_slope(number, k, math.nan)
+            number = replace_slope(number, k, math.nan)
     return number

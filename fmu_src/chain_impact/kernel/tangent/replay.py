@@ -36,16 +36,16 @@ from chain_impact.kernel.events.marks import END, copy_marks
 from chain_impact.kernel.events.segments import begin_segments
 from chain_impact.kernel.forces.active_contacts import clear_loads
 from chain_impact.kernel.forces.candidate_laws import start_laws
-from chain_impact.kernel.initialize import clear_run, derive_chain, derive_drives, set_start
+from chain_impact.kernel.initialize import clear_run, derive_chain, derive_drives, set_run_start
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.collocation import (
-    LAST,
+    LAST_STAGE,
     correct_stages,
     extrapolate_stages,
     find_residuals,
     set_residual,
-    set_result,
-    solve,
+    set_step_end,
+    solve_systems,
 )
 from chain_impact.kernel.ode.control import IMPLICIT, begin_trial
 from chain_impact.kernel.ode.dense import correct_falling_impulses
@@ -68,16 +68,16 @@ from chain_impact.kernel.ode.methods import begin_explicit
 from chain_impact.kernel.ode.radau import RADAU_STAGES, REAL_EIGENVALUE
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
 from chain_impact.kernel.rows.compliance import mean_mass
-from chain_impact.kernel.rows.geometry import any_sticking
+from chain_impact.kernel.rows.geometry import has_sticking
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,
     copy_given,
     copy_values,
     dual_with_slope,
     has_slope,
+    replace_slope,
     slope,
     value,
-    with_slope,
 )
 from chain_impact.kernel.tangent.friction import check_coefficients
 from chain_impact.kernel.tangent.rises import check_rises, delay_jumps
@@ -111,7 +111,7 @@ def start_tangent(d, t):
     derive_drives(t)
     start_laws(t)
     begin_trust(t)
-    set_start(t, d.step.communication_point)
+    set_run_start(t, d.step.communication_point)
     check_rises(t)
     check_coefficients(t)
     begin_explicit(t)
@@ -183,7 +183,7 @@ def make_implicit(d, t, h):
     # derivatives that have already ended are not iterated
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_CONVERGED, NO_IMPACT, d.step.start)
-    set_result(t, h)
+    set_step_end(t, h)
     if clearance_count(t) > 0:
         project_clearances(t, t.implicit.z, t.trial.state)
 
@@ -246,10 +246,10 @@ def solve_slopes(d, t, h, size):
         for i in range(RADAU_STAGES):
             for j in range(size):
                 set_residual(d, i, j, slope(t.implicit.parts[i, j], k))
-        solve(d, h, size)
+        solve_systems(d, h, size)
         for i in range(RADAU_STAGES):
             for j in range(size):
-                t.implicit.parts[i, j] = with_slope(t.implicit.parts[i, j], k, d.implicit.parts[i, j])
+                t.implicit.parts[i, j] = replace_slope(t.implicit.parts[i, j], k, d.implicit.parts[i, j])
 
 
 def last_correction(d, t, size):
@@ -261,7 +261,9 @@ def last_correction(d, t, size):
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
         for j in range(size):
-            whole = max(whole, weight[j] * abs(slope(implicit.z_start[j] + implicit.stages[LAST, j], k)))
+            whole = max(
+                whole, weight[j] * abs(slope(implicit.z_start[j] + implicit.stages[LAST_STAGE, j], k))
+            )
             for i in range(RADAU_STAGES):
                 part = weight[j] * abs(slope(implicit.parts[i, j], k))
                 largest = max(largest, part)
@@ -335,7 +337,7 @@ def repeat_step(d, t, h):
         make_implicit(d, t, h)
     else:
         explicit.make_step(t, h)
-        if t.contacts.active_count > 0 or any_sticking(t):
+        if t.contacts.active_count > 0 or has_sticking(t):
             locate_points(t, t.trial.state)
     make_last_step(t)
 

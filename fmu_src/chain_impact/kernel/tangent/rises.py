@@ -16,17 +16,17 @@ import math
 
 from chain_impact.kernel.chain.input_fields import CHANNEL, TARGET
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.signals import SINE, moves_base
+from chain_impact.kernel.chain.signals import SINE, drives_base
 from chain_impact.kernel.chain.sines import TAU
 from chain_impact.kernel.events.segments import shift_start
-from chain_impact.kernel.mathematics.angles import direction
+from chain_impact.kernel.mathematics.angles import unit_vector
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_slope, slope, value
 
 # ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the rise acts like a jump that is
 # late by this part of the rise time
-LACKING = 0.5
+MISSING_RISE_PART = 0.5
 # a sine or cosine of a phase counts as 0 if its absolute value is at most PHASE_ROUND_OFF
 PHASE_ROUND_OFF = 1e-12
 
@@ -55,27 +55,27 @@ def is_differentiable(t, j):
     begins = value(signal.start[signal.source[j]]) - value(t.step.end)
     if begins < 0.0:
         return True
-    jump, speed = at_begin(t, j)
+    jump, speed = jump_at_begin(t, j)
     # `moves`: the input is a position, so the signal moves a base or a wall directly
     moves = signal.input[j] == CHANNEL and signal.integrals[j] == 0
     if jump == 0.0 and (speed == 0.0 or not moves):
         return True
     if begins > 0.0 or signal.input[j] == TARGET:
         return False
-    if moves_base(t, j):
+    if drives_base(t, j):
         return signal.integrals[j] == 2 and is_linear(t)
     # if the signal moves a wall, the wall starts −``jump`` farther inward with a rise than without a rise: no
     # point may lie in between
-    return is_linear(t) and (not moves or nearest(t) > -jump)
+    return is_linear(t) and (not moves or nearest_clearance(t) > -jump)
 
 
-def at_begin(t, j):
+def jump_at_begin(t, j):
     """Return the jump J = a sin ψ of the sine of signal j at the start, and the rate of the sine there.
 
     a is the amplitude of the sine, ψ the phase at the start. Both results have no derivatives.
     """
     signal, i = t.signal, t.signal.source[j]
-    cosine, sine = direction(signal.phase[i])
+    cosine, sine = unit_vector(signal.phase[i])
     a, omega = value(signal.amplitude[i]), TAU * value(signal.frequency[i])
     jump = a * value(sine) if abs(value(sine)) > PHASE_ROUND_OFF else 0.0
     speed = a * omega * value(cosine) if abs(value(cosine)) > PHASE_ROUND_OFF else 0.0
@@ -87,7 +87,7 @@ def is_linear(t):
     return t.contacts.active_count == 0 and t.friction.count == 0 and not t.chain.has_drive_limits
 
 
-def nearest(t):
+def nearest_clearance(t):
     """Return the least clearance [m] of all candidates at the end of the last step, without derivatives."""
     least = math.inf
     locate_points(t, t.step.state_end)
@@ -104,9 +104,9 @@ def delay_jumps(t):
     """
     for j in range(t.signals):
         i = t.signal.source[j]
-        jump, _ = at_begin(t, j)
+        jump, _ = jump_at_begin(t, j)
         if is_sudden(t, j) and value(t.signal.start[i]) == value(t.step.end) and jump != 0.0:
-            delay_jump(t, j, jump, dual_with_slope(0.0, LACKING, t.signal.rise[i]))
+            delay_jump(t, j, jump, dual_with_slope(0.0, MISSING_RISE_PART, t.signal.rise[i]))
 
 
 def delay_jump(t, j, jump, delay):

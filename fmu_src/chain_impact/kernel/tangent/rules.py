@@ -21,8 +21,8 @@ from chain_impact.kernel.tangent.duals import (
     dual_with_slope,
     has_slope,
     reciprocal,
+    replace_slope,
     value,
-    with_slope,
 )
 from chain_impact.kernel.tangent.friction import contact_resistance, make_modes_consistent
 from chain_impact.kernel.tangent.peaks import forget_peaks
@@ -91,17 +91,17 @@ def set_polar(radius, y, first, horizontal, vertical):
     by adding a large number; with dual numbers this would give wrong derivatives.
     """
     for i in range(len(radius)):
-        cosine, sine = direction(y[first + i])
+        cosine, sine = unit_vector(y[first + i])
         horizontal[i], vertical[i] = radius[i] * cosine, radius[i] * sine
 
 
-def direction(angle):
+def unit_vector(angle):
     """Return the cosine and sine of an angle [rad].
 
     ``angles.direction`` rounds the angle to whole quarter turns by adding a large number; for a dual number
     this rounding would give wrong derivatives.
     """
-    cosine, sine = angles.direction(value(angle))
+    cosine, sine = angles.unit_vector(value(angle))
     return dual_with_slope(cosine, -sine, angle), dual_with_slope(sine, cosine, angle)
 
 
@@ -130,12 +130,12 @@ def shift_start(t, delay):
         evaluate_start(t)
 
 
-def fraction(t, time):
+def fraction_at_time(t, time):
     """Return the fraction of the last step at a ``time`` [s], with derivatives.
 
     In a regularized step, one Newton step from the value of the fraction gives the derivatives. The iteration
-    of the kernel's own ``fraction`` with dual numbers would not do: it stops when the value is exact, and the
-    derivatives may then not be exact.
+    of the kernel's own ``fraction_at_time`` with dual numbers would not do: it stops when the value is exact,
+    and the derivatives may then not be exact.
     """
     step, clock = t.step, time_at(t.links)
     elapsed = time - step.start
@@ -226,7 +226,7 @@ def time_of_peak(_t, time, place):
     """Return the ``time`` [s] of a peak, with NaN as derivatives if the ``place`` has no derivatives."""
     if not has_slope(place):
         for k in range(DIRECTIONS):
-            time = with_slope(time, k, math.nan)
+            time = replace_slope(time, k, math.nan)
     return time
 
 
@@ -242,11 +242,11 @@ DUAL_RULES = {
     friction_modes.make_modes_consistent: make_modes_consistent,
     force_formula.user_force: user_force,
     saturation.choose_saturation: choose_saturation,
-    dense.fraction: fraction,
+    dense.fraction_at_time: fraction_at_time,
     dense.event_fraction: event_fraction,
     transmitted_forces.time_of_peak: time_of_peak,
     segments.shift_start: shift_start,
-    angles.direction: direction,
+    angles.unit_vector: unit_vector,
     kinematics.set_polar: set_polar,
     drives.has_effect: has_effect,
 }

@@ -6,8 +6,8 @@ ends exactly at the event: a force that jumps there may have its largest value b
 """
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE, pending_changes
-from chain_impact.kernel.events.segments import has_ended
+from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE, count_pending_changes
+from chain_impact.kernel.events.segments import has_segment_ended
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
     count_break,
@@ -41,7 +41,7 @@ def move_end(t):
             check_onsets(t)
             move_along(t, delay_of_crossing(t, c, t.contacts.event[c]))
             return
-    if pending_changes(t) > 0:
+    if count_pending_changes(t) > 0:
         prepare_end(t)
         time = delay_of_change(t)
         check_changes(t, time)
@@ -124,7 +124,7 @@ def ends_with_segment(t):
     if t.drive.mode_ends != 0 or ends_with_contact(t):
         return False
     for j in range(t.signals):
-        if has_ended(t, j):
+        if has_segment_ended(t, j):
             return True
     return False
 
@@ -134,7 +134,7 @@ def ends_with_contact(t):
     for c in range(t.candidates):
         if t.contacts.event[c]:
             return True
-    return pending_changes(t) > 0
+    return count_pending_changes(t) > 0
 
 
 def fix_start(t):

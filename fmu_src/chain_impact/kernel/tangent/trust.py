@@ -154,7 +154,7 @@ def mark_split(t):
     """Record that the derivatives of friction impulses are not known from now on.
 
     The impulse by which friction stops an element is not known if derivatives of the element's speed are
-    neglected (``negligible``), if other elements stop at the same time, or if the acceleration may be an
+    neglected (``is_negligible``), if other elements stop at the same time, or if the acceleration may be an
     error of the solver (``check_changes``).
     """
     t.trust.split = 1

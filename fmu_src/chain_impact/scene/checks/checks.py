@@ -12,10 +12,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from chain_impact.kernel.chain.inertia import loose_links
+from chain_impact.kernel.chain.inertia import find_loose_links
 from chain_impact.kernel.forces.friction import choose_wall_friction
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
+from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, WALLS
 from chain_impact.scene.checks.signal_checks import check_signals
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.errors import SceneError, no_wall, refusal, refused, value_text
@@ -56,12 +56,13 @@ def check(scene: Contents) -> None:
 def check_masses(chain: ChainTable) -> None:
     """Refuse links without inertia that can turn, in some position of the chain, without moving any mass.
 
-    Nothing would determine the angular acceleration of such links. ``loose_links`` in kernel/chain/inertia.py
-    finds them. The carriage of a slider counts as movable mass only if its own mass is > 0.
+    Nothing would determine the angular acceleration of such links. ``find_loose_links`` in
+    kernel/chain/inertia.py finds them. The carriage of a slider counts as movable mass only if its own mass
+    is > 0.
     """
-    (first, last), other = loose_links(chain_view(chain), False), ""
+    (first, last), other = find_loose_links(chain_view(chain), False), ""
     if first < 0 and chain.slider is not None and chain.slider.mass == 0.0:
-        (first, last), other = loose_links(chain_view(chain), True), ", or slider.mass,"
+        (first, last), other = find_loose_links(chain_view(chain), True), ", or slider.mass,"
     if first < 0:
         return
     if first == last:
@@ -187,7 +188,7 @@ def coefficients(contact: Contact, material: Material | Contact) -> tuple[float,
 
 
 def check_start(scene: Contents) -> None:
-    """Refuse a start in which a point penetrates an existing wall by more than OVERLAP.
+    """Refuse a start in which a point penetrates an existing wall by more than ALLOWED_OVERLAP.
 
     Checked are the points in ``contact.points``, and all points of links beside their ends, with their radii.
     """
@@ -196,7 +197,7 @@ def check_start(scene: Contents) -> None:
     for point, (x, y, radius) in candidates.items():
         for name, wall in walls.items():
             depth = radius - wall.clearance(x, y)
-            if depth > OVERLAP:
+            if depth > ALLOWED_OVERLAP:
                 where = scene.point_label(point)
                 subject = f"{where} at {_position(x, y)} is {depth:.6g} m deep in"
                 beyond = name not in WALLS and all(
@@ -208,18 +209,18 @@ def check_start(scene: Contents) -> None:
 
 
 def _position(x: float, y: float) -> str:
-    """Return the text "(x, y) m" of a position [m]; a coordinate from −OVERLAP to OVERLAP is written as 0."""
-    x, y = (0.0 if abs(coordinate) <= OVERLAP else coordinate for coordinate in (x, y))
+    """Return the text "(x, y) m" of a position [m]; one up to ±ALLOWED_OVERLAP is written as 0."""
+    x, y = (0.0 if abs(coordinate) <= ALLOWED_OVERLAP else coordinate for coordinate in (x, y))
     return f"({x:.6g}, {y:.6g}) m"
 
 
 def check_joint_angles(scene: Contents) -> None:
-    """Refuse a start in which the angle of a joint is more than OVERLAP [rad] beyond a stop of this joint."""
+    """Refuse a start in which the angle of a joint is more than ALLOWED_OVERLAP [rad] beyond its stop."""
     angles = (0.0, *scene.initial.angles)
     for i, (low, high) in scene.chain.joint_ranges.items():
         joint = angles[i] - angles[i - 1]
         beyond = max(low - joint, joint - high)
-        if beyond > OVERLAP:
+        if beyond > ALLOWED_OVERLAP:
             stop = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"
             where = f"joint {i} at {joint:.6g} rad is {beyond:.6g} rad beyond its {stop} rad"
             raise SceneError(f"initial: {where}; must be within{turns_hint(joint, low, high)}")
@@ -300,7 +301,11 @@ def start_hints(scene: Contents) -> list[str]:
     if scene.chain.base != "pinned":
         return []
     starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
-    return [start_hint(axis, start, given) for axis, start, given in starts if abs(start - given) > OVERLAP]
+    return [
+        start_hint(axis, start, given)
+        for axis, start, given in starts
+        if abs(start - given) > ALLOWED_OVERLAP
+    ]
 
 
 def start_hint(axis: str, start: float, given: float) -> str:
@@ -324,7 +329,7 @@ def base_hints(scene: Contents) -> list[str]:
     return [
         f"{where} {depth:.6g} m beyond the wall {name}, which it cannot touch: is the wall misplaced?"
         for name, depth in deep.items()
-        if depth > OVERLAP
+        if depth > ALLOWED_OVERLAP
     ]
 
 

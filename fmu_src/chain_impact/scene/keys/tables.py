@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.kernel.record.contacts import LATEST
+from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.scene.keys.default_rules import FROM_JOINTS, MOVABLE, OFF, ZEROS, as_in_contact, with_stops
 from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
 from chain_impact.scene.words.names import INPUTS_OF
@@ -168,7 +168,7 @@ class Outputs:
     contacts: bool = scene_key(
         "", "force, penetration, impulse and dry friction of each contact, stop and joint", True
     )
-    impacts: int = scene_key("", "how many impacts, the latest ones", 8, minimum=0, maximum=LATEST)
+    impacts: int = scene_key("", "how many impacts, the latest ones", 8, minimum=0, maximum=LATEST_COUNT)
     energies: bool = scene_key("", "the energies", True)
     loads: bool = scene_key("", "forces and moments in the joints and on the walls, and their peaks", False)
     solver: bool = scene_key("", "steps, evaluations and status of the solver", True)
