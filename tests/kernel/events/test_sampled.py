@@ -253,7 +253,7 @@ def test_a_point_is_released_where_its_force_falls_through_zero():
     assert d.statistics.rhs_evaluations > evaluations + 8
 
 
-@pytest.mark.parametrize(("contacts", "expected"), [(0.3, 0.3), (0.9, FALLS)])
+@pytest.mark.parametrize(("touch", "expected"), [(0.3, 0.3), (0.9, FALLS)])
 def test_only_a_release_before_the_event_that_was_found_counts(touch, expected):
     d, c = released()
     other = c + 1

@@ -143,7 +143,7 @@ def started(case: Case) -> DifferentiatedInstance:
 def followed(instance: DifferentiatedInstance, times: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return values (T, W) and slopes (T, W, P) of all outputs at some times [s]."""
     times = np.array(times, float)
-    words = instance.prepared.output_words[list(instance.prepared.columns.values())]
+    words = instance.prepared.output_words[list(instance.prepared.output_index.values())]
     rows = instance.rows(len(times), words)
     assert rows.fill(instance, times, 0) == len(times)
     values, slopes = np.split(rows.numbers, [len(words)], axis=1)

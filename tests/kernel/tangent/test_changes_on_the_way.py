@@ -104,7 +104,7 @@ def test_derivatives_by_a_value_set_at_an_onset_that_is_due_are_right(model, cha
     instance = DifferentiatedInstance(compiled, varied_by(compiled, names))
     impacts = through_onset(instance, changes, stop)
     onsets = instance.slopes_of_impacts(np.arange(len(impacts)))["onset"]
-    looks = [compiled.columns[name] for name in ("point[1].y", "link[1].angular_velocity")]
+    looks = [compiled.output_index[name] for name in ("point[1].y", "link[1].angular_velocity")]
     seen = tangents_of(instance)["output"].view(np.float64).reshape(-1, 5)[looks, 1 : 1 + len(names)]
 
     def plain(one):
