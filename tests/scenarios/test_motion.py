@@ -196,7 +196,7 @@ def test_a_wall_does_not_move_through_a_pinned_base(inputs):
 def test_motions_that_are_not_asked_for_are_refused():
     scene = pendulum(inputs={})
     with pytest.raises(
-        SceneError, match=r"'base.x' is not an input of this scene; inputs.base_motion = true makes"
+        SceneError, match=r"'base.x' is not an input of this scene; set inputs.base_motion = true"
     ):
         simulate(scene, inputs={"base.x": 1.0})
     with pytest.raises(SceneError, match="there is no wall floor"):

@@ -3,11 +3,13 @@
 # Tests: simulation/motions.py, simulation/input_values.py
 
 import math
+import warnings
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
-from chain_impact import load_scene, simulate
+from chain_impact import SceneWarning, load_scene, simulate
 from chain_impact.scene.scene import SceneError, scene_from_dict, scene_to_dict, with_values
 from tests.simulation.driven_arm import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
 
@@ -164,6 +166,47 @@ def test_given_inputs_are_columns_of_the_result(interpolation, tmp_path):
     chosen.plot(tmp_path / "torques.svg", curves=["*.torque"])
 
 
+@pytest.mark.parametrize("interpolation", ["hold", "linear", "spline"])
+def test_two_rows_of_equal_time_are_a_jump(interpolation, tmp_path):
+    """A sine that ends at 0.2037 s is the same as samples, as a table of a signal and as a function."""
+    times = np.append(np.linspace(0.0, 0.2037, 22), [0.2037, 0.4])
+    values = np.append(3.0 * np.sin(20.0 * times[:22]), [0.5, 0.5])
+    file = tmp_path / "torque.csv"
+    rows = zip(times.tolist(), values.tolist(), strict=True)
+    file.write_text(f"time,{SHOULDER}\n" + "".join(f"{time!r},{value!r}\n" for time, value in rows))
+    curves = {
+        "hold": lambda time: values[max(int(np.searchsorted(times[:22], time, side="right")) - 1, 0)],
+        "linear": lambda time: float(np.interp(time, times[:22], values[:22])),
+        "spline": CubicSpline(times[:22], values[:22]),
+    }
+
+    def torque(time):
+        return (float(curves[interpolation](time)) if time < 0.2037 else 0.5), 0.0
+
+    result = simulate(arm(), 0.4, 0.005, inputs={SHOULDER: (times, values)}, interpolation=interpolation)
+    expected = exact(arm(), torque, nothing, result.time, breaks=np.unique(times)[1:-1])
+    np.testing.assert_allclose(motion(result), expected, rtol=0, atol=1e-9)
+    table = {"input": [SHOULDER], "form": "table", "file": str(file), "interpolation": interpolation}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)  # the last row is far from the others
+        driven = simulate(with_values(arm(), {("signals", "sine"): table}), 0.4, 0.005)
+    np.testing.assert_allclose(motion(driven), expected, rtol=0, atol=1e-9)
+
+
+def test_positions_and_velocities_of_a_base_do_not_jump(tmp_path):
+    base = with_values(arm(), {"inputs.base_motion": True})
+    samples = [0.0, 0.2, 0.2, 0.4], [0.0, 0.0, 1.0, 1.0]
+    (tmp_path / "base.csv").write_text("time,base.vy\n0,0\n0.2,0\n0.2,1\n0.4,1\n")
+    for name in ("base.y", "base.vy"):
+        with pytest.raises(SceneError, match=rf"{name}: two samples at t = 0.2 s make it jump"):
+            simulate(base, inputs={name: samples})
+    table = {"input": ["base.vy"], "form": "table", "file": str(tmp_path / "base.csv")}
+    with pytest.raises(SceneError, match=r"two rows at 0.2 s make base.vy jump"):
+        with_values(base, {("signals", "shake"): table})
+    moved = simulate(base, 0.4, 0.1, inputs={"base.ay": samples}, interpolation="linear")
+    assert moved["base.vy"][-1] == pytest.approx(0.2)
+
+
 def test_a_given_motion_has_columns_of_its_derivatives():
     base = with_values(arm(), {"inputs.base_motion": True})
     result = simulate(base, 0.4, 0.01, inputs={"base.vy": lambda time: math.sin(5.0 * time)})
@@ -202,7 +245,8 @@ def scolding(_time):
         ({ELBOW: (0.0, 1.0)}, r"T > 0, not \(\) and \(\)$"),
         ({ELBOW: ([0.0, 0.1], [1.0, "2"])}, r"not \(2,\) and no numbers$"),
         ({ELBOW: ([[0.0], [0.1, 0.2]], [1.0, 2.0])}, r"not no numbers and \(2,\)$"),
-        ({ELBOW: ([0.0, 0.2, 0.2], [1.0, 2.0, 3.0])}, r"times\[2\] = 0.2 must be > times\[1\] = 0.2 \[s\]$"),
+        ({ELBOW: ([0.0, 0.2, 0.1], [1.0, 2.0, 3.0])}, r"times\[2\] = 0.1 must be > times\[1\] = 0.2 \[s\]; "),
+        ({ELBOW: ([0.2] * 3, [1.0, 2.0, 3.0])}, r"only two times may be equal, for a jump$"),
         ({ELBOW: ([0.0, np.nan], [1.0, 2.0])}, r"times\[1\] = nan must be a finite number$"),
         ({ELBOW: ([0.0, 0.1], [1.0, np.inf])}, r"values\[1\] = inf must be a finite number$"),
         (
@@ -231,7 +275,9 @@ def test_values_that_are_no_input_are_refused_in_one_sentence(inputs, message):
 
 
 def test_a_scene_without_inputs_says_how_to_have_some():
-    message = r"^FourLinkBox: 'joint\[2\].torque' is not an input of this scene; inputs.joint_torques = true"
+    message = (
+        r"^FourLinkBox: 'joint\[2\].torque' is not an input of this scene; set inputs.joint_torques = true"
+    )
     with pytest.raises(SceneError, match=message):
         simulate(load_scene("four_link_box"), inputs={ELBOW: 1.0})
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS, derive_signals, signal_at
 from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
+from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.kernel_view import signals_view
 from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES, Signal
 
@@ -63,7 +64,7 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
 def knots_of(signal: Signal, driven: str) -> int:
     """Return the number of polynomials in the record for a signal and the input ``driven``."""
     if signal.samples is not None:
-        count = len(signal.samples.times)
+        count = len({*signal.samples.times})
         if signal.period:
             return count - is_closed(signal)
         return count + 1 + (count > 1 and is_position(driven) and joined_by(signal, driven) == "spline")
@@ -159,18 +160,34 @@ def _interpolated(
     has the coefficients of the powers 0 to P − 1 of the time since the start of each polynomial, shape (R,
     P). A table with a single row gives R = 0. ``at`` and ``values`` are times [s] and values of the rows.
     """
-    kind = joined_by(signal, driven)
-    if kind == "hold" or len(at) == 1:
-        return at, values[:-1, np.newaxis]
+    kind, lasts = joined_by(signal, driven), np.diff(at)
+    # the interval between two rows of equal time, at which the input jumps, has no polynomial
+    starts = np.append(at[:-1][lasts > 0.0], at[-1])
+    if kind == "hold" or len(starts) == 1:
+        return starts, values[:-1, np.newaxis][lasts > 0.0]
     if kind == "linear":
-        return at, np.stack([values[:-1], np.diff(values) / np.diff(at)], axis=1)
-    from scipy.interpolate import CubicSpline
+        slopes = np.diff(values) / np.where(lasts > 0.0, lasts, 1.0)
+        return starts, np.stack([values[:-1], slopes], axis=1)[lasts > 0.0]
+    if signal.period and len(starts) == len(at):
+        from scipy.interpolate import CubicSpline
 
-    if signal.period:
         return at, np.asarray(CubicSpline(at, values, bc_type="periodic").c[::-1].T)
     if is_position(driven):
         return spline_of_position(at, values, stop)
-    return at, np.asarray(CubicSpline(at, values).c[::-1].T)
+    return starts, splines_between_jumps(at, values)
+
+
+def splines_between_jumps(at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the coefficients of t⁰ … t³ of cubic splines through the rows, one between successive jumps.
+
+    A jump is at two rows of equal time. The shape is (R, 4) for R intervals with a duration; t [s] is the
+    time since the start of each interval.
+    """
+    from scipy.interpolate import CubicSpline
+
+    parts = np.split(np.arange(len(at)), jumps_of(at) + 1)
+    splines = [CubicSpline(at[rows], values[rows]).c[::-1].T for rows in parts if len(rows) > 1]
+    return np.concatenate(splines)
 
 
 def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple[np.ndarray, np.ndarray]:

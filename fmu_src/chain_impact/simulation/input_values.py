@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from chain_impact.scene.errors import SceneError
+from chain_impact.scene.files.table_file import first_early, jumps_of
 
 
 def checked_signal(what: str, signal: Any) -> Any:
     """Return an input over time: a finite number, a function, or a pair (times [s], values) of arrays (T,).
 
-    A SceneError refuses any other value; the times of a pair increase.
+    A SceneError refuses any other value; the times of a pair increase, or two are equal at a jump.
     """
     if callable(signal):
         return signal
@@ -36,8 +37,9 @@ def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> 
     for name, part in (("times", times), ("values", values)):
         for k in np.flatnonzero(~np.isfinite(part)):
             raise SceneError(f"{what}: {name}[{k}] = {part[k]} must be a finite number")
-    for k in np.flatnonzero(np.diff(times) <= 0.0):
-        raise SceneError(f"{what}: times[{k + 1}] = {times[k + 1]} must be > times[{k}] = {times[k]} [s]")
+    if (late := first_early(times)) is not None:
+        least = f"times[{late - 1}] = {times[late - 1]} [s]; only two times may be equal, for a jump"
+        raise SceneError(f"{what}: times[{late}] = {times[late]} must be > {least}")
     return times, values
 
 
@@ -64,3 +66,18 @@ def _numbers(value: Any) -> np.ndarray | None:
     except ValueError:  # the value has rows of different lengths
         return None
     return array.astype(float) if array.dtype.kind in "iuf" else None
+
+
+def values_before_jumps(grid: np.ndarray, values: np.ndarray, signals: Sequence[Any]) -> np.ndarray:
+    """Return the ``values`` just before each point of a grid [s]; change ``values`` at jumps to those after.
+
+    Samples with two equal times have a jump. Column m of ``values`` belongs to ``signals[m]``.
+    """
+    before = values.copy()
+    for m, signal in enumerate(signals):
+        if isinstance(signal, tuple):
+            at, sampled = signal
+            for k in jumps_of(at):
+                row = np.abs(grid - at[k]).argmin()
+                before[row, m], values[row, m] = sampled[k : k + 2]
+    return before

@@ -17,7 +17,7 @@ from chain_impact.scene.files.table_file import TIME, TableSource, gap_hints, re
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import INPUTS_OF, DataPath, input_key
 from chain_impact.simulation.approximation import RESOLVED, Approximator, NotSmoothError
-from chain_impact.simulation.input_values import checked_signal, finite_value
+from chain_impact.simulation.input_values import checked_signal, finite_value, values_before_jumps
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
@@ -28,6 +28,7 @@ from chain_impact.simulation.motions import (
     jumps,
     made_continuous,
     motion_of,
+    refuse_jumping_samples,
     refuse_jumps,
 )
 from chain_impact.simulation.pieces import Pieces, joined_points
@@ -170,6 +171,8 @@ def input_schedule(
     signals, stop = _signals_of(prepared, inputs), float(run[-1])
     channels = channels_of(prepared) if interpolation != "hold" and stop > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
+    for channel in channels:
+        refuse_jumping_samples(scene.name, channel, given)
     functions = {
         name: partial(finite_value, f"{scene.name}: {name}", signal)
         for name, signal in (signals | given).items()
@@ -258,8 +261,9 @@ def _pieces_of(
         for name, signal in signals.items()
     ]
     values += [np.zeros(len(grid)) for _ in motions]
-    lines, starts = interpolation == "linear", _on_grid(grid, breaks)
-    pieces = joined_points(grid, np.stack(values, axis=1), lines=lines, breaks=starts)
+    starts, after = _on_grid(grid, breaks), np.stack(values, axis=1)
+    before = values_before_jumps(grid, after, [*signals.values()]) if interpolation == "linear" else after
+    pieces = joined_points(grid, after, lines=interpolation == "linear", breaks=starts, before=before)
     moving = len(signals) + np.arange(len(motions))
     columns = np.append([k for k, name in enumerate(signals) if name in followed], moving).astype(int)
     if len(columns):

@@ -19,7 +19,8 @@ from chain_impact.kernel.chain.inputs import INPUT_DEGREE
 from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP
 from chain_impact.scene.checks.checks import start_hint
 from chain_impact.scene.errors import SceneError
-from chain_impact.scene.signal_polynomials import is_position, spline_of_position
+from chain_impact.scene.files.table_file import jumps_of
+from chain_impact.scene.signal_polynomials import is_position, spline_of_position, splines_between_jumps
 from chain_impact.scene.words.names import AXES
 from chain_impact.simulation.approximation import Approximator
 from chain_impact.simulation.pieces import Pieces, joined_points
@@ -143,15 +144,15 @@ def as_function(
     at, values = signal
     if joined == "linear":
         return lambda times: np.interp(times, at, values), at
-    if joined == "held" or len(at) == 1:
+    if joined == "held" or at[0] == at[-1]:
         return lambda times: values[np.maximum(np.searchsorted(at, times, side="right") - 1, 0)], at
-    from scipy.interpolate import CubicSpline, PPoly
+    from scipy.interpolate import PPoly
 
     if is_position(name):
         breaks, powers = spline_of_position(at, values, stop)
-        spline = PPoly(powers.T[::-1], breaks)
     else:
-        spline, breaks = CubicSpline(at, values), at
+        breaks, powers = np.unique(at), splines_between_jumps(at, values)
+    spline = PPoly(powers.T[::-1], breaks)
     return lambda times: spline(np.clip(times, at[0], at[-1])), breaks
 
 
@@ -163,7 +164,7 @@ def _integrated(
     A break is a time at which the integral may not be smooth: the given ``breaks``, and times at which the
     function jumps or bends. The integral itself would show these only up to the square root of round-off.
     """
-    inside = breaks[(breaks > 0.0) & (breaks < stop)]
+    inside = np.unique(breaks[(breaks > 0.0) & (breaks < stop)])
     grid = np.concatenate([[0.0], inside, [stop]])
     placeholder = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
     approximator = Approximator(lambda times: value(times)[:, np.newaxis], stop, ACCURACY, FINELY_RESOLVED)
@@ -229,6 +230,15 @@ def refuse_jumps(
                 f"{source}: {motions[int(k)].name}: the {what} jumps at t = {time:.9g} s, which would be an "
                 f"impact of unknown strength: {remedy}"
             )
+
+
+def refuse_jumping_samples(source: str, channel: Channel, given: Mapping[str, Any]) -> None:
+    """Refuse two samples at one time for the position or the velocity of a base or wall."""
+    for name in channel.names if channel.position else ():
+        signal = given.get(name)
+        if channel.orders[name] <= 1 and isinstance(signal, tuple) and len(again := jumps_of(signal[0])):
+            at = f"two samples at t = {signal[0][again[0]]:.9g} s make it jump"
+            raise SceneError(f"{source}: {name}: {at}, which would be an impact of unknown strength")
 
 
 def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:

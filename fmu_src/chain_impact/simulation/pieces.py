@@ -134,16 +134,23 @@ class Pieces:
 
 
 def joined_points(
-    times: np.ndarray, values: np.ndarray, *, lines: bool, breaks: np.ndarray | None = None
+    times: np.ndarray,
+    values: np.ndarray,
+    *,
+    lines: bool,
+    breaks: np.ndarray | None = None,
+    before: np.ndarray | None = None,
 ) -> Pieces:
     """Return signals from values (T, M) at T times [s], held until the next time or joined by lines.
+
+    Lines end at the values ``before`` (T, M), which differ from ``values`` at jumps; by default at these.
 
     A single value is held for the whole run. A new piece begins at each of ``breaks``, which are some of the
     times, and where a polynomial is not the constant of the interval before.
     """
     if len(times) == 1:
-        times, values = np.append(times, math.inf), values.repeat(2, axis=0)
-    left, right = values[:-1], values[1:] if lines else values[:-1]
+        times, values, before = np.append(times, math.inf), values.repeat(2, axis=0), None
+    left, right = values[:-1], (values if before is None else before)[1:] if lines else values[:-1]
     powers = np.stack([left, np.zeros_like(left)], axis=1)
     if lines:
         powers = np.stack([np.where(left == right, left, 0.5 * (left + right)), 0.5 * (right - left)], axis=1)

@@ -95,7 +95,7 @@ def test_an_input_is_driven_by_one_signal():
 FILES = {
     "no time": ("t,tip.force.x\n0,1\n1,2", "the column time is missing; the column t may be meant"),
     "gap": ("time,tip.force.x\n0,1\n1,", "line 3: tip.force.x is empty"),
-    "back": ("time,tip.force.x\n0,1\n0,2", "line 3: time = 0 must be > 0 [s]"),
+    "back": ("time,tip.force.x\n0,1\n0,2\n0,3", "line 4: time = 0 must be > 0 [s]"),
     "text": ("time,tip.force.x\n0,one", "line 2: tip.force.x = 'one' must be a finite number"),
     "unit": ("time,tip.force.x\n0,1\n5000,2", "time lasts 5000 s, and the run 0.6 s: is it in seconds?"),
     "other": ("time,tip.force.y\n0,1", "has no column tip.force.x; the nearest is tip.force.y"),

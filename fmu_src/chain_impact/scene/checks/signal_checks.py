@@ -8,9 +8,12 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
+import numpy as np
+
 from chain_impact.scene.asked_inputs import how_asked, inputs_of
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.errors import SceneError, refusal, refused, value_text
+from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import holds
@@ -103,7 +106,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 
 
 def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse a given interpolation with which a velocity of the base or a wall would jump.
+    """Refuse an interpolation or rows with which a position or velocity of the base or a wall would jump.
 
     A jump would be an impact of unknown strength. Refuse a period, too, if accelerations are driven, because
     the velocity could grow with each period.
@@ -120,6 +123,12 @@ def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
             ("signals", name, "interpolation"),
             f'= "{signal.interpolation}" must be {" or ".join(map(_quoted, needed))} where {driven} is '
             "driven: its velocity would jump, which would be an impact of unknown strength",
+        )
+    times = np.array(signal.samples.times if signal.samples else ())
+    for jump in times[jumps_of(times)] if needed else ():
+        raise refused(
+            ("signals", name, "file"),
+            f": two rows at {jump:g} s make {driven} jump, which would be an impact of unknown strength",
         )
     if signal.period and order == 2:  # noqa: PLR2004
         raise refused(

@@ -140,7 +140,8 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
     """Return the times [s] of a table of inputs, and name → values of each other column, all of shape (T,).
 
     Args:
-        table: a table with the column ``time``, whose times increase, and without empty cells.
+        table: a table with the column ``time`` and without empty cells. Its times increase, but two
+            successive rows may have the same time, at which the inputs jump.
         stop: end of the run, which begins at 0 [s].
 
     Raises:
@@ -154,13 +155,26 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
         raise SceneError(f"{table.source}: has only the column {TIME}; must have one for each input")
     columns = {name: _column(table, name) for name in table.names}
     times = columns.pop(TIME)
-    for row in (np.flatnonzero(np.diff(times) <= 0.0) + 1).tolist():
-        later = f"{times[row - 1]:g} [s], the value of the row before"
+    if (row := first_early(times)) is not None:
+        later = f"{times[row - 1]:g} [s], the value of the row before; only two rows may be equal, for a jump"
         raise SceneError(f"{table.where(row, TIME)} = {times[row]:g} must be > {later}")
     if times[-1] - times[0] > TOO_LONG * stop:
         lasts = f"lasts {times[-1] - times[0]:g} s, and the run {stop:g} s"
         raise SceneError(f"{table.source}: {TIME} {lasts}: is it in seconds?")
     return times, columns
+
+
+def first_early(times: np.ndarray) -> int | None:
+    """Return the index of the first time that is before the last one, or a third equal one; else None."""
+    steps = np.diff(times)
+    early = steps < 0.0
+    early[1:] |= (steps[1:] == 0.0) & (steps[:-1] == 0.0)
+    return int(early.argmax()) + 1 if early.any() else None
+
+
+def jumps_of(times: np.ndarray | Sequence[float]) -> np.ndarray:
+    """Return the indices of the times that are equal to the next one."""
+    return np.flatnonzero(np.diff(times) == 0.0)
 
 
 def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
