@@ -298,3 +298,30 @@ def test_only_a_value_of_the_scene_has_a_hint_how_to_change_it(tmp_path):
         assert fixed_hint(scene, name)
     for name in ("signal.push.shape", "signal.pull.period", "link[1].height", "box.x_min"):
         assert fixed_hint(scene, name) is None
+
+
+MISTAKEN = """
+name = "Bad"
+gravity = [0.0, -9.81]
+[chain]
+base = "pinned"
+link = 3
+[[chain.links]]
+length = -1
+mass = 1.0
+masss = 2
+[contact]
+model = "zhang_sharf"
+stiffness = -1.0
+[initial]
+angles = [0.1]
+"""
+
+
+def test_a_message_has_all_wrong_keys_and_values_with_their_lines():
+    assert refusal(parse_scene, MISTAKEN, "bad.toml") == (
+        "bad.toml: chain.link is unknown; the nearest key is chain.links (at line 6); 3 more: "
+        "chain.links[1].masss is unknown; the nearest key is chain.links[].mass (at line 10); "
+        "chain.links[1].length = -1 must be a finite number > 0 [m] (at line 8); "
+        "contact.stiffness = -1.0 must be a finite number > 0 [N/m^exponent] (at line 13)"
+    )

@@ -26,7 +26,8 @@ class SceneError(ValueError):
         source: the name of the scene or file, with which the message begins; "" for none.
         name: the name of the refused value, which follows in the message; "" for none.
         fault: the rest of the message, such as the value and the allowed values.
-        line: the number of the line in the file, with which the message ends; None if it is not known.
+        line: the number of the line in the file, which follows in the message; None if it is not known.
+        others: errors on other keys of the same file, with which the message ends.
     """
 
     def __init__(self, fault: str, path: DataPath = (), name: str = "") -> None:
@@ -34,13 +35,15 @@ class SceneError(ValueError):
         super().__init__(fault)
         self.path, self.name, self.fault, self.source = path, name, fault, ""
         self.line: int | None = None
+        self.others: list[SceneError] = []
 
     def __str__(self) -> str:
         """Return the message as one line, also if names or values in the message have line breaks."""
         before = f"{self.source}: " * bool(self.source) + self.name
         between = " " * (bool(self.name) and not self.fault.startswith(":"))
         at = "" if self.line is None else f" (at line {self.line})"
-        return " ".join(f"{before}{between}{self.fault}{at}".splitlines())
+        more = f"; {len(self.others)} more: {'; '.join(map(str, self.others))}" if self.others else ""
+        return " ".join(f"{before}{between}{self.fault}{at}{more}".splitlines())
 
     def __repr__(self) -> str:
         """Return the class with the whole message."""

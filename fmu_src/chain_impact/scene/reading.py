@@ -5,12 +5,13 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from copy import deepcopy
 from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
-from chain_impact.scene.errors import refusal, refused, value_text
+from chain_impact.scene.errors import SceneError, refusal, refused, value_text
 from chain_impact.scene.rules.key_rules import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.rules.refusals import sentence
 from chain_impact.scene.words.angles import in_radians, or_degrees
@@ -20,6 +21,7 @@ from chain_impact.scene.words.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
 SIMILAR_KEY = 0.7
+MOST_FAULTS = 8  # one message tells at most this number of faults
 _ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
 _VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
 
@@ -186,6 +188,52 @@ class Reader:
         return {
             key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root))) if ".<" not in key
         }
+
+
+def tell_all_faults(
+    error: SceneError, root: Any, data: Any, line_of: Callable[[DataPath], int | None]
+) -> None:
+    """Give an error the errors on other keys that the ``Reader`` of ``root`` refuses, and all their lines.
+
+    To find them, the data are read again without the refused keys, until there are MOST_FAULTS errors. A key
+    that must not be missing gets a number in place of its refused value.
+
+    Args:
+        error: the first error on the data.
+        root: the dataclass to read.
+        data: the data.
+        line_of: function from the path of a key to the number of its line.
+    """
+    data, last, replaced = deepcopy(data), error, False
+    found = {error.path: error}
+    while len(found) < MOST_FAULTS and _without(data, last.path, replaced):
+        try:
+            Reader(root).read(data)
+        except SceneError as fault:
+            last, replaced = fault, fault.path in found and not replaced
+            if fault.path in found and not replaced:
+                break
+            found.setdefault(fault.path, fault)
+        else:
+            break
+    error.others = [other for other in found.values() if other is not error]
+    for one in (error, *error.others):
+        one.line = line_of(one.path)
+
+
+def _without(data: Any, path: DataPath, replaced: bool) -> bool:
+    """Take the value at a path from the data, or replace it by 1.0; return whether that was possible."""
+    *owners, key = path or (None,)
+    try:
+        for step in owners:
+            data = data[step]
+        if replaced:
+            data[key] = 1.0
+        else:
+            del data[key]
+    except (LookupError, TypeError):
+        return False
+    return isinstance(data, dict)
 
 
 @functools.cache

@@ -28,7 +28,7 @@ from chain_impact.scene.files.lines import fault_hint, line_of
 from chain_impact.scene.files.models import scene_file_path, unreadable
 from chain_impact.scene.files.text_file import text_of
 from chain_impact.scene.keys.chain_tables import Link
-from chain_impact.scene.reading import Reader, keys_of
+from chain_impact.scene.reading import Reader, keys_of, tell_all_faults
 from chain_impact.scene.rules.key_rules import Derived, keys
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import (
@@ -150,7 +150,7 @@ def parse_scene(text: str, source: str) -> Scene:
     try:
         return scene_from_dict(data, source)
     except SceneError as error:
-        error.line = line_of(text, error.path)
+        tell_all_faults(error, Scene, data, lambda path: line_of(text, path))
         raise
 
 
