@@ -30,7 +30,7 @@ def test_curves_are_drawn_into_a_file(run, here):
         (("--plot", "a.svg", "--size", "6in"), "6in must be a width in millimetres, or WIDTHxHEIGHT"),
         (
             ("--curves", "joint[1].torque", "--plot", "a.svg"),
-            "it is an input; a signal in the scene, or --inputs FILE",
+            "it is an input; a signal in the scene, inputs={…} in Python or --inputs FILE",
         ),
         (("--around", "2", "--plot", "a.svg"), "--around 2 must be 1: the run has 1 impact"),
         ((), "give --plot FILE or --show too"),
